@@ -1,1 +1,1 @@
-"""Cases: scenes with their units and data, the measures taken of them, and the runner that computes and keeps results."""
+"""Cases: scenes with their units and data, the measures of their motion, and the runner that computes and stores results."""

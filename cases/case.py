@@ -1,4 +1,4 @@
-"""A case: one scene, and what to simulate of it; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
+"""A case: a scene with its simulation times; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -29,9 +29,9 @@ class Case(Shown):
         scene: the mechanism, or a follower alone.
         duration: s, a whole multiple of `output_step`.
         output_step: s, the time between two rows of a result.
-        notes: what a reader of results must know, e.g. which published value was replaced and why, or which value is hardly meant.
+        notes: remarks for a reader of results, e.g. which published value was replaced and why, or which value is doubtful.
         source: the file's path, or "library".
-        document: the values as they were written, with their units; None of a case that was made from numbers.
+        document: the values as they were written, with their units; None if the case was made from numbers.
     """
 
     name: str
@@ -45,7 +45,7 @@ class Case(Shown):
     document: "Document | None" = field(default=None, repr=False, compare=False)
 
     def _parts(self) -> Iterator[Cell]:
-        """Name, title, notes, and a row for each value that is written or not as by default: in SI, and as it was written."""
+        """Name, title, notes, and a row for each value that is given or differs from its default: in SI, and as written."""
         from quickreturn.cases.copies import as_written
         from quickreturn.cases.document import in_words
 
@@ -70,10 +70,10 @@ class Case(Shown):
         return {**values_of(self.scene), "simulation": {"duration": self.duration, "output_step": self.output_step}}
 
     def to_toml(self) -> str:
-        """The text of a case file for the same case: values as they were written, else in SI, each key with its meaning.
+        """The text of a case file for the same case: values as written, or else in SI, each key with its meaning.
 
         Raises:
-            CaseError: a value that no file can hold, such as NaN.
+            CaseError: a file cannot hold a value, such as NaN.
         """
         from quickreturn.cases.copies import as_written
         from quickreturn.cases.written import as_toml
@@ -82,19 +82,19 @@ class Case(Shown):
 
     @property
     def mechanism(self) -> Mechanism:
-        """The scene, where crank and slider are needed. CaseError: it has none."""
+        """The scene as a mechanism. CaseError: it has no crank and slider."""
         if isinstance(self.scene, Mechanism):
             return self.scene
         raise CaseError(
-            self.name, "[crank]", None, "this case has no crank and no slider, and what is asked needs them", "use show or simulate"
+            self.name, "[crank]", None, "this case has no crank and no slider, but the command needs them", "use show or simulate"
         )
 
     def with_(self, overrides: Mapping[str, str] | None = None, *, name: str | None = None) -> "Case":
-        """A copy with other values and a name of its own; its title tells the changes.
+        """A copy with other values and another name; its title states the changes.
 
         Args:
-            overrides: as a case file has them, by dotted key: {"crank.length": "5 in"}.
-            name: of the copy; None: made of this case's name and the changes, such as "press-crank.length-5-in".
+            overrides: values as in a case file, by dotted key: {"crank.length": "5 in"}.
+            name: name of the copy; None: this case's name and the changes, such as "press-crank.length-5-in".
 
         Raises:
             CaseError: a mistake in the overrides, or neither is given.
@@ -120,12 +120,12 @@ PATHS: Final = MappingProxyType({f"{section}.{name}": found for section, keys in
 
 
 def dimension_of(path: str) -> Dimension:
-    """What the quantity at a dotted path must measure."""
+    """The dimension of the quantity at a dotted path."""
     return DIMENSIONS[PATHS[path].unit]
 
 
 def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:
-    """What a text says of the quantity at a dotted path, SI; infinite where that may be. CaseError, which names `source`: nothing."""
+    """The value in SI of a text for the quantity at a dotted path; infinite only where allowed. CaseError with `source`: a wrong text."""
     try:
         return parse_quantity(text, dimension_of(path), infinity_accepted=PATHS[path].infinity and not finite)
     except QuantityError as wrong:

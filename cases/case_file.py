@@ -1,4 +1,4 @@
-"""Cases by name: of the library, or of a file that a person wrote."""
+"""Loads cases by name, from the library or from a user's file."""
 
 import math
 import os
@@ -38,13 +38,13 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
 
 
 def _document(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Document:
-    """The values of a case as they are written, with overrides; raises like `load_case`, but for values that cannot be."""
+    """The values of a case as written, with overrides; raises as `load_case`, except for impossible values."""
     if in_library(name_or_path):
         document = library_document(name_or_path)
     elif os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path):
         shown = path_shown(name_or_path)
         if name_or_path.lower().endswith(".csv") and os.path.isfile(name_or_path):
-            raise CaseError(shown, None, None, "is a table and no case file", "give its case; `plot` and `compare` take tables as well")
+            raise CaseError(shown, None, None, "is a table, not a case file", "give its case; `plot` and `compare` also take tables")
         document = read_document(read_text(name_or_path, library=case_names()), shown)
     else:
         raise _unknown(name_or_path)
@@ -52,12 +52,12 @@ def _document(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
 
 
 def in_library(name: str) -> bool:
-    """Whether a name is taken by the library, be it by a scene that cannot be."""
+    """Whether the library has a case of this name, even an impossible one."""
     return name in case_names() or name in IMPOSSIBLE
 
 
 def _unknown(name: str) -> CaseError:
-    """The message for a name that the library does not have: there may be a file that is meant."""
+    """The message for a name that the library does not have; it names a similar file if there is one."""
     near = nearest(name, case_names())
     accepted = f"the nearest one is {near} (`quickreturn cases` lists all); or give a path"
     if file := file_alike(f"{name}.toml"):
@@ -66,12 +66,12 @@ def _unknown(name: str) -> CaseError:
 
 
 def with_times(case: Case, duration: float | None = None, output_step: float | None = None) -> Case:
-    """The case with other simulation times in s. CaseError: not positive, or the duration no whole multiple of the output step."""
+    """The case with other simulation times in s. CaseError: one is not positive, or the duration is no multiple of the output step."""
     for key, value in (("duration", duration), ("output_step", output_step)):
         number = isinstance(value, Real)
         if value is not None and not (number and 0.0 < value < math.inf):
             shown = f"{value:.6g}" if number else as_written(value)
-            raise CaseError(case.name, key, shown, "is no positive time in seconds", "such as 2 or 0.001")
+            raise CaseError(case.name, key, shown, "is not a positive time in seconds", "such as 2 or 0.001")
     new = replace(case, duration=duration or case.duration, output_step=output_step or case.output_step)
     if problem := misfit(new.duration, new.output_step):
         key, value = ("duration", duration) if duration else ("output_step", new.output_step)

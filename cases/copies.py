@@ -13,28 +13,28 @@ from quickreturn.cases.errors import CaseError, together
 from quickreturn.cases.errors import as_written as value_as_written
 from quickreturn.cases.reading import case_of
 
-#: Characters of a name at most, as `header_of` accepts it.
+#: Largest number of characters of a name that `header_of` accepts.
 LONGEST_NAME: Final = 64
-#: Characters of the hash at the end of a name that would be too long: two copies share it with a probability of 2^-32.
+#: Characters of the hash at the end of a shortened name: two copies share it with a probability of 2^-32.
 _HASH: Final = 8
 
 
 def changed(case: Case, overrides: Mapping[str, str]) -> Case:
-    """The case with other values: dotted key -> text as in a case file. Name and source stay, the title tells the changes.
+    """The case with other values: dotted key -> text as in a case file. Name and source stay, the title states the changes.
 
     Raises:
         CaseError: a mistake in the overrides.
     """
     document = as_written(case)
     before, new = case_of(document), case_of(document.overridden_by(overrides))
-    # What is told of the case and not of its numbers stays; a doubt that was not told of the case is not told of the copy.
+    # Notes on the case itself stay; doubts about numbers are given for the copy only if they were given for the case.
     kept = [note for note in case.notes if note not in before.notes]
     doubted = [note for note in new.notes if note in case.notes or note not in before.notes]
     return replace(new, notes=(*kept, *doubted), source=case.source)
 
 
 def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -> Case:
-    """`changed` under a name of its own; without `name` under one that is made of the case's name and the changes.
+    """`changed` under another name; without `name` its name consists of the case's name and the changes.
 
     Raises:
         CaseError: a mistake in the overrides or the name, or neither is given.
@@ -52,9 +52,9 @@ def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -
 
 @contextlib.contextmanager
 def told_as_overrides(overrides: Any) -> Iterator[None]:
-    """Has mistakes in overrides that come from Python told without the command line's option. Raises CaseError for what is no mapping."""
+    """Report mistakes in overrides from Python without the command line's option. Raises CaseError if they are not a mapping."""
     if not isinstance(overrides, Mapping):
-        raise CaseError("overrides", None, None, f"{value_as_written(overrides)} is no dictionary", 'such as {"crank.length": "5 in"}')
+        raise CaseError("overrides", None, None, f"{value_as_written(overrides)} is not a dictionary", 'such as {"crank.length": "5 in"}')
     try:
         yield
     except CaseError as wrong:
@@ -78,9 +78,9 @@ def as_written(case: Case) -> Document:
 
 
 def _name_of_copy(name: str, before: Mapping[str, Any], changes: Mapping[str, Any]) -> str:
-    """The name with the changes in it; what the name tells of an earlier value of the same key goes.
+    """The name with the changes; earlier changes of the same key are removed from it.
 
-    A name that would be too long ends in a hash of all that it should tell.
+    A name that would be too long ends in a hash of the whole name.
     """
     for path in changes:
         if path in before:
@@ -92,5 +92,5 @@ def _name_of_copy(name: str, before: Mapping[str, Any], changes: Mapping[str, An
 
 
 def _part(path: str, value: Any) -> str:
-    """A change as a part of a name: "-crank.length-5-in". Signs that a name cannot have become hyphens."""
+    """A change as a part of a name: "-crank.length-5-in". Characters that a name cannot have become hyphens."""
     return "-" + re.sub(r"[^A-Za-z0-9._-]", "-", f"{path}-{in_words(value)}".replace("+", ""))

@@ -1,4 +1,4 @@
-"""The text of a case file as raw values by dotted key, before anything is read as a quantity; and changes made to it by `--set`."""
+"""The text of a case file as raw values by dotted key, before they are read as quantities; and its changes by `--set`."""
 
 import re
 import tomllib
@@ -18,7 +18,7 @@ LONGEST_LINE: Final = 1_000
 NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _LONGEST_TITLE: Final = 200
 
-#: Named as the source of a value that came from the command line.
+#: Source of a value from the command line, in messages.
 OVERRIDE: Final = "--set"
 
 
@@ -28,12 +28,12 @@ class Document:
 
     source: str  # file or case name, for messages
     header: Mapping[str, Any]  # name, title and tags as read
-    values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI of a case that was no text
+    values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI if the case was not a text
     overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> raw value that `--set` gave, latest last
-    mistakes: tuple[CaseError, ...] = ()  # of sections and keys that the values therefore lack
+    mistakes: tuple[CaseError, ...] = ()  # mistakes in sections and keys, which the values therefore lack
 
     def at(self, path: str) -> Any:
-        """The value at a dotted key, or at one of the header; None where there is none."""
+        """The value at a dotted key, or at a key of the header; None if there is none."""
         section, _, key = path.partition(".")
         return self.values.get(section, {}).get(key) if key else self.header.get(path)
 
@@ -46,7 +46,7 @@ class Document:
         return CaseError(OVERRIDE if path in self.overridden else self.source, path, shown, problem, accepted)
 
     def blame(self, *paths: str) -> str:
-        """Of keys that do not fit together the one to name: the first that `--set` gave, else the first."""
+        """Of keys that contradict each other the one to name: the first that `--set` gave, otherwise the first."""
         return next((path for path in paths if path in self.overridden), paths[0])
 
     def changed(self, values: Mapping[str, Any]) -> "Document":
@@ -65,8 +65,8 @@ class Document:
     def overridden_by(self, texts: Mapping[str, str]) -> "Document":
         """The document with values replaced as on the command line: dotted key -> text as in the file, or as TOML reads it.
 
-        Of keys that replace each other, such as the two ways of driving the crank, those that are set drop those that are not. Setting
-        both is a conflict and stays one.
+        If keys replace each other, such as the two ways of driving the crank, those set here remove the others. If both are set, the
+        conflict remains.
 
         Raises:
             CaseError: a key that cannot be set, or a value of the wrong kind.
@@ -94,7 +94,7 @@ def document_of(case: Case) -> Document:
 def read_document(text: str, source: str) -> Document:
     """Parse TOML, and keep the known sections and keys whose values have the right TOML types.
 
-    An unknown or misplaced key, or a value that is no string, becomes one of the document's mistakes.
+    An unknown or misplaced key, or a value that is not a string, becomes one of the document's mistakes.
 
     Raises:
         CaseError: broken TOML.
@@ -116,30 +116,30 @@ def read_document(text: str, source: str) -> Document:
         if name not in SECTIONS:
             mistakes.append(_unknown(source, name, section))
         elif not isinstance(section, dict):
-            mistakes.append(CaseError(source, name, as_written(section), "is no section", f"write [{name}] with its keys below"))
+            mistakes.append(CaseError(source, name, as_written(section), "is not a section", f"write [{name}] with its keys below"))
         else:
             values[name] = {key: value for key, value in section.items() if attempted(mistakes, _check, source, f"{name}.{key}", value)}
     return Document(source, header, values, mistakes=tuple(mistakes))
 
 
 def _check(source: str, path: str, value: Any) -> bool:
-    """True. CaseError: an unknown key, what is no string or, where several are wanted, what is no list of so many."""
+    """True. CaseError: an unknown key, or a value that is neither a string nor, for a vector, a list of so many strings."""
     if path not in PATHS:
         raise _unknown(source, path, value)
     wanted, example = PATHS[path], dimension_of(path).example
     if wanted.count is None:
-        fits, problem = isinstance(value, str), "is a bare number" if type(value) in (int, float) else "is no string"
+        fits, problem = isinstance(value, str), "is a bare number" if type(value) in (int, float) else "is not a string"
         accepted = f"write a string with number and unit, such as {example}" + (', or "inf"' if wanted.infinity else "")
     else:
         fits = isinstance(value, list) and len(value) == wanted.count and all(isinstance(item, str) for item in value)
-        problem, accepted = f"is no list of {wanted.count} strings", f"write one such as [{', '.join([example] * wanted.count)}]"
+        problem, accepted = f"is not a list of {wanted.count} strings", f"write one such as [{', '.join([example] * wanted.count)}]"
     if not fits:
         raise CaseError(source, path, as_written(value), problem, accepted)
     return True
 
 
 def _unknown(source: str, path: str, value: Any) -> CaseError:
-    """The message for a section or a key that no case file has: where such a key belongs, else what is known there."""
+    """The message for an unknown section or key: where such a key belongs, otherwise the known names."""
     section, _, key = path.rpartition(".")
     section = section or path
     alike = [f"{section}.{name}" for name in SECTIONS.get(section, ()) if name.endswith(f"_{key}")]
@@ -161,13 +161,13 @@ def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
         mistakes.append(document.error("name", "this key is missing", 'write a name, such as name = "stiffer-follower"'))
     elif not isinstance(name, str) or not NAME.fullmatch(name):
         accepted = "up to 64 letters, digits, points, hyphens and underscores in quotes, beginning with a letter or digit, are accepted"
-        mistakes.append(document.error("name", "is no name", accepted))
+        mistakes.append(document.error("name", "is not a name", accepted))
     title = document.header.get("title", name or "")
     if not isinstance(title, str) or not title.isprintable() or len(title) > _LONGEST_TITLE:
-        mistakes.append(document.error("title", "is no title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted"))
+        mistakes.append(document.error("title", "is not a title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted"))
     tags = document.header.get("tags", [])
     if not isinstance(tags, list) or not all(isinstance(tag, str) and NAME.fullmatch(tag) for tag in tags):
-        mistakes.append(document.error("tags", "is no list of tags", 'write one such as ["thesis", "fast"], each tag like a name'))
+        mistakes.append(document.error("tags", "is not a list of tags", 'write one such as ["thesis", "fast"], each tag like a name'))
     if mistakes:
         raise together(mistakes)
     return name, title, tuple(tags)
@@ -189,7 +189,7 @@ def in_words(value: Any) -> str:
 
 
 def with_changes(title: str, overridden: Mapping[str, Any]) -> str:
-    """A title, and the values that override those of the file, for it may hold the old ones; their number where there is no room."""
+    """A title with the values that override those of the file, because it may contain the old ones; their number if there is no room."""
     if not overridden:
         return title
     *others, last = (f"{path} = {in_words(value)}" for path, value in overridden.items())

@@ -1,4 +1,4 @@
-"""Values of a scene that can be, but are hardly meant: told, never refused."""
+"""Doubtful values of a scene: possible, but probably mistakes; they are reported, never refused."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -10,22 +10,22 @@ from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
 _LENGTHS: Final = (1e-3, 20.0)
 #: Densities of solids in kg/m^3: from rigid foam to platinum and its like.
 _DENSITIES: Final = (20.0, 25e3)
-#: Pa. Soft plastics and rubbers lie below, every metal's modulus in MPa for GPa as well.
+#: Pa. Soft plastics and rubbers lie below, and so does every metal's modulus in MPa for GPa.
 _SOFT: Final = 0.5e9
 #: Pa. No solid is stiffer than diamond (1.1e12 Pa).
 _HARD: Final = 1.5e12
-#: kg/m^3 and Pa. What is heavier is metal, glass or stone, and lead, the softest in use, has 16 GPa.
+#: kg/m^3 and Pa. Heavier materials are metal, glass or stone; lead, the softest in use, has 16 GPa.
 _METAL_DENSITY, _METAL_MODULUS = 2500.0, 10e9
-#: Moduli of metals in Pa, with which a person compares.
+#: Moduli of metals for comparison.
 _METALS: Final = "aluminium has 70 GPa, steel 210 GPa"
-#: A slider-crank's arm carries a tool of some times its own mass at most.
+#: Largest usual mass of a tool, as a multiple of the arm's.
 _HEAVIEST_TIP: Final = 5.0
-#: rad/s; beyond 19,000 rpm, where only spindles turn.
+#: rad/s, 19,000 rpm: only spindles turn faster.
 _FASTEST: Final = 2e3
 
 
 def doubts(scene: Scene) -> Iterator[str]:
-    """Sentences on values that can be, but are hardly meant."""
+    """Sentences on values that are possible, but probably mistakes."""
     follower, tip = scene.follower, scene.tip
     yield from _of_follower(follower)
     if tip is not None and tip.mass > _HEAVIEST_TIP * follower.mass:
@@ -62,7 +62,7 @@ def _of_follower(follower: Follower) -> Iterator[str]:
 
 
 def _of_modulus(modulus: float, density: float) -> str:
-    """What is doubtful about an elastic modulus (Pa) at a density (kg/m^3), as a clause; "" if nothing."""
+    """The doubt about an elastic modulus (Pa) at a density (kg/m^3), as a clause; "" if there is none."""
     if modulus > _HARD:
         return f"and no material is that stiff ({_METALS}, diamond 1100 GPa): is that meant?"
     if modulus < _METAL_MODULUS and density > _METAL_DENSITY:

@@ -1,4 +1,4 @@
-"""The one kind of mistake that a person can make in a case, a data file or an override, and how it is told."""
+"""The exception for a mistake in a case, a data file or an override, and the form of its message."""
 
 from collections.abc import Callable, Iterable, Sequence
 from difflib import SequenceMatcher
@@ -11,17 +11,17 @@ T = TypeVar("T")
 
 _LONGEST_VALUE = 60
 _LONGEST_PATH = 255
-_MOST_TOLD = 10  # mistakes in one answer: a screen of a terminal holds them
-_NEAR = 0.6  # of 1: share of letters in the same order; less is no slip of the hand
+_MOST_TOLD = 10  # largest number of mistakes in one message: they fit on a terminal's screen
+_NEAR = 0.6  # share of letters in the same order; below it a name is no typing error
 
 
 class CaseError(ToldError):
-    """Something in a case cannot be used; the text is one sentence, followed by one for each further mistake, a line each.
+    """A mistake in a case; the text is one sentence, followed by one for each further mistake, a line each.
 
     Attributes:
         source: file name, name of the case, or `--set`.
-        key: dotted key in it, or None where the file as a whole is meant.
-        value: what was given, as written, or None where nothing was.
+        key: dotted key in it, or None for the file as a whole.
+        value: the given value, as written, or None if none was given.
         problem: what is wrong with it.
         accepted: what is accepted instead; may be empty.
         further: other mistakes of the same case, in the order of its file.
@@ -57,7 +57,7 @@ def together(mistakes: Sequence[CaseError]) -> CaseError:
 
 
 def attempted(mistakes: list[CaseError], function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
-    """What a function returns; None where it raises a CaseError, which joins `mistakes`."""
+    """The result of a function; None if it raises a CaseError, which is added to `mistakes`."""
     try:
         return function(*args, **kwargs)
     except CaseError as mistake:
@@ -79,7 +79,7 @@ def as_written(value: Any) -> str:
 
 
 def shortened(text: str) -> str:
-    """A text that may hold anything, at most 60 characters of it, safe to print on a terminal."""
+    """At most 60 characters of any text, safe to print on a terminal."""
     return printable(text[:_LONGEST_VALUE]) + ("..." if len(text) > _LONGEST_VALUE else "")
 
 
@@ -89,7 +89,7 @@ def path_shown(path: str) -> str:
 
 
 def printable(text: str) -> str:
-    """A text that may hold anything, with quotes and control characters escaped as in a string of a TOML file."""
+    """Any text with quotes and control characters escaped as in a string of a TOML file."""
     return "".join(_printable(character) for character in text)
 
 
@@ -105,15 +105,15 @@ def nearest(given: str, known: Iterable[str]) -> str:
 
 
 def as_alike(given: str, known: Sequence[str]) -> str:
-    """The nearest name in `known` if it is near enough for a slip of the hand, else ""."""
+    """The nearest name in `known` if it is near enough for a typing error, else ""."""
     near = nearest(given, known) if known else ""
     return near if _resemblance(given, near) >= _NEAR else ""
 
 
 def nearest_or_all(given: str, known: Sequence[str], within: str = "") -> str:
-    """What to write instead of a name that is unknown: the nearest one where one is near, else all of `known` (not empty).
+    """Replacement for an unknown name: the nearest one if one is near, else all of `known` (not empty).
 
-    `within`: what stands before all of them.
+    `within`: text before each of them.
     """
     near = as_alike(given, known)
     return f"the nearest known one is {within}{near}" if near else f"known are {', '.join(known)}"

@@ -1,4 +1,4 @@
-"""Names the mistake that makes what is found, out of many that could: one rule for columns, scenes, starts and frequencies."""
+"""Names the mistake that explains a finding, among many hypotheses: one rule for columns, scenes, starts and frequencies."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ Array = NDArray[np.float64]
 #: where it is in the difference as well and nobody knows its size.
 EXPLAINED: Final = 0.15
 COARSELY: Final = 0.4
-#: By how many times more than the best any other mistake must leave unexplained for the best to be named.
+#: Least ratio of the unexplained part with any other mistake to that with the best, for the best to be named.
 _CLEARLY: Final = 2.0
-#: Part of a difference, and part of the noise, below which what is left says nothing about which mistake is the right one. The noise is a
-#: bound that errors reach a third of.
+#: Part of a difference, and part of the noise, below which the remainder does not tell mistakes apart. The noise is a bound; errors reach a
+#: third of it.
 _UNTOLD: Final = 1e-3
 _OF_NOISE: Final = 1.0 / 3.0
-#: Predictions that differ by less than this part of the difference are one and the same: the first is named.
+#: Predictions that differ by less than this part of the difference count as the same: the first is named.
 _SAME: Final = 1e-6
 #: Predictions that differ by less than this part of it are alike: all are named.
 _ALIKE: Final = 0.05
@@ -29,18 +29,18 @@ _ALIKE: Final = 0.05
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A mistake, and what would be found if it was made."""
+    """A mistake and its prediction."""
 
     words: str  # what is wrong
     advice: str  # what to do
-    values: Array  # what would be found, shape (n,)
-    fitted: bool = False  # whether a number in it was chosen to fit: it is tried only where no other mistake explains what is found
-    gross: bool = True  # whether a coarse engine without any mistake cannot come out like that
+    values: Array  # prediction, shape (n,)
+    fitted: bool = False  # whether a number in it was fitted: it is tried only if no other mistake explains the finding
+    gross: bool = True  # whether a coarse engine without a mistake cannot give this
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """The mistake that explains what is found, how much of the difference it leaves (in its unit), and whether it was fitted."""
+    """The mistake that explains a finding, the part of the difference that it leaves (in its unit), and whether it was fitted."""
 
     words: str
     advice: str
@@ -51,13 +51,13 @@ class Explanation:
 def explain(
     found: Array, expected: Array, hypotheses: Iterable[Hypothesis], noise: float = 0.0, coarse: bool = False
 ) -> Explanation | None:
-    """The mistake that explains a difference, or several that are alike; None where there is none, or where others explain it as well.
+    """The mistake that explains a difference, or several that are alike; None if there is none, or if others explain it as well.
 
     Args:
-        found: what is there, shape (n,).
-        expected: what should be there.
-        hypotheses: mistakes that could have been made; of those that predict the same the first is named.
-        noise: by how much `found` may be off (RMS) without any mistake.
+        found: the values found, shape (n,).
+        expected: the right values.
+        hypotheses: possible mistakes; if several predict the same, the first is named.
+        noise: RMS error of `found` without any mistake.
         coarse: whether `found` may be off by more than that.
     """
     off = rms(found - expected)

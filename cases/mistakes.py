@@ -1,4 +1,4 @@
-"""What a column looks like after the usual mistakes, and which of them a given column shows."""
+"""Columns with the usual mistakes, and the mistake in a given column."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 
-#: What numbers a column of several of its kind.
+#: Suffix that numbers columns of one kind.
 _DIGITS: Final = "0123456789"
-#: Whole rows by which a column may come late or early; the part of a row below which it is in time.
+#: Largest lateness that is tried, in rows, early or late; the part of a row below which a column is in time.
 _LAGS: Final = (1, -1, 2, -2, 3)
 _NOT_LATE: Final = 0.05
 IN_TIME: Final = "take it at the instant of the row, after the last step, with everything derived brought up to date"
@@ -37,23 +37,22 @@ _UNITS: Final[dict[str, dict[str, str]]] = {
 }
 #: The largest part of its column that a mistake of a coarse engine may leave.
 _LEFT_OF_COLUMN: Final = 0.6
-#: How far a model that says nothing of its own error may be off in the mild scene, relative to the column: one cubic is 43 % off in a
-#: strain there.
+#: Relative error allowed in the mild scene for a model without an error estimate: one cubic is 43 % off in a strain there.
 HOPELESS: Final = 1.2
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong with a column."""
+    """A mistake in a column."""
 
     cause: str  # in words
     advice: str  # what to do
-    left: float | None = None  # what the mistake leaves of the difference, in the column's unit; None: no mistake is known that makes it
-    fitted: bool = False  # whether a number in it was chosen to fit
+    left: float | None = None  # the difference that the mistake leaves, in the column's unit; None: no known mistake explains it
+    fitted: bool = False  # whether a number in it was fitted
 
     @property
     def explained(self) -> bool:
-        """Whether a mistake was found that makes it."""
+        """Whether a known mistake explains it."""
         return self.left is not None
 
 
@@ -66,13 +65,13 @@ def diagnose(
     mechanism: Scene,
     more: Iterable[Hypothesis] = (),
 ) -> Finding | None:
-    """What is wrong with a column, or None.
+    """The mistake in a column, or None.
 
     Args:
         name: of the column.
-        found: what the engine gives, shape (n,).
-        expected: what it should be.
-        tolerance: by how much it may be off, in its unit; None: the engine does not say.
+        found: the engine's values, shape (n,).
+        expected: the right values.
+        tolerance: its tolerance, in its unit; None: the engine does not say.
         beside: the right columns, among which it may have been exchanged; "time" and all that every engine delivers.
         mechanism: the scene.
         more: mistakes that depend on how the rows were made.
@@ -98,20 +97,20 @@ def diagnose(
 
 
 def share_of(share: float, of: str = "its size") -> str:
-    """A share with two digits: in per cent, or as a multiple of `of` from twice as much on."""
+    """A share with two digits: in per cent, or from 2 on as a multiple of `of`."""
     if share >= 2.0:
         return f"{_two_digits(share)} times {of}"
     return f"{_two_digits(100.0 * share)} %"
 
 
 def _two_digits(number: float) -> str:
-    """Without an exponent where the number is not tiny."""
+    """Two digits, without an exponent unless the number is tiny."""
     text = f"{number:.2g}"
     return f"{float(text):.0f}" if "e+" in text else text
 
 
 def _fitted(name: str, found: Array, expected: Array) -> Iterator[Hypothesis]:
-    """A constant, and a factor that is no unit's."""
+    """Hypotheses of a constant offset, and of a factor that is not that of a unit."""
     unit, constant = COLUMNS[name].unit, float(np.mean(found - expected))
     size = f"{abs(constant):.4g}{'' if unit == '1' else f' {unit}'} too {'large' if constant > 0.0 else 'small'}"
     yield Hypothesis(f"is {size} throughout", "look from where it is counted", expected + constant, fitted=True)
@@ -121,13 +120,13 @@ def _fitted(name: str, found: Array, expected: Array) -> Iterator[Hypothesis]:
 
 
 def lateness(found: Array, expected: Array, at: Array | None = None, fine: Array | None = None) -> Iterator[Hypothesis]:
-    """What a column would be that comes whole rows late or early, or by a part of a row.
+    """Hypotheses of a column that comes late or early by whole rows, or by a part of a row.
 
     Args:
-        found: what is there, shape (n,).
-        expected: what should be there, in rows at even distances.
+        found: the values found, shape (n,).
+        expected: the right values, in rows at even distances.
         at: place of each row found among the rows of `fine`, and how far lateness by one row moves it, shapes (2, n); None: row for row.
-        fine: rows from which late ones are made; None: those expected.
+        fine: rows from which late ones are interpolated; None: those expected.
     """
     source = expected if fine is None else fine
     spline, last = CubicSpline(np.arange(len(source)), source), len(source) - 1
@@ -206,7 +205,7 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
 
 
 def _forces(normal: Array, beside: Mapping[str, Array], mechanism: Mechanism) -> Iterator[Hypothesis]:
-    """Other forces of a slider with rollers or friction that an engine may have at hand."""
+    """Hypotheses of other forces of a slider with rollers or friction."""
     slider = mechanism.slider
     if not slider.is_rigid:
         for roller, values in (("plus", np.maximum(normal, 0.0)), ("minus", np.minimum(normal, 0.0))):
@@ -232,7 +231,7 @@ def _of_angles(y: Array) -> Iterator[Hypothesis]:
 
 
 def _accelerations(time: Array, tip: Array, q2: Array, deflection: Array) -> Iterator[Hypothesis]:
-    """Other accelerations of the tip that an engine may have at hand; from second differences of its place."""
+    """Hypotheses of other accelerations of the tip, from second differences of its place."""
 
     def twice(values: Array) -> Array:
         return np.asarray(np.gradient(np.gradient(values, time, axis=-1), time, axis=-1))

@@ -1,4 +1,4 @@
-"""From a document to a `Case` in SI units, or to one sentence about what is wrong with it."""
+"""Converts a document to a `Case` in SI units, or to messages about its mistakes."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,7 +13,7 @@ from quickreturn.reference_model.mechanism import ImpossibleMechanism
 from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # a table of a gigabyte
-_LARGEST_ANGLE: Final = math.radians(1e6)  # there a double is still exact to 4e-12 rad; far beyond, a crank would turn in jumps
+_LARGEST_ANGLE: Final = math.radians(1e6)  # a double is still exact to 4e-12 rad there; with far larger angles a crank would turn in jumps
 _ROUNDING: Final = 1e-9  # relative; a quotient of two doubles that were read from decimal texts
 
 
@@ -22,7 +22,7 @@ def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = Non
 
     Args:
         text: of the file.
-        source: what messages call it.
+        source: its name in messages.
         overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}.
 
     Raises:
@@ -35,7 +35,7 @@ def case_of(document: Document) -> Case:
     """The case that a document describes.
 
     Raises:
-        CaseError: all mistakes that can be told without each other; where every value can be read, what does not fit together.
+        CaseError: all mistakes of single values; if every value can be read, values that contradict each other.
     """
     mistakes = list(document.mistakes)
     header = attempted(mistakes, header_of, document)
@@ -61,7 +61,7 @@ def case_of(document: Document) -> Case:
 
 
 def misfit(duration: float, output_step: float) -> tuple[str, str] | None:
-    """What is wrong with a pair of simulation times (s) and what is accepted, or None."""
+    """The mistake in a pair of simulation times (s) and what is accepted, or None."""
     steps = duration / output_step
     times = f"duration {duration:.9g} s, output step {output_step:.9g} s"
     if steps > _MOST_STEPS:
@@ -72,7 +72,7 @@ def misfit(duration: float, output_step: float) -> tuple[str, str] | None:
 
 
 def _mistaken_keys(document: Document) -> Iterator[CaseError]:
-    """Keys that conflict, and those that are missing: neither given with a mistake, nor meant by a key that is unknown."""
+    """Conflicting keys and missing ones. A key that is given with a mistake, or probably meant by an unknown key, is not missing."""
     given = {section: set(keys) for section, keys in document.values.items()}
     for mistake in document.mistakes:
         section, _, key = (mistake.key or "").partition(".")
@@ -91,7 +91,7 @@ def _mistaken_keys(document: Document) -> Iterator[CaseError]:
 
 
 def _impossible(document: Document, impossible: ImpossibleMechanism) -> CaseError:
-    """What does not fit together as a mistake of the document, which has it as its cause."""
+    """Values that contradict each other as a mistake of the document, with the exception as its cause."""
     mistake = document.error(document.blame(impossible.key, *impossible.others), impossible.problem, impossible.accepted)
     mistake.__cause__ = impossible
     return mistake
@@ -109,7 +109,7 @@ def _missing(document: Document, keys: Sequence[str], accepted: str = "") -> Cas
 
 
 def _quantity(document: Document, path: str, written: Any) -> Any:
-    """SI value, or tuple of SI values, of what is written at a key."""
+    """SI value, or tuple of SI values, of the text at a key."""
     if isinstance(written, (list, tuple)):
         return tuple(_quantity(document, path, one) for one in written)
     if isinstance(written, float):

@@ -1,8 +1,8 @@
-"""Recorded tables: what another tool, an earlier version or a test rig wrote down, as CSV files with units in their headings.
+"""Recorded tables of another tool, an earlier version or a test rig: CSV files with units in their headings.
 
 The heading names columns of the trajectory, each with its unit in brackets: `time [ms], crank_angle [deg], tip_deflection [mm]`. A heading
-without a unit means SI, so that the project's own trajectory files are recorded tables, too. Lines `# key = value` above the heading
-tell what the table is. Nothing is done to the numbers but the change of unit: no shift, no filter, no fit.
+without a unit means SI, so the project's own trajectory files are also recorded tables. Lines `# key = value` above the heading describe
+the table. Only units are converted: no shift, no filter, no fit.
 """
 
 import csv
@@ -26,12 +26,12 @@ from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 
-#: The folder that holds recordings of the experiment, to be read instead of the project's own.
+#: Environment variable with the folder of recordings of the experiment, in place of the project's own.
 FOLDER_VARIABLE: Final = "QUICKRETURN_CURVES"
 MOST_ROWS: Final = 1_000_000
 _LARGEST: Final = 100_000_000  # bytes
 
-#: What may stand above the heading, with the values accepted; free texts where there are none.
+#: Declarations above the heading with their accepted values; without values any text.
 DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "case": (),
     "version": (),
@@ -43,7 +43,7 @@ _OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
     "1": {"-": "1", "": "1", "%": "percent", "µε": "microstrain", "με": "microstrain"} | {unit: unit for unit in PURE_UNITS},
     "m/s^2": {"g": "g0"},
 }
-#: In what is no number -> what to do.
+#: Characters in a text that is not a number -> advice.
 _HINTS: Final = {
     ";": "semicolons separate it: use commas, and decimal points",
     ",": "the decimal sign is a point",
@@ -56,12 +56,12 @@ _HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?
 class RecordedTable:
     """A table as it was recorded, in SI units."""
 
-    name: str  # of the file, safe to print; what the table is called among the engines
+    name: str  # name of the file, safe to print; the table's name among the engines
     path: str
     # names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other
     columns: Mapping[str, Array] = field(repr=False)
-    bare: frozenset[str] = frozenset()  # those whose headings have no unit
-    declared: Mapping[str, str] = field(default_factory=dict)  # what the file says of itself: some of `DECLARATIONS`
+    bare: frozenset[str] = frozenset()  # columns whose headings have no unit
+    declared: Mapping[str, str] = field(default_factory=dict)  # declarations of the file: some of `DECLARATIONS`
     of_experiment: bool = False  # whether it lies in the folder of the experiment's recordings
 
     @property
@@ -71,12 +71,12 @@ class RecordedTable:
 
 
 def is_table(name: str) -> bool:
-    """Whether what stands in the place of an engine's name is the path of a recorded table."""
+    """Whether the name given for an engine is the path of a recorded table."""
     return name.lower().endswith(".csv")
 
 
 def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
-    """A recorded table. CaseError: the file cannot be read, or is no such table."""
+    """A recorded table from a file. CaseError: the file cannot be read, or is not such a table."""
     shown, text = path_shown(path), read_text(path, "a recorded table", _LARGEST)
     lines = text.splitlines()
     declared, at = _declarations(shown, lines)
@@ -97,11 +97,11 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
 
     Args:
         columns: heading -> numbers, shape (n,); a pandas DataFrame, or a dictionary of arrays.
-        name: what the table is called among engines.
-        case: which it is of; None: it does not say.
+        name: the table's name among engines.
+        case: its case; None: not declared.
 
     Raises:
-        CaseError: a heading or a column that a file may not have either.
+        CaseError: a heading or a column that a file must not have either.
     """
     sizes = _sizes(name, "heading", [str(heading) for heading in columns])
     values = {}
@@ -147,10 +147,10 @@ def _does_not_rise(source: str, place: str, value: float) -> CaseError:
 def experiment_tables() -> list[RecordedTable]:
     """All tables in the folder of the experiment's recordings, by file name; each declares its case and its origin.
 
-    The folder is what the environment variable QUICKRETURN_CURVES names, else the project's own.
+    The environment variable QUICKRETURN_CURVES names the folder; the default is the project's own.
 
     Raises:
-        CaseError: no such folder, or a file that is no such table.
+        CaseError: no such folder, or a file is not such a table.
     """
     place = Path(os.environ.get(FOLDER_VARIABLE) or str(files("quickreturn.cases.experiment") / "curves"))
     if not place.is_dir():
@@ -164,10 +164,10 @@ def experiment_tables() -> list[RecordedTable]:
 
 
 def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[RecordedTable]]:
-    """Recorded tables by the name of the case that each declares; it may be left out where there is one case alone.
+    """Recorded tables by the name of the case that each declares; with a single case the declaration is optional.
 
     Raises:
-        CaseError: a table that cannot be read, or is of none of the cases; two of one name.
+        CaseError: a table cannot be read, or is of none of the cases; or two have the same name.
     """
     found: dict[str, list[RecordedTable]] = {}
     for path in paths:
@@ -185,7 +185,7 @@ def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[Reco
 
 
 def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], int]:
-    """What stands above the heading, and the place of the heading among the lines; their number if there is none."""
+    """The declarations, and the index of the heading among the lines; the number of lines if there is none."""
     declared: dict[str, str] = {}
     for at, line in enumerate(lines):
         if not line.strip():
@@ -265,7 +265,7 @@ def _values(source: str, names: Sequence[str], lines: Sequence[str], first: int)
 
 
 def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> CaseError:
-    """What is wrong with the first row that is not one finite number for each column."""
+    """The mistake in the first row that is not one finite number for each column."""
     for number, line in enumerate(lines[first:], first + 1):
         if not line.strip():
             continue

@@ -35,9 +35,9 @@ Array = NDArray[np.float64]
 SPEED: Final = "crank.prescribed_speed"
 #: Measure by default.
 USUAL: Final = "peak.tip_acceleration"
-#: Name of a measure -> the column whose largest magnitude in a turn it is.
+#: Name of a measure -> column; the measure is its largest magnitude in a turn.
 PEAKS: Final[Mapping[str, str]] = {f"peak.{name}": name for name in OBSERVED}
-#: Tolerance of the integration: derivatives are taken from small differences of cycles, whose round-off it bounds to 1e-3 of them.
+#: Tolerance of the integration: derivatives come from small differences of cycles, and this bounds their error to 1e-3.
 INTEGRATION: Final = 1e-10
 #: Rows of a cycle between which a spline finds the peak.
 ROWS: Final = 256
@@ -45,7 +45,7 @@ ROWS: Final = 256
 SEARCHES: Final = 9
 #: Least ratio of a peak to the valleys beside it.
 PROMINENT: Final = 1.1
-#: Error of the place of a fold, as a part of the range: locating it anew from other points moves it by at most 2e-7.
+#: Error of the place of a fold, as a part of the range: a new search from other points moves it by at most 2e-7.
 FOLD_TOLERANCE: Final = 1e-6
 #: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
 MULTIPLIER_TOLERANCE: Final = 1e-3
@@ -67,20 +67,20 @@ class Range:
     key: str  # dotted key of a case file
     low: float  # SI
     high: float
-    unit: str  # in which they were given, for people
+    unit: str  # unit in which they were given
     size: float  # of that unit, SI
 
 
 @dataclass(frozen=True)
 class SpecialPoint:
-    """Where the motion changes its kind."""
+    """A point where the kind of motion changes."""
 
     kind: str  # "fold", "period doubling", "torus", "slider left" or "lost"
     value: float  # of the varied quantity, SI
-    tolerance: float  # by how much the model's own value may be missed
-    error: float | None  # claim: by how much more modes move it; None: unknown
+    tolerance: float  # error of its location on the model's own curve
+    error: float | None  # claim: its displacement with more modes; None: unknown
     at: int  # number of the point on the curve
-    reason: str = ""  # why the curve ends there (a clause); "" where it goes on
+    reason: str = ""  # why the curve ends there (a clause); "" if it goes on
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class ResonanceCurve:
     """Points in order of arclength, which pass through folds; arrays of shape (k,).
 
     A point's claim is a rectangle: the curve of a converged model passes through `values` +- `value_errors` and each measure +- its error.
-    The converged point is looked for in the plane across the curve, so that the claim holds at folds as it does elsewhere.
+    The converged point is sought in the plane across the curve, so the claim also holds at folds.
     """
 
     case: str  # its name
@@ -116,11 +116,11 @@ class ResonanceCurve:
     settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
 
     def kind_after(self, at: int) -> str:
-        """How the motion is unstable between a point and the next one, "" where it is stable."""
+        """How the motion is unstable between a point and the next one, "" if it is stable."""
         return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
 
     def stretches(self) -> Iterator[tuple[slice, bool]]:
-        """Stretches of the curve, and whether they are unstable; special points belong to both stretches that they part."""
+        """Stretches of the curve, and whether they are unstable; special points belong to both adjacent stretches."""
         unstable, begin = [bool(self.kind_after(at)) for at in range(len(self.kinds) - 1)], 0
         for state, group in itertools.groupby(unstable):
             end = begin + len(list(group))
@@ -129,7 +129,7 @@ class ResonanceCurve:
 
 
 def range_of(key: str, text: str, option: str = "--vary") -> Range:
-    """The range that "a .. b" describes. CaseError: it cannot be."""
+    """The range that "a .. b" describes. CaseError: it is invalid."""
     if key not in PATHS or key.startswith("simulation."):
         raise CaseError(option, key, None, "is no quantity of a scene", nearest_or_all(key, tuple(PATHS)))
     about = PATHS[key]
@@ -158,7 +158,7 @@ def scene_with(case: Case, values: Mapping[str, float]) -> Mechanism:
 
 
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
-    """The scene for each value of what varies; arguments and errors as of `resonance_curve`, as far as they are known beforehand."""
+    """The scene for each value of the varied quantity; arguments and errors as for `resonance_curve`, as far as known beforehand."""
     for name in measures:
         if name not in PEAKS:
             raise CaseError("--measure", name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
@@ -175,9 +175,9 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
 
 
 def job_around(case: Case) -> Job[ResonanceCurve]:
-    """The curve over speeds within `NEAR` of the machine's own, or of its mean speed where a torque drives it, without claims.
+    """The curve over speeds within `NEAR` of the machine's own speed, or of its mean speed with a driving torque, without claims.
 
-    Raises as `resonance_curve`; Refusal also of a crank that stands still.
+    Raises as `resonance_curve`; Refusal also if the crank stands still.
     """
     pace = crank_pace(case.mechanism)
     if pace == 0.0:
@@ -194,7 +194,7 @@ def job(
     accuracy: float | None = None,
     claims: bool = True,
 ) -> Job[ResonanceCurve]:
-    """`resonance_curve` as a job. Raises what is known beforehand: CaseError, Refusal, ImpossibleMechanism."""
+    """`resonance_curve` as a job. Raises errors that are known beforehand: CaseError, Refusal, ImpossibleMechanism."""
     checked_scenes(case, varied, speed, measures)
     arguments = (case, varied, speed, tuple(measures), accuracy, claims)
     inputs = (case.scene, *arguments[1:])
@@ -210,7 +210,7 @@ def resonance_curve(
     (relative; None: that of `reference`). `measures` are names of `PEAKS`; with `claims` the error of every point is estimated.
 
     Raises:
-        CaseError, Refusal, ImpossibleMechanism: something cannot be.
+        CaseError, Refusal, ImpossibleMechanism: an invalid argument, or a machine without such a curve.
         EngineFailure: no periodic motion was found anywhere in the range.
     """
     scene_at, engine = checked_scenes(case, varied, speed, measures), ReferenceEngine()
@@ -269,7 +269,7 @@ def _check(scene: Mechanism) -> None:
 
 
 def _followed(family: CycleFamily, varied: Range) -> Branch:
-    """The branch through the first periodic motion that is found within the range. EngineFailure: none is found."""
+    """The branch through the first periodic motion found within the range. EngineFailure: none is found."""
     reasons = []
     for value in np.linspace(varied.low, varied.high, SEARCHES).tolist():
         try:
@@ -280,7 +280,7 @@ def _followed(family: CycleFamily, varied: Range) -> Branch:
 
 
 def _peaks_of(family: CycleFamily, point: Array, value: float, measures: Sequence[str]) -> list[Peak]:
-    """Each measure of a motion, and how far off the rows of its cycle leave it."""
+    """Each measure of a motion, and its uncertainty from the spacing of rows."""
     columns = family.columns(point, value, ROWS)
     return [peak_of(columns[PEAKS[name]], columns, lambda _: None) for name in measures]
 
@@ -299,7 +299,7 @@ def _claims(
 
 
 def _tolerance(points: Sequence[BranchPoint], at: int) -> float:
-    """By how much the parameter of a special point may be missed: see `FOLD_TOLERANCE` and `MULTIPLIER_TOLERANCE`."""
+    """Error of the location of a special point: see `FOLD_TOLERANCE` and `MULTIPLIER_TOLERANCE`."""
     here, before, after = points[at], points[at - 1], points[at + 1]
     if here.special == "fold":
         return FOLD_TOLERANCE * here.width

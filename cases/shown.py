@@ -1,4 +1,4 @@
-"""Things that show themselves in several rows: as text in a terminal and as HTML in a notebook, made from the same rows."""
+"""Display of objects in several rows: as text in a terminal and as HTML in a notebook, from the same rows."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Union
 
-#: What stands in a row: a text, or rows of its own.
+#: A cell of a row: a text, or rows of its own.
 Cell = Union[str, "Rows"]
 
 _LEFT = ' style="text-align: left; vertical-align: top"'  # a notebook would align cells to the right
@@ -34,7 +34,7 @@ class Rows:
 
 
 class Shown(ABC):
-    """Shows itself by its parts: lines of text, and rows."""
+    """Base class of objects that are displayed by their parts: lines of text, and rows."""
 
     @abstractmethod
     def _parts(self) -> Iterable[Cell]:

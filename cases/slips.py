@@ -1,4 +1,4 @@
-"""Usual slips in a quantity, told apart so that the answer to each can name it: arithmetic, other signs, units as on paper."""
+"""Recognises common slips in a quantity, so that messages can name them: arithmetic, other characters, units as on paper."""
 
 import re
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from typing import Final
 #: A plain decimal number.
 NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
-#: The first pattern that the text begins with names the slip; "" of a plain number, a space and something for a unit.
+#: The first pattern that the text begins with names the slip; "" for a plain number, a space and any unit.
 _IN_QUANTITIES: Final = (
     (r"$", "is empty"),
     (r".{101}", "is longer than 100 characters"),
@@ -45,18 +45,18 @@ _TURNS_IN: Final = re.compile(r"(?:1|[ru]|tr|revs?|revolutions?|rot|rotations?)?
 
 
 def in_quantity(text: str) -> str:
-    """What is wrong with a quantity that is not one plain number, one space and a unit, as a clause; "" if nothing is."""
+    """The mistake in a quantity that is not one plain number, one space and a unit, as a clause; "" if there is none."""
     return next(problem for slip, problem in _IN_QUANTITIES if re.match(slip, text, re.IGNORECASE | re.DOTALL))
 
 
 def frequency_meant(unit: str) -> str:
-    """The unit without the name of what is counted: "1/min" and "rev/min" as "min^-1"; others as they are."""
+    """The unit without a counted noun: "1/min" and "rev/min" as "min^-1"; other units unchanged."""
     found = _TURNS_IN.fullmatch(unit)
     return f"{found[1].lower()}^-1" if found else unit
 
 
 def units_meant(unit: str) -> Iterator[str]:
-    """Unit expressions that may be meant by one that cannot be used; they need not be right either."""
+    """Unit expressions that may be meant by an invalid one; they may also be invalid."""
     plain = unit
     for on_paper, here in _ON_PAPER:
         plain = re.sub(on_paper, here, plain)

@@ -1,6 +1,6 @@
-"""What is asked of one engine on one scene: a trajectory from the standard start, or natural frequencies with the crank held.
+"""Requests to one engine on one scene: a trajectory from the standard start, or natural frequencies with the crank held.
 
-Each is a job: computed wherever jobs are, and taken from the store where it is there (`cases.jobs.workshop`).
+Each is a job: it comes from the store if it is there, and is computed like all jobs otherwise (`cases.jobs.workshop`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Columns, trajectory_type
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
-#: What the answers depend on besides the engines; the loads on their own folder as well.
+#: Code on which the answers depend besides the engines; loads also depend on their own folder.
 CODE: Final = ("quickreturn.cases.solving",)
 OF_LOADS: Final = (*CODE, "quickreturn.cases.loads", "quickreturn.cases.measures")
 _GAUGES: Final = ("strain_1", "strain_2", "strain_3")
@@ -34,25 +34,25 @@ class TrajectoryRequest:
     scene: Scene
     duration: float  # s
     output_step: float  # s
-    engine: str | AnyEngine  # the name; an engine itself where nobody else knows it, so that nothing is stored
+    engine: str | AnyEngine  # the name; or an engine itself, whose answers are not stored
     settings: dict[str, str] = field(default_factory=dict)
     accuracy: float | None = None
     estimate: bool = True
-    time_limit: float | None = field(default=None, compare=False)  # s; what it leaves out is not stored
+    time_limit: float | None = field(default=None, compare=False)  # s; an answer that it cuts short is not stored
 
     def job(self, name: str) -> "Job[Answer]":
-        """To be computed, or taken from the store; its failures are results."""
+        """The request as a job; its failures are results."""
         return Job(name, solved, (self,), "trajectory", code=CODE, inputs=self, **_kept(self.engine))
 
     def loads_job(self, result: Result) -> Job[Loads]:
-        """What the parts bear in the trajectory that was asked for; estimates are those of the columns, at their peaks."""
+        """The loads on the parts in the trajectory, as a job; estimates are those of the columns, at their peaks."""
         arguments = self.scene, result.trajectory.columns, result.error_estimates
         return Job("loads", _loads, arguments, "loads of a trajectory", code=OF_LOADS, inputs=self, **_kept(self.engine))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What became of a request: a trajectory with its assessment, or a failure with the trajectory up to then, if there is one."""
+    """The answer to a request: a trajectory with its assessment, or a failure with the trajectory up to then, if there is one."""
 
     version: str  # of the engine
     columns: Columns | None = None  # of the trajectory
@@ -63,7 +63,7 @@ class Answer:
     failure: tuple[float, str, str] | None = None  # time (s), cause and advice
 
     def result(self, request: TrajectoryRequest, engine: AnyEngine) -> Result | EngineFailure:
-        """The result, or the failure, as the engine gave it."""
+        """The result or the failure, as the engine gave it."""
         trajectory = None
         if self.columns is not None:
             trajectory = trajectory_type(request.scene)(self.columns, self.solve_seconds, self.statistics)
@@ -74,7 +74,7 @@ class Answer:
 
 
 def solved(request: TrajectoryRequest) -> Answer:
-    """Simulate. Raises as `engines.scene.simulate_scene`, but for failures, and UnknownEngine, Refusal: there is no such engine here."""
+    """Simulate. Raises as `engines.scene.simulate_scene`, except failures; and UnknownEngine or Refusal if there is no such engine here."""
     chosen = usable_engine(request.engine) if isinstance(request.engine, str) else request.engine
     how = request.settings, request.accuracy, request.estimate, request.time_limit
     known: dict[str, Any] = {"version": chosen.version()}
@@ -93,18 +93,18 @@ def solved(request: TrajectoryRequest) -> Answer:
 
 
 def _lasts(outcome: Outcome[Any]) -> bool:
-    """Whether there is an answer that can be stored, and that a time limit has left nothing out of."""
+    """Whether there is an answer that can be stored and that no time limit cut short."""
     hurried = isinstance(outcome.value, Answer) and outcome.value.assessment is not None and outcome.value.assessment.hurried
     return outcome.completed and not hurried and can_be_stored(outcome.value)
 
 
 def _kept(engine: str | AnyEngine) -> dict[str, Any]:
-    """What a job says of its engine, and of whether its answer is stored."""
+    """Arguments of a job for its engine, and for the storage of its answer."""
     return {"engines": (engine,), "lasts": _lasts} if isinstance(engine, str) else {"lasts": None}
 
 
 def _loads(scene: Scene, columns: Columns, estimates: Mapping[str, float | None]) -> Loads:
-    """Error estimates are those of the columns, relative; a moment's that of the worst strain where it has none."""
+    """Loads with relative error estimates of the columns; a moment without one gets that of the worst strain."""
     strains = [error for gauge in _GAUGES if (error := estimates.get(gauge)) is not None]
 
     def claim(name: str, _: float) -> float | None:
@@ -116,7 +116,7 @@ def _loads(scene: Scene, columns: Columns, estimates: Mapping[str, float | None]
 
 @dataclass(frozen=True)
 class Frequencies:
-    """Natural frequencies with the crank held, Hz, ascending, for each crank angle, and what they were computed with."""
+    """Natural frequencies with the crank held, Hz, ascending, for each crank angle, with version and settings."""
 
     version: str  # of the engine
     settings: dict[str, Any]
@@ -126,7 +126,7 @@ class Frequencies:
 def frequencies_job(
     name: str, mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Job[Frequencies]:
-    """At most `count` at each crank angle (rad), to be computed or taken from the store."""
+    """The job for at most `count` frequencies at each crank angle (rad)."""
     arguments = mechanism, engine, tuple(crank_angles), count, dict(settings)
     return Job(name, modes_at, arguments, "natural frequencies", code=CODE, **_kept(engine))
 

@@ -43,7 +43,7 @@ class StudiedRun:
     degrees_of_freedom: int
     solve_seconds: float
     setup_seconds: float
-    error_estimate: float | None = None  # of the tip deflection, the engine's own
+    error_estimate: float | None = None  # the engine's own, of the tip deflection
     remark: str = ""
     errors: dict[str, float | None] = field(default_factory=dict)  # of each column of `ESTIMATED`
 
@@ -87,12 +87,12 @@ class Studies:
 
 
 def work() -> Work:
-    """All that the studies need, to be computed with other runs; `run_studies` then finds it in the store."""
+    """Jobs of the studies, to compute with other runs; `run_studies` then finds them in the store."""
     return Work(_requests(), _jobs())
 
 
 def confirming(workshop: Workshop) -> list[Confirmation]:
-    """Solutions of others that confirm the converged one; they take a minute. KeyboardInterrupt: Ctrl-C; what is there is stored."""
+    """Solutions of other engines that confirm the converged one; they take a minute. KeyboardInterrupt: Ctrl-C."""
     case = load_case(ACCURACY_CASE)
     (true,) = workshop.outcomes([_truth(case)], "confirmation")
     if true.value is None:
@@ -195,7 +195,7 @@ def convergence(method: Method, case: Case) -> list[Point]:
         EngineFailure: a run broke down.
     """
     attempts = [Attempt(method, settings) for settings in method.ladder]
-    attempts[0].warm_up(case)  # so that the times do not count what is compiled
+    attempts[0].warm_up(case)  # so that the times do not contain compilation
     found = list[Trajectory]()
     for attempt in attempts:
         attempt.repeat(case, 0)
@@ -205,7 +205,7 @@ def convergence(method: Method, case: Case) -> list[Point]:
     return [attempt.told(case, found[-1]) for attempt in attempts]
 
 
-#: Packages that march from the standard start, too, on one run: that they get to the same cycle is seen, not assumed.
+#: Packages that also march from the standard start, on one run, to show that they reach the same cycle.
 PACKAGES: Final = ("exudyn", "mujoco")
 
 

@@ -1,4 +1,4 @@
-"""Reads a text file that a person names, and says in one sentence why it cannot."""
+"""Reads a text file that the user names, or says in one sentence why it cannot be read."""
 
 import os
 import stat
@@ -9,7 +9,7 @@ from typing import Final
 
 from quickreturn.cases.errors import CaseError, as_alike, path_shown
 
-#: Entries of a folder that are looked at; more are no folder of a person's own files.
+#: Largest number of entries of a folder that are searched; a user's own folder has fewer.
 _MOST_ENTRIES: Final = 10_000
 
 
@@ -20,12 +20,12 @@ def read_text(
 
     Args:
         path: of the file.
-        what: may be given, for messages.
+        what: kind of file, for messages.
         largest: size in bytes.
-        library: names of the library, of which one may be meant.
+        library: names of the library; one of them may be meant.
 
     Raises:
-        CaseError: missing, no regular file, unreadable, too large or not in UTF-8.
+        CaseError: the file is missing, not a regular file, unreadable, too large or not in UTF-8.
     """
     shown, instead = path_shown(path), f"give the path of {what}"
     try:

@@ -1,4 +1,4 @@
-"""What the natural frequencies of the crank held still say about the thesis' readings."""
+"""Natural frequencies with the crank held, for the thesis' readings."""
 
 import math
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 Array = NDArray[np.float64]
 
-#: Crank angles at which modes are looked at, rad: farthest to nearest; the way back mirrors them.
+#: Crank angles at which modes are computed, rad: farthest to nearest; the way back mirrors them.
 ANGLES: Final = np.linspace(math.pi, 0.0, 61)
 MODES: Final = 3
-#: Of the angles one in so many, for the models with cubic elements.
+#: Every so many of the angles, for the models with cubic elements.
 EVERY: Final = 6
 
 #: Signs of strains 1, 2, 3.
@@ -40,7 +40,7 @@ class Span:
 
 @dataclass(frozen=True)
 class ThesisModes:
-    """What is known of a run."""
+    """Frequencies and signs of a run."""
 
     converged: tuple[Span, ...]  # ranges of the first three converged modes over the crank angle, Hz
     cubic: tuple[Span, ...]  # ranges of the modes of the thesis' single cubic, Hz
@@ -52,7 +52,7 @@ class ThesisModes:
 
 
 def thesis_modes(mechanism: Mechanism) -> ThesisModes:
-    """All of it."""
+    """All of these for a mechanism."""
     modes = [frozen_crank_modes(mechanism, float(angle), MODES) for angle in ANGLES]
     signs = np.sign([each.curvature(np.array(mechanism.follower.strain_gauges)) for each in modes])  # (angles, modes, gauges)
     first = np.array([each.frequencies[0] for each in modes[::EVERY]])

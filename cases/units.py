@@ -1,9 +1,8 @@
-"""Reads quantities such as "4 in" and "0.6 lbf*in*s/rad" into SI, behind a grammar that leaves nothing to guess.
+"""Reads quantities such as "4 in" and "0.6 lbf*in*s/rad" into SI, with an unambiguous grammar.
 
 A quantity is one plain decimal number (exponent allowed), one space, one unit expression. A unit expression is names joined by `*`
-and `/`, each with an optional whole exponent (`in^2`, `s**-1`). Only single names ever reach pint, so it can neither read "4,5 in"
-as 45 in nor spend hours on "m^9999999". Angles keep their radian as a dimension of its own: 180 without a unit is no angle, and
-16.6 Hz is no angular speed.
+and `/`, each with an optional whole exponent (`in^2`, `s**-1`). Only single names reach pint, so it can neither read "4,5 in" as 45 in nor
+spend hours on "m^9999999". The radian is a dimension of its own: 180 without a unit is not an angle, and 16.6 Hz is not an angular speed.
 
 Arithmetic is decimal with 50 digits and exact definitions (1 in = 0.0254 m, 1 lbf = 4.4482216152605 N): a result is the double
 nearest to the quantity written.
@@ -27,13 +26,13 @@ _UNIT: Final = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*")
 _UNIT_RULE: Final = " (names joined by * and /, whole exponents from -9 to 9 as in in^2)"
 _BASE_UNITS: Final = ("meter", "kilogram", "second", "radian")
 _LARGEST_EXPONENT: Final = 400  # of ten; beyond it no double can follow
-_SMALLEST, _LARGEST = 1e-60, 1e60  # SI magnitudes whose products of a few remain ordinary doubles
+_SMALLEST, _LARGEST = 1e-60, 1e60  # range of SI magnitudes: products of a few remain ordinary doubles
 _RANGE: Final = f"magnitudes from {_SMALLEST:g} to {_LARGEST:g} in SI units and zero are accepted"
 _DECIMAL: Final = Context(prec=50)
 
 
 class QuantityError(ValueError):
-    """A text that is no acceptable quantity: what is wrong, and what is accepted."""
+    """A text is not an acceptable quantity: what is wrong, and what is accepted."""
 
     def __init__(self, problem: str, accepted: str) -> None:
         super().__init__(f"{problem}; {accepted}")
@@ -43,7 +42,7 @@ class QuantityError(ValueError):
 
 @dataclass(frozen=True)
 class Dimension:
-    """What a quantity must measure."""
+    """The dimension of a quantity."""
 
     name: str  # with its article, as in "a length is needed"
     exponents: Exponents  # of metre, kilogram, second and radian
@@ -53,7 +52,7 @@ class Dimension:
 
     @property
     def example(self) -> str:
-        """A quantity as it is written in a case file, with its quotes."""
+        """An example of a quantity in a case file, with its quotes."""
         return f'"{180 if self is ANGLE else 2} {self.examples[0]}"'
 
     def accepts(self, exponents: Exponents) -> bool:
@@ -79,9 +78,9 @@ DAMPING: Final = Dimension("a damping", (0, 1, -1, 0), "N*s/m", ("N*s/m", "lbf*s
 
 VELOCITY: Final = Dimension("a velocity", (1, 0, -1, 0), "m/s", ("m/s", "in/s"))
 CONTACT_DAMPING: Final = Dimension("a contact damping", (-1, 0, 1, 0), "s/m", ("s/m", "s/in"))
-#: In a case file it stands without a unit, in the heading of a table with one of these.
+#: A pure number has no unit in a case file, but one of these in the heading of a table.
 PURE: Final = Dimension("a pure number", (0, 0, 0, 0), "1", ("percent", "microstrain", "um/m"))
-#: Its units, which pint does not take for units of a mechanical quantity.
+#: Units of a pure number, which pint does not treat as units of a mechanical quantity.
 PURE_UNITS: Final = MappingProxyType({"1": 1.0, "strain": 1.0, "percent": 0.01, "microstrain": 1e-6})
 ENERGY: Final = Dimension("an energy", (2, 1, -2, 0), "J", ("J", "lbf*in"))
 FORCE: Final = Dimension("a force", (1, 1, -2, 0), "N", ("N", "lbf"))
@@ -96,7 +95,7 @@ _NEEDED: Final = (
 #: By the SI unit with which a quantity is declared.
 DIMENSIONS: Final = MappingProxyType({dimension.si_unit: dimension for dimension in _NEEDED})
 _FREQUENCY: Final = (0, 0, -1, 0)
-#: Names for what is given by mistake, by exponents.
+#: Names of dimensions that are given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
     _FREQUENCY: "a frequency",
     (2, 0, 0, 0): "an area",
@@ -112,7 +111,7 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
 
     Args:
         text: e.g. "4.5 in".
-        dimension: what it must measure.
+        dimension: its dimension.
         infinity_accepted: whether "inf", without a unit, stands for a rigid part.
 
     Raises:
@@ -124,7 +123,7 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
         return math.inf
     if dimension is PURE:
         if (value := plain_number(text)) is None or not math.isfinite(value):
-            raise QuantityError("is no pure number", 'write one plain number without a unit, such as "0.3"')
+            raise QuantityError("is not a pure number", 'write one plain number without a unit, such as "0.3"')
         return value
     if problem := slips.in_quantity(text):
         raise QuantityError(problem, accepted)
@@ -144,7 +143,7 @@ def in_si(unit: str) -> float:
 
 
 def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Decimal:
-    """What a unit of a dimension is in SI units; `number` is what stands before it, "" in a heading."""
+    """The SI value of a unit of a dimension; `number` is the text before it, "" in a heading."""
     try:
         factor, exponents = _read_unit(unit)
     except _UnitError as wrong:
@@ -157,12 +156,12 @@ def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Deci
 
 
 def plain_number(text: str) -> float | None:
-    """The value of a plain decimal number without a unit, infinite where it is beyond all doubles; None for any other text."""
+    """The value of a plain decimal number without a unit, infinite beyond the range of doubles; None for any other text."""
     return float(text) if re.fullmatch(slips.NUMBER, text) else None
 
 
 class _UnitError(Exception):
-    """A unit expression that cannot be read: what is wrong, and the rule to be told where no hint fits better."""
+    """A unit expression cannot be read: what is wrong, and the rule for the message if there is no better hint."""
 
 
 def _read_unit(unit: str) -> tuple[Decimal, Exponents]:
@@ -197,7 +196,7 @@ def _meant(number: str, unit: str, dimension: Dimension) -> str:
 
 
 def _turning(number: str, unit: str) -> str:
-    """A speed given as a frequency, in rpm; "" if it is none. Only "1/s" and its like may stand for radians as well as for turns."""
+    """A speed given as a frequency, in rpm; "" if it is not one. Only "1/s" and the like may mean radians as well as turns."""
     try:
         factor, exponents = _read_unit(slips.frequency_meant(unit))
     except _UnitError:
@@ -251,7 +250,7 @@ def _unit(name: str) -> tuple[Decimal, Exponents] | None:
 
 
 def unit_of_pint(name: str) -> tuple[Decimal, Exponents] | None:
-    """The same by pint alone."""
+    """Factor to SI and exponents of one named unit by pint alone."""
     registry = _registry()
     if not registry.parse_unit_name(name):
         return None
@@ -265,7 +264,7 @@ def unit_of_pint(name: str) -> tuple[Decimal, Exponents] | None:
 
 @functools.cache
 def _registry() -> Any:
-    """Pint's units with exact decimal factors; built when the first quantity is read, for it costs 0.2 s with pint's import."""
+    """Pint's units with exact decimal factors; built for the first quantity, because it takes 0.2 s with pint's import."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)

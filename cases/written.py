@@ -1,6 +1,6 @@
-"""Writes a case file: values as they are, what each means beside it, and as comments the keys that could stand there too.
+"""Writes a case file: values with their meanings, and further possible keys as comments.
 
-What a key means is what its quantity declares in `reference_model.mechanism`; a new quantity is explained here without more ado.
+Meanings come from the quantities in `reference_model.mechanism`; a new quantity needs no change here.
 """
 
 import json
@@ -31,11 +31,11 @@ def as_toml(document: Document, remarks: Sequence[str] = ()) -> str:
     """The text of a case file; what it describes is the same to the last digit.
 
     Args:
-        document: texts as a person wrote them stay as they are; numbers in SI get their unit.
+        document: the values; texts stay as written, numbers in SI get their unit.
         remarks: sentences for the head of the file.
 
     Raises:
-        CaseError: a value that no case file can hold, such as NaN.
+        CaseError: a case file cannot hold a value, such as NaN.
     """
     machine = [_MACHINE] if "crank" in document.values else []
     lines = [*_prose(*remarks, *machine, *_SYNTAX), *(f"{key} = {_toml(value)}" for key, value in document.header.items())]
@@ -49,7 +49,7 @@ def _prose(*sentences: str) -> list[str]:
 
 
 def _section(document: Document, section: str) -> list[str]:
-    """The lines of a section; all of them are comments where the document has none of it and might have."""
+    """The lines of a section; all are comments if the document lacks the section but could have it."""
     paths = [f"{section}.{key}" for key in SECTIONS[section]]
     rows = [_row(document, path) for path in paths if document.at(path) is not None or _possible(document, path)]
     if not rows:
@@ -69,14 +69,14 @@ def _row(document: Document, path: str) -> tuple[str, str]:
 
 
 def _possible(document: Document, path: str) -> bool:
-    """Whether a key that is absent could be there: the follower alone has no crank and no slider, the others no spin-up."""
+    """Whether an absent key could be there: the follower alone has no crank and no slider, the others no spin-up."""
     if all(document.at(spun) is None for spun in SPIN_UP):
         return path not in SPIN_UP
     return not path.startswith(("crank.", "slider.", "tip.force")) and path != "mechanism.pivot_distance"
 
 
 def _comment(path: str, *, absent: bool) -> str:
-    """What a key means, whether it can be left out, and what it stands in place of."""
+    """The meaning of a key, whether it is optional, and the keys that it replaces."""
     wanted, key = PATHS[path], path.partition(".")[2]
     parts = ["" if wanted.meaning == key.replace("_", " ") else wanted.meaning]
     if wanted.infinity:
@@ -89,7 +89,7 @@ def _comment(path: str, *, absent: bool) -> str:
 
 
 def _default(path: str) -> str:
-    """What a key stands for that is left out; dots for the number where that is not one value."""
+    """The default value of an absent key; dots for the number if there is no single default."""
     wanted, dimension = PATHS[path], dimension_of(path)
     values = wanted.default if isinstance(wanted.default, tuple) else (wanted.default,) * (wanted.count or 1)
     if all(isinstance(value, float) and (math.isfinite(value) or (wanted.infinity and value == math.inf)) for value in values):

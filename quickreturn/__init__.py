@@ -4,7 +4,7 @@
     case = qr.case("thesis-24", {"crank.length": "5 in"})
     print(qr.simulate(case, "reference", accuracy=1e-3))
 
-The names below are what notebooks and engine authors use, and what the command line is made of. Each is imported when it is used.
+Notebooks, engine authors and the command line use the names below. Each is imported on its first use.
 """
 
 from difflib import get_close_matches

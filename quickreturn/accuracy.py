@@ -1,4 +1,4 @@
-"""Which accuracies can be asked for."""
+"""The range of accuracies that a caller may ask for."""
 
 from numbers import Real
 from typing import Final

@@ -23,10 +23,10 @@ class Advice(Shown):
         case: name of the machine.
         groups: its dimensionless groups.
         accuracy: error of the tip deflection that is wanted.
-        level: error at which methods were compared: the loosest that is as tight, or the tightest.
+        level: error at which the map compares methods: its largest one that is no larger than `accuracy`, or its smallest one.
         scene: name of the nearest scene of the map.
         steps: how far the machine is from it, in steps of the map.
-        sharpness: by how much two independent solutions of that scene differ; None where it has no second one.
+        sharpness: relative difference of two independent solutions of that scene; None if it has no second one.
         outside: sentences, each on a quantity for which the machine lies outside the map and the advice is an extrapolation.
         use: name of a time, see `cases.classes.map.TIMES` -> the fastest engine that models this machine; absent where there is none.
         reaches: what each engine reached in that scene, or its refusal of this machine.
@@ -49,7 +49,7 @@ class Advice(Shown):
         sharp = "" if self.sharpness is None else f"; two formulations agree there to {self.sharpness:.1e}"
         yield f"nearest scene of the map: {self.scene} ({self.steps:.1f} steps away){sharp}"
         yield from (f"outside the map, so this is an extrapolation: {each}" for each in self.outside)
-        yield from (f"fastest by {by}: {self.use.get(by, 'no method that is known to get there')}" for by in TIMES)
+        yield from (f"fastest by {by}: {self.use.get(by, 'no method is known to reach it')}" for by in TIMES)
         rows = [(each.engine, _time(each.solve_seconds), _time(each.waited_seconds), _remark(each)) for each in self.reaches]
         yield Rows(rows, ("engine", "solve", "wait", f"a turn of the crank in that scene, to {100.0 * self.level:g} %"))
 
@@ -62,8 +62,8 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
         accuracy: error of the tip deflection that is wanted, 1e-4 to 0.05.
 
     Raises:
-        CaseError: no such case, or a machine without a bending frequency or a turning crank, which has no place on the map.
-        ValueError: an accuracy that cannot be asked for.
+        CaseError: no such case, or a machine without a bending frequency or without a turning crank; it has no place on the map.
+        ValueError: `accuracy` is out of range.
     """
     from quickreturn.reports.long_studies import class_map
 
@@ -112,5 +112,5 @@ def _time(seconds: float | None) -> str:
 def _remark(reach: Reach) -> str:
     """The status and the remaining error of an engine that misses the level, and the reason."""
     missed = reach.solve_seconds is None
-    left = f"{100.0 * reach.error:.2g} % are left" if missed and reach.error is not None else ""
+    left = f"{100.0 * reach.error:.2g} % remains" if missed and reach.error is not None else ""
     return "; ".join(filter(None, (reach.status if missed else "", left, reach.remark)))

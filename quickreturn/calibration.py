@@ -30,18 +30,18 @@ KEYS: Final[Mapping[str, tuple[type, str]]] = {
 
 
 def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limits: "Limits | None" = None, quiet: bool = False) -> Fit:
-    """Find the parameters with which `reference` comes closest to a recorded table, and how well the table determines them.
+    """Find the parameters with which `reference` is closest to a recorded table, and how well the table determines them.
 
     Args:
-        case: a name, a path or a `Case`: all other values, and those to begin from.
-        table: a path, a DataFrame or a dictionary of arrays with units in the headings, or what `simulate` returns: from the standard
-            start, or of the steady state.
+        case: a name, a path or a `Case`, for all other values and for the first values of the search.
+        table: a path, a DataFrame or a dictionary of arrays with units in the headings, or a result of `simulate`; it begins in the
+            standard start or shows the steady state.
         free: keys of a case file, each alone, or with a range in which it lies: "tip.center_of_mass = 0 in .. 0.5 in".
-        limits: of the process that computes; None: the usual.
+        limits: time and memory limits of the process that computes; None: the default ones.
         quiet: whether nothing is told on standard error.
 
     Raises:
-        CaseError: a case, a table or a key that cannot be.
+        CaseError: an invalid case, table or key.
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
     chosen, recorded, keys = one_case(case), as_table(table), [free] if isinstance(free, str) else [*free]
@@ -71,7 +71,7 @@ def uncertainty(
         measures: names, see `qr.measures`.
         samples: number of points, a power of two.
         claims: whether every number gets the simulation's error estimate, which takes about twice as long.
-        accuracy: error of the tip deflection that is asked for; None: the engine's default.
+        accuracy: error of the tip deflection to ask for; None: the engine's default.
         jobs: processes at a time; None: one per core.
         quiet: whether nothing is told on standard error.
 
@@ -79,7 +79,7 @@ def uncertainty(
         Points, which print as a summary, with `quantiles(measure)`, `shares(measure)` (Sobol' indices) and `surrogate(measure)`.
 
     Raises:
-        CaseError: something cannot be; the sentence says what is accepted.
+        CaseError: an invalid argument; the sentence says what is accepted.
     """
     from quickreturn.cases.sweep.rows import Asked
     from quickreturn.cases.uncertainty.propagation import planned
@@ -97,7 +97,7 @@ def uncertainty(
 
 
 def _study_file(path: str) -> dict[str, Any]:
-    """`case`, `measures` and `uncertain` of a study file, dotted keys put together again. CaseError."""
+    """`case`, `measures` and `uncertain` of a study file, with dotted keys joined. CaseError: it is no study file."""
     import tomllib
 
     from quickreturn.cases.broken_toml import broken_toml

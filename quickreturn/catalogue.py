@@ -1,4 +1,4 @@
-"""Which cases and engines there are, and cases by name, by pattern, or as they are."""
+"""Lists of cases and engines, and cases by name, by pattern or as objects."""
 
 import fnmatch
 import glob
@@ -25,13 +25,13 @@ AnyCase = str | os.PathLike[str] | Case | CatalogueLine
 
 
 class Listing(Shown, tuple[T, ...]):
-    """Things that show themselves as a small table, one to a row."""
+    """A list that a terminal or notebook shows as a small table, one item to a row."""
 
     columns: Mapping[str, Callable[[T], str]]
 
     @classmethod
     def of(cls, things: Iterable[T], **columns: Callable[[T], str]) -> "Listing[T]":
-        """`columns`: head -> what a row has there."""
+        """`columns`: head -> the text of a row in that column."""
         found = cls(things)
         found.columns = columns
         return found
@@ -51,13 +51,13 @@ def case(
 
     Args:
         name: e.g. "thesis-24" or "my/scene.toml".
-        overrides: other values, as a case file has them, by dotted key: {"crank.length": "5 in"}. The name stays, as with `--set`, so
-            that results are found under it, and the title tells the changes; `Case.with_` makes a copy with a name of its own.
+        overrides: other values, as in a case file, by dotted key: {"crank.length": "5 in"}. The case keeps its name, as with `--set`, and
+            its results are found under it; the title states the changes. `Case.with_` makes a copy with another name.
         duration: s; None: that of the case.
         output_step: s, the time between two rows of a result; None: that of the case.
 
     Raises:
-        CaseError: no such case, or a mistake in the file or the overrides; the sentence names the nearest that is known.
+        CaseError: no such case, or a mistake in the file or the overrides; the sentence names the nearest known name.
     """
     if isinstance(name, Case):
         raise CaseError(name.name, None, None, "this is a case already", "change it by its method with_")
@@ -67,7 +67,7 @@ def case(
 
 
 def one_case(given: AnyCase) -> Case:
-    """A case by its name or path, or as it is. CaseError: there is none."""
+    """The case of a name or path; a `Case` is returned as it is. CaseError: there is none."""
     return given if isinstance(given, Case) else load_case(_name(given))
 
 
@@ -88,7 +88,7 @@ def list_cases(tag: str | None = None) -> Listing[CatalogueLine]:
 
 
 def list_engines() -> "Listing[About]":
-    """All engines: name, version, what their estimates are of, method, whether they can be used here or why not."""
+    """All engines: name, version, what their error estimates cover, method, and whether they can be used on this machine or why not."""
     from quickreturn.questions import about_all
 
     return Listing.of(
@@ -102,7 +102,7 @@ def list_engines() -> "Listing[About]":
 
 
 def matching(name: str) -> Sequence[str]:
-    """The cases that a name with *, ? or [...] stands for: those of the library, or else files (CaseError: none); others for themselves."""
+    """Cases of the library, or else files, that match a name with *, ? or [...] (CaseError: none does); any other name for itself."""
     if not glob.has_magic(name) or os.path.lexists(name):
         return (name,)
     found = fnmatch.filter(case_names(), name) or sorted(path for path in glob.glob(name) if path.endswith(".toml"))
@@ -112,9 +112,9 @@ def matching(name: str) -> Sequence[str]:
 
 
 def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = load_case) -> list[Case]:
-    """Cases by names, patterns or as objects, one or several, each once; `load` makes the case of a name.
+    """Cases by names, patterns or as objects, one or several, without duplicates; `load` makes the case of a name.
 
-    CaseError: see `load` and `matching`; none is given; or two have one name, so that nobody could tell them apart in what comes out.
+    CaseError: see `load` and `matching`; none is given; or two have the same name, so that their results could not be distinguished.
     """
     each = [found for one in _several(names) for found in ([one] if isinstance(one, Case) else matching(_name(one)))]
     chosen = [one if isinstance(one, Case) else load(one) for one in dict.fromkeys(each)]
@@ -128,12 +128,12 @@ def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = loa
 
 
 def _several(given: Any) -> list[Any]:
-    """What is given as one or several."""
+    """One item or several, as a list."""
     return [given] if isinstance(given, (str, os.PathLike, Case, CatalogueLine)) or not isinstance(given, Iterable) else list(given)
 
 
 def engine_given(engine: "str | AnyEngine") -> "str | AnyEngine":
-    """The same. UnknownEngine: it is neither a name nor an engine."""
+    """The argument itself. UnknownEngine: it is neither a name nor an engine."""
     from quickreturn.engines.base import Engine
     from quickreturn.engines.registry import UnknownEngine
 
@@ -147,7 +147,7 @@ def engine_given(engine: "str | AnyEngine") -> "str | AnyEngine":
 def prepared(
     cases: Sequence[Case], engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]", settings: Mapping[str, Mapping[str, str]]
 ) -> "tuple[list[str], dict[str, dict[str, str]], dict[str, list[RecordedTable]]]":
-    """Names of engines, settings of each as texts, and recorded tables by case, found out about before anything runs.
+    """Names of engines, settings of each as texts, and recorded tables by case, all checked before anything runs.
 
     Args:
         cases: that they run on.
@@ -155,8 +155,8 @@ def prepared(
         settings: see `questions.settings_of`.
 
     Raises:
-        UnknownEngine: there is none of this name; also of an engine that no other process could find.
-        SettingError, CaseError: a setting or a table that cannot be, or a case without a cycle, such as a follower alone.
+        UnknownEngine: there is no engine of this name, or another process could not find it.
+        SettingError, CaseError: an invalid setting or table, or a case without a cycle, such as a follower alone.
     """
     from quickreturn.cases.recorded import is_table, tables_of
     from quickreturn.engines.base import Engine

@@ -36,14 +36,14 @@ COMMANDS: Final = (
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
 COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 
-#: What the system says when there is no room for what is written.
+#: Errors of the system when there is no room to write.
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
-PATIENCE: Final = 3.0  # s: cleaning up takes a fraction of a second; if it hangs, another Ctrl-C is heard after this
+PATIENCE: Final = 3.0  # s after which another Ctrl-C counts; the clean-up takes a fraction of a second unless it hangs
 
 
 class CommandGroup(click.Group):
-    """Finds subcommands in `quickreturn.commands` when they are asked for."""
+    """A group that imports a subcommand from `quickreturn.commands` on its first use."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of the subcommands."""
@@ -60,7 +60,7 @@ class CommandGroup(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The subcommands, each with the first sentence of its help in full: click would cut it to one line."""
+        """Write the subcommands, each with the whole first sentence of its help: click would cut it to one line."""
         commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
         with formatter.section("Commands"):
             formatter.write_dl([(name, first_sentence(command.help or "")) for name, command in commands if command])
@@ -85,7 +85,7 @@ def _quiet_option() -> click.Option:
     def keep(context: click.Context, option: click.Parameter, given: bool) -> None:
         context.meta[QUIET] = given or context.meta.get(QUIET)
 
-    told = "Do not report progress; what is wrong or doubtful is reported all the same."
+    told = "Do not report progress; errors and doubtful values are still reported."
     return click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
 
 
@@ -110,7 +110,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code. No exception leaves this function.
     """
     before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # else it is to be ignored, or somebody else's
+    if before is signal.default_int_handler:  # otherwise it is ignored, or another program handles it
         signal.signal(signal.SIGINT, _Interrupts())
     try:
         return _answered(list(sys.argv[1:] if argv is None else argv))
@@ -125,7 +125,7 @@ def _answered(arguments: list[str]) -> int:
         with contextlib.suppress(AttributeError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
-        if instruction := os.environ.get(COMPLETION):  # the shell asks what could be typed next
+        if instruction := os.environ.get(COMPLETION):  # the shell asks for completions
             from click.shell_completion import shell_complete
 
             return shell_complete(quickreturn, {}, "quickreturn", COMPLETION, instruction)
@@ -138,8 +138,8 @@ def _answered(arguments: list[str]) -> int:
         return _interrupted(None)
     except click.ClickException as error:
         return _told(_with_help(error), ExitCode.BAD_INPUT)
-    except Exception as error:  # the last line of defence: a sentence, whatever happened
-        if isinstance(error, OSError) and error.filename is None and error.errno in FULL:  # files have names, and sentences of their own
+    except Exception as error:  # the last resort: one sentence for any error
+        if isinstance(error, OSError) and error.filename is None and error.errno in FULL:  # errors of files have sentences of their own
             _drop_output()
             return _told(f"standard output cannot be written ({os.strerror(error.errno).lower()})", ExitCode.BAD_INPUT)
         return _told_of(error)
@@ -147,7 +147,7 @@ def _answered(arguments: list[str]) -> int:
 
 
 class _Interrupts:
-    """Ctrl-C interrupts once; what comes soon after, from an impatient finger, must not disturb the cleaning up."""
+    """Ctrl-C interrupts once; another one soon after it must not disturb the clean-up."""
 
     def __init__(self) -> None:
         self._last = -math.inf
@@ -160,7 +160,7 @@ class _Interrupts:
 
 
 def _drop_output() -> None:
-    """Have what is still to be printed go nowhere, so that it does not fail again at exit."""
+    """Discard the output that is still to be printed, so that it does not fail again at exit."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -180,7 +180,7 @@ def _run(arguments: list[str]) -> int:
 def _interrupted(store: "Store | None") -> int:
     """Say what is kept and how to go on."""
     with contextlib.suppress(ValueError):  # not the main thread
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all that is left to do is to leave
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the exit remains
     if store is None:
         return _told("interrupted; nothing is kept, the same command begins anew", ExitCode.INTERRUPTED)
     count, folder = store.written, store.folder
@@ -190,7 +190,7 @@ def _interrupted(store: "Store | None") -> int:
 
 
 def _with_help(error: click.ClickException) -> str:
-    """The message; click's own ones, which begin with a capital, tell what is wrong and not what is accepted."""
+    """The message; click's own messages begin with a capital and do not say what is accepted, so the help is named."""
     message, context = error.format_message(), getattr(error, "ctx", None)
     if isinstance(error, click.NoSuchOption):
         near = f" (perhaps {error.possibilities[0]} is meant)" if error.possibilities else ""
@@ -201,7 +201,7 @@ def _with_help(error: click.ClickException) -> str:
 
 
 def _told_of(error: Exception) -> int:
-    """Print what is wrong, a line for each mistake, and choose the exit code."""
+    """Print the error, a line for each mistake, and choose the exit code."""
     if not isinstance(error, ToldError):
         return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ExitCode.ENGINE_TROUBLE)
     for mistake in error.sentences:

@@ -1,4 +1,4 @@
-"""Engines on cases in their steady state, measured, compared and held to what they claim; and the report on that."""
+"""Measures engines on cases in their steady state and compares their differences with their claims; and writes the report."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -27,20 +27,20 @@ if TYPE_CHECKING:
     from quickreturn.catalogue import AnyEngineOrTable
     from quickreturn.reports.drawing.style import Drawing
 
-#: Of a measure, in the order of the table.
+#: Fields of a measure, in the order of the table.
 _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
 
 
 class CrossValidation(Shown):
-    """What came of some engines on some cases.
+    """Results of some engines on some cases.
 
     `passed` says whether all is well, `departures` where it is not:
 
         assert found.passed, found.departures
 
     Attributes:
-        results: of each case: its runs by engine, the comparisons (`checks`), and what became of the claims.
-        notices: sentences on stored results that were damaged or could not be written.
+        results: for each case its runs by engine, the comparisons (`checks`), and the verdict.
+        notices: sentences on damaged stored results, or on results that could not be stored.
     """
 
     def __init__(self, results: Sequence[CaseResult], notices: Sequence[str] = ()) -> None:
@@ -48,22 +48,22 @@ class CrossValidation(Shown):
 
     @property
     def passed(self) -> bool | None:
-        """Whether no engine departs from another by more than both claim, and all delivered; None if nothing could be judged."""
+        """Whether all engines delivered and none departs from another by more than both claim; None if nothing could be judged."""
         judged = [passed for result in self.results if (passed := result.whole.passed) is not None]
         return all(judged) if judged else None
 
     @property
     def departures(self) -> dict[tuple[str, str, str], list[Difference]]:
-        """Case, engine and the engine or table that it departs from -> the numbers in which they differ by more than both claim.
+        """(case, engine, the engine or table that it departs from) -> the numbers that differ by more than both claim.
 
-        Each says what was measured (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
-        `its`, with `value`, `estimate` and `uncertainty`. Empty where no engine departs; `passed` is None where none could be judged.
+        Each has the measured quantity (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
+        `its`, with `value`, `estimate` and `uncertainty`. Empty if no engine departs; `passed` is None if none could be judged.
         """
         found = {result.case.name: result.whole.departures for result in self.results}
         return {(case, *pair): checks for case, pairs in found.items() for pair, checks in pairs.items()}
 
     def __getitem__(self, place: tuple[str, str]) -> Run:
-        """All that is known of an engine on a case: `runs["thesis-24", "mujoco"]`. LookupError: there is none."""
+        """The run of an engine on a case: `runs["thesis-24", "mujoco"]`. LookupError: there is none."""
         if not (isinstance(place, tuple) and len(place) == 2):
             raise LookupError(f'{as_written(place)}: give case and engine, such as ["thesis-24", "mujoco"]')
         case, name = place
@@ -74,7 +74,7 @@ class CrossValidation(Shown):
         return results[case].runs[name]
 
     def _ipython_key_completions_(self) -> list[tuple[str, str]]:
-        """What a notebook offers after `runs["`."""
+        """Completions that a notebook offers after `runs["`."""
         return [(result.case.name, engine) for result in self.results for engine in result.runs]
 
     @property
@@ -96,7 +96,7 @@ class CrossValidation(Shown):
 
     @property
     def loads(self) -> "pd.DataFrame":
-        """What the parts bear: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
+        """Loads on the parts: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
         import pandas as pd
 
         from quickreturn.reports.findings.loads import loads_of_cases
@@ -115,7 +115,7 @@ class CrossValidation(Shown):
         return framed(Trajectory(dict(columns), 0.0), case=case, engine=engine)
 
     def plot(self, *columns: str) -> "Drawing":
-        """The last cycles of all engines over each other, a row of panels for each case; without columns the tip's acceleration.
+        """Draw the last cycles of all engines over each other, a row of panels for each case; without columns the tip's acceleration.
 
         Raises:
             UnknownColumn: there is none of this name.
@@ -142,21 +142,21 @@ def run(
     jobs: int | None = None,
     quiet: bool = False,
 ) -> CrossValidation:
-    """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Results are kept as they come.
+    """Bring engines to their steady state on cases, each in a process of its own, measure and compare. Each result is stored at once.
 
     Args:
         cases: names, paths, patterns ("thesis-2*") or `Case` objects, one or several.
         engines: names, or engines that are installed, one or several; default: the four main ones. Paths of recorded tables (.csv) may
             stand among them.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
-        settings: of an engine, by its name: {"mujoco": {"links": 16}}.
+        settings: settings by engine: {"mujoco": {"links": 16}}.
         jobs: how many processes at a time; None: one per core.
-        quiet: whether nothing is shown on standard error meanwhile.
+        quiet: whether progress on standard error is left out.
 
     Raises:
-        CaseError, UnknownEngine, Refusal, SettingError: something cannot be; nothing has run then.
+        CaseError, UnknownEngine, Refusal, SettingError: an invalid argument, or a scene that an engine cannot model; nothing has run.
         StoreError: the folder of results cannot be used.
-        KeyboardInterrupt: Ctrl-C; what was computed is kept.
+        KeyboardInterrupt: Ctrl-C; finished results are kept.
     """
     chosen = loaded(cases)
     names, texts, tables = prepared(chosen, engines, given_settings(settings))
@@ -175,9 +175,9 @@ def report(
     jobs: int | None = None,
     quiet: bool = False,
 ) -> Path:
-    """Write the report on cases: a page, and its tables as CSV beside it. Results are kept as they come.
+    """Write the report on cases: a page, and its tables as CSV beside it. Each result is stored at once.
 
-    `folder` is created where it is missing; the other arguments are those of `run`.
+    `folder` is created if it is missing; the other arguments are those of `run`.
 
     Returns:
         The page.
@@ -194,7 +194,7 @@ def report(
 
 
 def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
-    """Settings by engine, as texts. SettingError: they are no such dictionary."""
+    """Settings by engine, as texts. SettingError: `settings` is not such a dictionary."""
     if not isinstance(settings or {}, Mapping):
         raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
     return {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}

@@ -1,4 +1,4 @@
-"""Trajectories as xarray datasets, whose attributes say what each variable is and how far it may be off."""
+"""Trajectories as xarray datasets; attributes give the meaning and the error estimate of each variable."""
 
 import json
 from typing import TYPE_CHECKING, Any
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 def dataset_of(solution: "Solution") -> "xr.Dataset":
     """The trajectory over its dimension `time`.
 
-    Attributes are texts and numbers alone, so that netCDF keeps them: of each variable `units`, `long_name`, `comment` and, where it is
-    known, `error_estimate`; of the whole what was simulated, by what, and what is known of its error.
+    Attributes are only texts and numbers, so that netCDF keeps them. Each variable has `units`, `long_name`, `comment` and, where it is
+    known, `error_estimate`; the dataset has the case, the engine, its settings and its accuracy.
     """
     import xarray as xr
 
@@ -30,7 +30,7 @@ def dataset_of(solution: "Solution") -> "xr.Dataset":
 
 
 def _attributes(solution: "Solution") -> dict[str, str | float]:
-    """What the whole dataset says; what is unknown is left out."""
+    """Attributes of the dataset, without unknown ones."""
     from importlib.metadata import version
 
     result = solution.result

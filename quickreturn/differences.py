@@ -1,4 +1,4 @@
-"""How far two trajectories are from each other, column by column."""
+"""Differences of two trajectories, column by column."""
 
 import math
 import os
@@ -18,10 +18,10 @@ from quickreturn.solution import Solution
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
-#: A table: a path, a DataFrame or a dictionary of arrays with units in the headings, or what `simulate` returns.
+#: A table: a path, a DataFrame or a dictionary of arrays with units in the headings, or a result of `simulate`.
 AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Trajectory | Any
 
-#: Of a time step: instants that are no farther apart are the same. Times written with five digits are rounded by less.
+#: Part of a time step: instants that are no farther apart count as the same. Times written with five digits are rounded by less.
 _SAME_INSTANT: Final = 1e-2
 
 
@@ -56,12 +56,13 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
     """The relative RMS difference of each column that both have, over the rows at the same instants. Nothing is interpolated.
 
     Args:
-        ours: what `simulate` returns, the path of a table, a DataFrame or a dictionary of arrays; units stand in the headings.
-        theirs: likewise; the differences are relative to it. A column that is zero throughout gives infinity, or 0 if it is zero in both.
+        ours: a result of `simulate`, the path of a table, a DataFrame or a dictionary of arrays; units stand in the headings.
+        theirs: likewise; the differences are relative to it. A column that is zero throughout in `theirs` gives infinity, or 0 if it is
+            zero in both.
 
     Raises:
-        CaseError: a table that cannot be read; no column in common; rows at other instants. One table may have more rows than the other,
-            between its rows and beyond them.
+        CaseError: a table cannot be read; the tables have no column in common, or rows at different instants. One table may have more rows
+            than the other, between its rows and beyond them.
     """
     mine, its = as_table(ours, "ours").columns, as_table(theirs, "theirs").columns
     names = [name for name in COLUMNS if name in mine and name in its and name != "time"]
@@ -75,10 +76,10 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
 
 
 def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
-    """Any kind of table as a recorded one, which declares its case if that is known; `name`: of one without a file.
+    """Any kind of table as a recorded table, which declares its case if it is known; `name`: that of a table without a file.
 
     Raises:
-        CaseError: it cannot be read, or is none.
+        CaseError: it cannot be read, or is not a table.
     """
     if isinstance(given, Solution):
         return table_of(given.trajectory.columns, name, given.case.name)
@@ -95,7 +96,7 @@ def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
 
 
 def _common_rows(mine: Array, its: Array) -> tuple[Places, Places]:
-    """Places of the rows at the same instants, as many in each. CaseError: where both have rows, neither has all instants of the other."""
+    """Indices of the rows at the same instants, as many in each. CaseError: where both have rows, neither has all instants of the other."""
     within = max(mine[0], its[0]), min(mine[-1], its[-1])
     near = _SAME_INSTANT * min(float(np.min(np.diff(times), initial=np.inf)) for times in (mine, its))
     rows, other_rows = (np.flatnonzero((times >= within[0] - near) & (times <= within[1] + near)) for times in (mine, its))
@@ -108,7 +109,7 @@ def _common_rows(mine: Array, its: Array) -> tuple[Places, Places]:
 
 
 def _nearest(times: Array, others: Array, near: float) -> Places:
-    """The place of each instant among the others. CaseError: one is not there."""
+    """The index of each instant among the others. CaseError: one is missing."""
     after = np.clip(np.searchsorted(others, times), 1, len(others) - 1)
     places = np.where(times - others[after - 1] < others[after] - times, after - 1, after)
     alone = np.abs(others[places] - times) > near

@@ -38,9 +38,9 @@ def modes(
         quiet: likewise.
 
     Raises:
-        CaseError, UnknownEngine, Refusal, SettingError: something cannot be.
-        EngineFailure: the engine failed, or what it returned are no natural frequencies.
-        ValueError: no numbers of degrees, or no count.
+        CaseError, UnknownEngine, Refusal, SettingError: an invalid argument, or a scene that the engine cannot model.
+        EngineFailure: the engine failed, or returned something other than natural frequencies.
+        ValueError: an invalid crank angle or count.
     """
     import numpy as np
     import pandas as pd

@@ -1,8 +1,7 @@
-"""What the command line asks of engines, each question that may load a library in a process of its own.
+"""Queries of the command line to engines. A query that may load a library runs in a process of its own.
 
-A library that crashes, prints or holds on to the interpreter then costs no more than its own answer: Ctrl-C works at once, and
-nothing but the command's own words gets to standard output. What an engine computed comes back through a pipe and is written here,
-so that a worker which is killed leaves no half file behind.
+If a library crashes, prints or blocks the interpreter, only its own answer is lost: Ctrl-C works at once, and standard output has only the
+command's own text. Results come back through a pipe and are written here, so that a killed worker leaves no incomplete file.
 """
 
 import dataclasses
@@ -24,25 +23,25 @@ if TYPE_CHECKING:
 
 
 class EngineDied(ToldError):
-    """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
+    """The process of an engine ended without an answer, or with an unexpected error; the text is one sentence."""
 
     exit_code = ExitCode.ENGINE_TROUBLE
 
 
-#: What processes import that tell of engines, those that compute.
+#: Modules that are preloaded: in processes that describe engines, and in those that run them.
 DESCRIBING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
 COMPUTING: Final = (*DESCRIBING, "quickreturn.cases.solving", "quickreturn.engines.own.simulation")
-#: In place of an engine's name, among settings: whichever runs.
+#: Stands for every engine that runs, in place of an engine's name among settings.
 ANY_ENGINE: Final = "engine"
 
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
-    """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`. What they import is decided by `get_ready`."""
+    """The outcome of each job; `limits` None: `cases.jobs.job.default_limits`. `get_ready` decides which modules they preload."""
     return answers(LocalProcesses(limits=limits, preload=DESCRIBING, quiet=quiet), jobs, title)
 
 
 def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:
-    """How each engine answers `question(name, *arguments)`; those in `here` load no library and are asked in this process."""
+    """The answer of each engine to `question(name, *arguments)`; engines in `here` load no library and answer in this process."""
     from quickreturn.engines.registry import engine_names
 
     jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
@@ -51,7 +50,7 @@ def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: 
 
 
 def value_of(outcome: Outcome[T]) -> T:
-    """What a job came to. Raises Refusal, SettingError, UnknownEngine or EngineFailure as the job did, EngineDied if it ended otherwise."""
+    """The value of a job. Raises Refusal, SettingError, UnknownEngine or EngineFailure as the job did, EngineDied if it ended otherwise."""
     if outcome.value is not None:
         return outcome.value
     from quickreturn.engines.base import EngineFailure, Refusal
@@ -64,7 +63,7 @@ def value_of(outcome: Outcome[T]) -> T:
 
 
 def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str]) -> dict[str, dict[str, str]]:
-    """Settings by engine: those for `ANY_ENGINE`, and before these its own. SettingError: of an engine that is not among those that run."""
+    """Settings by engine: those for `ANY_ENGINE`, overridden by its own. SettingError: there are some for an engine that does not run."""
     from quickreturn.engines.settings import SettingError
 
     for name, texts in settings.items():
@@ -75,11 +74,11 @@ def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str])
 
 
 def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
-    """Raises what can be known before anything runs: UnknownEngine; Refusal or SettingError of one of this project's engines."""
+    """Check an engine before anything runs. Raises UnknownEngine, or Refusal or SettingError of one of this project's engines."""
     from quickreturn.engines.registry import OWN, engine, engine_names
     from quickreturn.engines.scene import check_scene
 
-    if name in engine_names() and name not in OWN:  # it would load its library here
+    if name in engine_names() and name not in OWN:  # an engine of another package would load its library here
         return
     found = engine(name)
     found.settings_type().with_texts(dict(settings))
@@ -87,7 +86,7 @@ def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
 
 
 def check_settings(cases: "Sequence[Case]", settings: Mapping[str, Mapping[str, str]]) -> None:
-    """Find out before anything runs whether settings can be. SettingError: one that an engine does not have or take."""
+    """Check settings before anything runs. SettingError: an engine does not have a setting, or does not accept its value."""
     from quickreturn.engines.registry import engine
     from quickreturn.engines.settings import SettingError
 
@@ -102,7 +101,7 @@ def check_settings(cases: "Sequence[Case]", settings: Mapping[str, Mapping[str, 
 
 @dataclass(frozen=True, kw_only=True)
 class About:
-    """An engine: what its error estimate is of, and whether it can be used here or why not."""
+    """An engine: what its error estimate covers, and whether it can be used on this machine or why not."""
 
     name: str
     method: str
@@ -113,7 +112,7 @@ class About:
 
     @property
     def estimate(self) -> str:
-        """What its error estimate is of, in words."""
+        """What its error estimate covers, in words."""
         from quickreturn.reports.words import ESTIMATE
 
         if self.estimate_of is None:
@@ -123,7 +122,7 @@ class About:
 
 
 def about(name: str) -> About:
-    """What an engine says of itself."""
+    """The description of an engine by itself."""
     from quickreturn.engines.registry import engine
 
     found = engine(name)
@@ -133,18 +132,18 @@ def about(name: str) -> About:
 
 
 def about_all() -> list[About]:
-    """What all engines say of themselves."""
+    """The descriptions of all engines by themselves."""
     from quickreturn.engines.registry import OWN
 
     return [
-        each.value or About(name=each.job.name, method="unknown", available=False, reason=f"asked about itself, it {each.failure}")
+        each.value or About(name=each.job.name, method="unknown", available=False, reason=f"could not be queried: it {each.failure}")
         for each in asked_of_all(about, (), "engines", OWN)
     ]
 
 
 @dataclass(frozen=True)
 class Setting:
-    """A setting of an engine: name for `--set`, what is accepted, meaning."""
+    """A setting of an engine: name for `--set`, accepted values, meaning."""
 
     name: str
     accepted: str
@@ -153,14 +152,14 @@ class Setting:
 
 @dataclass(frozen=True, kw_only=True)
 class AboutSettings(About):
-    """Besides, the accuracy that the engine works to unless asked, and its settings."""
+    """An engine with its default accuracy and its settings."""
 
     default_accuracy: float
     settings: tuple[Setting, ...]
 
 
 def settings(name: str) -> AboutSettings:
-    """What an engine says of itself and its settings."""
+    """The description of an engine and of its settings by itself."""
     from quickreturn.engines.registry import engine
 
     def accepted(field: "dataclasses.Field[Any]") -> str:
@@ -175,7 +174,7 @@ def settings(name: str) -> AboutSettings:
 
 
 def model(name: str, scene: "Scene") -> "ModelDescription":
-    """What the engine builds for a scene with its default settings. Raises Refusal if it cannot."""
+    """The model that the engine builds for a scene with its default settings. Refusal: it cannot model the scene."""
     from quickreturn.engines.registry import usable_engine
     from quickreturn.engines.scene import describe_scene
 

@@ -55,23 +55,23 @@ class Resonance(Shown):
 
     @property
     def special(self) -> "pd.DataFrame":
-        """Special points: kind, value of what varies (SI), the error of locating it on the model's curve, and the claim."""
+        """Special points: kind, value of the varied quantity (SI), the error of its location on the model's curve, and the claim."""
         import pandas as pd
 
         return pd.DataFrame(map(vars, self.curve.special), columns=["kind", "value", "tolerance", "error", "reason"])
 
     @property
     def peaks(self) -> "pd.DataFrame":
-        """Peaks of the first measure: value of what varies (SI), height, order of the harmonic."""
+        """Peaks of the first measure: value of the varied quantity (SI), height, order of the harmonic."""
         import pandas as pd
 
         return pd.DataFrame(map(vars, self.curve.peaks), columns=["value", "height", "order"])
 
     def plot(self, mark: float | None = None) -> "Drawing":
-        """Each measure over what varies: stable parts as lines, unstable ones dashed, special points as marks.
+        """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks.
 
         Args:
-            mark: a value of what varies (SI) at which a machine runs; None: none.
+            mark: value of the varied quantity (SI) at which the machine runs; None: no mark.
         """
         from quickreturn.reports.drawing.curves import PANEL, WIDE
         from quickreturn.reports.drawing.resonance import draw
@@ -145,16 +145,16 @@ def resonance(
 
     Args:
         case: a name, a path or a `Case`.
-        key: of what varies, as in a case file.
-        range: its values, such as "60 rpm .. 300 rpm".
-        speed: prescribed speed of the crank where something else varies, such as "165 rpm"; None: the case's own drive.
+        key: key of the varied quantity, as in a case file.
+        range: range of its values, such as "60 rpm .. 300 rpm".
+        speed: prescribed speed of the crank if another quantity varies, such as "165 rpm"; None: the case's own drive.
         measures: what to measure, "peak.COLUMN"; peaks are those of the first.
-        accuracy: relative, of the model that is followed; None: that of `reference`.
+        accuracy: relative error of the model whose curve is followed; None: the default of `reference`.
         claims: whether the error of every point is estimated, which takes a third of the time or more.
         quiet: whether nothing is told on standard error.
 
     Raises:
-        CaseError, Refusal, ImpossibleMechanism: something cannot be.
+        CaseError, Refusal, ImpossibleMechanism: an invalid argument, or a machine without such a curve.
         EngineFailure: no periodic motion was found in the range.
     """
     chosen = one_case(case)
@@ -164,7 +164,7 @@ def resonance(
 
 
 def speed_of(text: str | None, option: str = "--speed") -> float | None:
-    """A crank speed, rad/s; None of None. CaseError: it is none, or zero."""
+    """A crank speed, rad/s; None for None. CaseError: the text is not a speed, or is zero."""
     found = None if text is None else si_value(SPEED, text, option)
     if text is not None and found == 0.0:
         raise CaseError(option, SPEED, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')

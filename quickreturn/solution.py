@@ -1,4 +1,4 @@
-"""One trajectory of one engine on one case, from the standard start, with what can be said of its errors."""
+"""One trajectory of one engine on one case, from the standard start, with its error estimates."""
 
 import os
 import warnings
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Solution(Shown):
-    """A trajectory, and how far it can be trusted.
+    """A trajectory with its error estimates.
 
     Attributes:
         case: what was simulated.
@@ -46,8 +46,8 @@ class Solution(Shown):
         version: of the library behind it.
         result: trajectory, settings, error estimates and times as the engine gave them.
         request: what was asked.
-        store: where the loads are kept.
-        stored: whether it was computed before and comes from there, with the times that it took then.
+        store: the store of the loads.
+        stored: whether it comes from the store; its times are then those of its computation.
     """
 
     case: Case
@@ -60,7 +60,7 @@ class Solution(Shown):
 
     @classmethod
     def of(cls, case: Case, request: TrajectoryRequest, answer: Answer, store: Store | None, stored: bool) -> "Solution":
-        """What an answer makes known. EngineFailure: the run broke down."""
+        """The solution of an answer. EngineFailure: the run failed."""
         chosen = found_engine(request.engine)
         found = answer.result(request, chosen)
         if isinstance(found, EngineFailure):
@@ -87,12 +87,12 @@ class Solution(Shown):
 
     @cached_property
     def loads(self) -> "Loads":
-        """What the parts bear: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
+        """Loads on the parts: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
         return answered(self.request.loads_job(self.result), self.store)[0]
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Of the engine, as they were used."""
+        """Settings of the engine in this run."""
         return self.result.settings.as_dict()
 
     @property
@@ -102,7 +102,7 @@ class Solution(Shown):
 
     @property
     def remark(self) -> str:
-        """A sentence, where not all is well."""
+        """A sentence if the run missed the accuracy or failed, otherwise empty."""
         return self.result.remark
 
     def __getitem__(self, column: str) -> "pd.Series[float]":
@@ -110,7 +110,7 @@ class Solution(Shown):
         return self.frame[known_column(column, self.trajectory.columns)]
 
     def _ipython_key_completions_(self) -> list[str]:
-        """What a notebook offers after `solution["`."""
+        """Completions that a notebook offers after `solution["`."""
         return list(self.frame.columns)
 
     def to_xarray(self) -> "xr.Dataset":
@@ -120,7 +120,7 @@ class Solution(Shown):
         return dataset_of(self)
 
     def plot(self, *columns: str) -> "Drawing":
-        """Columns over time; without any the deflection and the acceleration of the tip, the middle strain and the slider force.
+        """Draw columns over time; without any, the deflection and the acceleration of the tip, the middle strain and the slider force.
 
         Raises:
             UnknownColumn: there is none of this name.
@@ -130,15 +130,15 @@ class Solution(Shown):
         return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}")
 
     def animate(self, path: "str | os.PathLike[str]", magnify: float | None = None) -> None:
-        """Write the mechanism moving to a file .webp, its last turn, or .html, a page of its own.
+        """Write a moving picture: a .webp of the last turn, or a .html page.
 
         Args:
             path: of the file.
-            magnify: factor of the deflection in a .webp; None: a round one that shows it.
+            magnify: factor of the deflection in a .webp; None: a round factor that makes the deflection visible.
 
         Raises:
             OutputError: another ending, or it cannot be written.
-            UnknownColumn, CaseError: the engine does not tell the follower's shape; a page needs a crank.
+            UnknownColumn: the engine does not give the follower's shape. CaseError: a page needs a crank.
         """
         from quickreturn.reports.drawing.animation import moving
         from quickreturn.reports.output import check_writable, write_file
@@ -148,7 +148,7 @@ class Solution(Shown):
         write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
     def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, Cell]]:
-        """What there is to say, a name and a text or rows each.
+        """The rows of its table: a name, and a text or rows.
 
         Args:
             kept: where the table's rows are.
@@ -168,7 +168,7 @@ class Solution(Shown):
             yield self._estimates()
         if (loads := self.loads).stress is not None:
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
-        then = "; when it was computed, for it comes from the store" if self.stored else ""
+        then = " (comes from the store; times of its computation)" if self.stored else ""
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items()) + then
         yield "settings", settings_words(self.settings)
         if result.further_run_skipped:
@@ -177,9 +177,9 @@ class Solution(Shown):
             yield "remark", self.remark
 
     def _estimates(self) -> tuple[str, Rows]:
-        """Error estimates, relative and in their units: of `ESTIMATED`, and the largest of the moments and of the bearing forces.
+        """Error estimates, relative and in their units: those of `ESTIMATED`, and the largest of the moments and of the bearing forces.
 
-        Of a follower that does not bend, the first is that of the tip's place.
+        For a rigid follower the first is that of the tip's place.
         """
         from quickreturn.reports.words import ESTIMATE
 
@@ -214,23 +214,22 @@ def simulate(
     store: bool = True,
     quiet: bool = False,
 ) -> Solution:
-    """Simulate a case from its standard start, in this process; what was simulated before comes from the store of results.
+    """Simulate a case from its standard start, in this process; an earlier result comes from the store.
 
     Args:
         case: a name, a path or a `Case`.
-        engine: a name or an engine, one of your own for example.
+        engine: a name or an engine, for example one of your own.
         accuracy: relative error of the tip deflection asked for; None: the engine's default.
-        settings: of the engine, by name; they are taken as they are, and the error is estimated all the same.
-        estimate: False: make the one run and spare those that it would be compared with. Nothing is known of its error then.
-        time_limit: wall time (s) within which to answer, with what is known then: runs that could take longer are not begun, but for
-            the first. None: there is none.
-        store: False: compute it anew, and keep nothing. Nothing is kept of an engine that is not given by its name.
-        quiet: whether nothing is told on standard error while code is compiled, which happens once on a machine.
+        settings: settings of the engine, by name; they are used as they are, and the error is still estimated.
+        estimate: False: make one run without the runs for an error estimate; its error is then unknown.
+        time_limit: wall time (s) within which to answer: runs for the error estimate that could take longer are not begun. None: no limit.
+        store: False: compute it anew, and store nothing. Results of an engine that is not given by its name are not stored.
+        quiet: whether messages on standard error are left out while code is compiled, which happens once on a machine.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.
-        ValueError: an accuracy that cannot be asked for, or one without an estimate.
-        EngineFailure: the run broke down; `partial` holds the trajectory as far as it came.
+        ValueError: `accuracy` is out of range, or is given without an estimate.
+        EngineFailure: the run failed; `partial` holds the trajectory up to then.
     """
     chosen, scene = found_engine(engine), one_case(case)
     if sentence := machine_code.forgotten():
@@ -252,7 +251,7 @@ def simulate(
 
 
 def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
-    """What comes of a job in this process, and whether it was in the store. Raises as the job."""
+    """The value of a job in this process, and whether it was in the store. Raises as the job."""
     [outcome] = outcomes_of([job], "", ThisProcess(), store)
     if outcome.error is not None:
         raise outcome.error
@@ -261,7 +260,7 @@ def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
 
 
 def opened_store(tell: Callable[[str], object] = warnings.warn) -> Store | None:
-    """The store of results; None where there can be none, which is told like what is damaged in it."""
+    """The store of results; None if it cannot be used, which a message says."""
     try:
         return Store(tell=tell)
     except StoreError as error:
@@ -270,13 +269,13 @@ def opened_store(tell: Callable[[str], object] = warnings.warn) -> Store | None:
 
 
 def found_engine(engine: "str | AnyEngine") -> AnyEngine:
-    """An engine by its name, known to be usable, or as it is. UnknownEngine, Refusal: there is none, or it cannot be used here."""
+    """A usable engine by its name; an engine is returned as it is. UnknownEngine: there is none. Refusal: it cannot be used here."""
     given = engine_given(engine)
     return given if isinstance(given, Engine) else usable_engine(given)
 
 
 def framed(trajectory: Trajectory, **about: str) -> "pd.DataFrame":
-    """A trajectory as a table whose attributes hold the units and what else is given."""
+    """A trajectory as a table; its attributes hold the units and the other arguments."""
     table = trajectory.table()
     table.attrs.update(units={name: COLUMNS[name].unit for name in table.columns}, **about)
     return table

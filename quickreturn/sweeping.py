@@ -1,4 +1,4 @@
-"""Studies over grids of machines, as datasets whose variables say what they are and how far off they may be."""
+"""Studies over grids of machines, as datasets with the meaning and the error of each variable."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -23,9 +23,9 @@ from quickreturn.engines.registry import usable_engine
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Measures unless others are asked for.
+#: Default measures.
 USUAL: Final = ("peak.tip_acceleration", "multiplier")
-#: Suffix of a measure's name that names its error.
+#: Suffix of a measure's name for the variable of its error.
 ERROR: Final = ".error"
 #: Attribute of a dataset that holds the study's case file.
 FILE: Final = "case_file"
@@ -53,25 +53,25 @@ def sweep(
     """Measure the settled motion of every machine of a grid.
 
     Args:
-        case: a name, a path or a `Case`: all values that do not vary.
+        case: a name, a path or a `Case`, for all values that do not vary.
         vary: dotted key of a case file, or "engine" -> values: "60 rpm .. 300 rpm : 241", "log 1 N/m .. 1e6 N/m : 7", "0 g; 25 g; 50 g",
             a list of such texts, or numbers in SI.
         measures: names, see `measures`.
         engine: name, unless engines vary.
-        accuracy: error of the tip deflection that is asked for; None: the engine's default.
-        settings: of the engine, by name.
+        accuracy: error of the tip deflection to ask for; None: the engine's default.
+        settings: settings of the engine, by name.
         claims: whether every number gets its error estimate, which takes about twice as long.
         path: direction in which each row of points is computed, "up", "down" or "both": near a fold the motion depends on it.
         jobs: processes at a time; None: one per core.
-        workshop: where to compute and to store; None: here.
-        quiet: whether nothing is told on standard error.
+        workshop: processes and store; None: those of this machine.
+        quiet: whether progress on standard error is left out.
 
     Returns:
-        A dataset with a dimension for each key, and "path" if both ways were gone. Its variables are the measures, "status" and
+        A dataset with a dimension for each key, and "path" for both directions. Its variables are the measures, "status" and
         "sentence" of each point, and "two_motions". The error of the measure NAME, by the engine's estimate, is "NAME.error".
 
     Raises:
-        CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.
+        CaseError, UnknownEngine, Refusal, SettingError: an invalid argument; the sentence says what is accepted.
     """
     chosen = one_case(case)
     axes = tuple(_axis(key, values) for key, values in vary.items())
@@ -152,7 +152,7 @@ def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
 
     Args:
         dataset: of `sweep`, or read from its netCDF file.
-        place: a value of each key that varies: numbers in SI, or texts where the dataset has texts.
+        place: a value of each varied key: numbers in SI, or texts where the dataset has texts.
 
     Raises:
         CaseError: a key is missing, or does not vary in this study.

@@ -1,4 +1,4 @@
-"""A recorded table held against engines: what departs, by how much, and why."""
+"""A recorded table compared with engines: departures, their size, and their cause."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class TableComparison(Shown):
-    """What a table is worth beside engines, in the turn of the crank or the steady state that it shows.
+    """The comparison of a table with engines, in the turn of the crank or the steady state that it shows.
 
     Attributes:
         result: runs of the engines and of the table, and all comparisons.
@@ -36,32 +36,32 @@ class TableComparison(Shown):
 
     @property
     def run(self) -> Run:
-        """All that is known of the table: the turn that is compared, its measures, what is uncertain of them."""
+        """The table as a run: the turn that is compared, its measures and their uncertainties."""
         return self.result.recorded[self.name]
 
     @property
     def rows(self) -> tuple[Difference, ...]:
-        """Every number of the table held against an engine's: both values, by how much they differ and may differ, whether it passed."""
+        """Every number of the table compared with an engine's: both values, difference, tolerance, and whether it passed."""
         return tuple(check for check in self.result.table_checks if check.engine == self.name)
 
     @property
     def missed(self) -> tuple[Difference, ...]:
-        """Those rows in which they differ by more than the engine claims and the table's measures are uncertain."""
+        """The rows whose difference exceeds the engine's claim and the uncertainty of the table's measures."""
         return tuple(check for check in self.rows if not check.passed)
 
     @property
     def passed(self) -> bool | None:
-        """Whether no row is missed; None if nothing could be judged."""
+        """Whether no row exceeds its tolerance; None if nothing could be judged."""
         return not self.missed if self.rows else None
 
     @property
     def accuracy_class(self) -> str | None:
-        """The least of 0.1, 0.3, 1, 3 and 10 % that covers its deviation from `reference`, or "worse"; None if that did not run."""
+        """The least of 0.1, 0.3, 1, 3 and 10 % that covers its deviation from `reference`, or "worse"; None if `reference` did not run."""
         return self.result.whole.accuracy_class(self.name)
 
     @property
     def verdict(self) -> str:
-        """A sentence: what came of it."""
+        """The outcome as a sentence."""
         if not self.rows:
             return f"{self.name} could not be judged: {self.run.remark or self.result.whole.reason}"
         others = " and ".join(dict.fromkeys(check.other for check in self.missed or self.rows))
@@ -76,7 +76,7 @@ class TableComparison(Shown):
 
     @cached_property
     def explanations(self) -> dict[str, str]:
-        """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is none of this case's tables."""
+        """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is a table of another case."""
         return next((explanations(self.run, other, self.result.case) for other in self._opposite), {})
 
     @property
@@ -88,7 +88,7 @@ class TableComparison(Shown):
 
     @property
     def _opposite(self) -> list[Run]:
-        """The engines that it can be held against."""
+        """The engines that the table can be compared with."""
         return [other for other in self.result.runs.values() if self.run.usable and other.usable]
 
     def _parts(self) -> list[Cell]:
@@ -105,17 +105,17 @@ def compare(
     jobs: int | None = None,
     quiet: bool = False,
 ) -> TableComparison:
-    """Hold a table against engines in the turn of the crank or the steady state that it shows. Results are kept as they come.
+    """Compare a table with engines in the turn of the crank or the steady state that it shows. Each result is stored at once.
 
     Args:
         case: a name, a path or a `Case`.
-        table: a path, a DataFrame or a dictionary of arrays whose headings have units ("tip_deflection [mm]"; none: SI), or what `simulate`
-            returns: `time` and any columns of a trajectory.
+        table: a path, a DataFrame or a dictionary of arrays whose headings have units ("tip_deflection [mm]"; none: SI), or a result of
+            `simulate`: `time` and any columns of a trajectory.
         engines: names, or engines that are installed, one or several; default: the four main ones.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
-        settings: of an engine, by its name: {"mujoco": {"links": 16}}.
+        settings: settings by engine: {"mujoco": {"links": 16}}.
         jobs: how many processes at a time; None: one per core.
-        quiet: whether nothing is shown on standard error meanwhile.
+        quiet: whether progress on standard error is left out.
 
     Raises:
         CaseError: no such case; the table cannot be read, declares another case, or has no whole turn of the crank.
@@ -135,7 +135,7 @@ def tables_in(result: CaseResult) -> list[TableComparison]:
 
 
 def refuse_same_names(engines: Sequence[str], tables: Sequence[RecordedTable]) -> None:
-    """CaseError: two tables, or a table and an engine, have one name."""
+    """CaseError: two tables, or a table and an engine, have the same name."""
     called = [*engines, *(table.name for table in tables)]
     for name in called:
         if called.count(name) > 1:
@@ -143,7 +143,7 @@ def refuse_same_names(engines: Sequence[str], tables: Sequence[RecordedTable]) -
 
 
 def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> list[Cell]:
-    """What a person reads of the tables of a result: measures and verdicts, differences by column, and what explains them."""
+    """The text on the tables of a result: measures and verdicts, differences by column, and their explanations."""
     parts = parts_of(result)
     found = {(table, engine): shares for table in tables for engine, shares in table.differences.items()}
     if columns := dict.fromkeys(column for shares in found.values() for column in shares):

@@ -1,4 +1,4 @@
-"""What became of engines on a case, as a person reads it in a terminal or a notebook."""
+"""The results of engines on a case as text for a terminal or a notebook."""
 
 import math
 from typing import Final
@@ -10,12 +10,12 @@ from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reports.findings.loads import CaseLoads, leading_loads, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
 
-#: Departures shown of a pair of engines.
+#: Largest number of departures shown for a pair of engines.
 SHOWN: Final = 5
-#: Differences of an engine that is not judged: word and kind.
+#: Differences shown for an engine that is not judged: word and kind.
 _OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude": "amplitude", "extremes": "extreme"}
 
-#: What bears a force, or a torque, in words.
+#: Names of forces and torques in the text.
 FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_force": "at the slider", "crank_torque": "torque of the drive"}
 
 _HEADS: Final = (
@@ -24,7 +24,7 @@ _HEADS: Final = (
 
 
 def parts_of(result: CaseResult) -> list[Cell]:
-    """Rows of the engines and recorded tables, their remarks, what the parts bear, and what was judged."""
+    """Rows of the engines and recorded tables, their remarks, the loads on the parts, and the verdict."""
     whole = result.whole
     rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
     remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
@@ -35,7 +35,7 @@ def parts_of(result: CaseResult) -> list[Cell]:
 
 
 def _verdict(result: CaseResult) -> list[str]:
-    """What was judged and what came of it, and how far those engines lie from the reference that are not judged."""
+    """The verdict, and the differences from the reference of engines that are not judged."""
     lines = []
     for (engine, other), checks in result.departures.items():
         total = sum((check.engine, check.other) == (engine, other) for check in result.checks)
@@ -61,7 +61,7 @@ def _verdict(result: CaseResult) -> list[str]:
 
 
 def _borne(case: CaseLoads) -> list[str]:
-    """What the parts bear by the engine that leads, and the nearest resonance."""
+    """Loads on the parts by the leading engine, and the nearest resonance."""
     if not case.lead:
         return []
     loads = case.loads[case.lead]

@@ -1,1 +1,1 @@
-"""What people see: the command line and the report."""
+"""The report: findings from results, tables, plots and the page."""

@@ -1,10 +1,9 @@
-"""How each engine and each signal is drawn, everywhere: in the page's plots, curves and mechanism, and in pictures.
+"""The look of each engine and each signal, everywhere: in the page's plots, curves and mechanism, and in pictures.
 
-A look belongs to a name, so a method keeps its colour, dashes and mark from chart to chart. Where curves lie on each other the dashes of
-one let the others show: the reference is a broad solid line, and upon it the dashes of thesis, mujoco and exudyn have one period and end
-one behind the other, so that each shows in its own colour. Colours keep a distance from each other for colour-blind eyes, too
-(`tests/reports/test_looks.py`), and a contrast of at least 3 against the ground, on light and on dark; names are written in the colour of
-text.
+A look belongs to a name, so a method keeps its colour, dashes and mark from chart to chart. Where curves coincide, the gaps between dashes
+show the curves below: the reference is a broad solid line, and on it the dashes of thesis, mujoco and exudyn have the same period and
+alternate, so that each shows in its own colour. Colours are also distinct for colour-blind eyes (`tests/reports/test_looks.py`), and have a
+contrast of at least 3 with a light and a dark ground; names are written in the colour of text.
 """
 
 import zlib
@@ -21,7 +20,7 @@ class Look:
     dark: str  # colour on a dark ground
     width: float  # of the line, CSS pixels
     dash: tuple[float, ...] = ()  # pixels drawn and left out; empty for a solid line
-    offset: float = 0.0  # where in the dashes a line begins, pixels
+    offset: float = 0.0  # offset into the dashes at which a line begins, pixels
     order: int = 0  # of two looks the higher one lies on top
     # shape of marks: "circle", "square", "diamond", "triangle", "triangle-down", "triangle-left", "triangle-right", "pentagon",
     # "hexagon", "star", "plus" or "cross"
@@ -63,7 +62,7 @@ SIGNALS: Final = {
     "strain_3": Look(*_OLIVE, 2.6, (5.0, 5.0), order=4, marker="triangle-down"),
     "slider_force": Look(*_PURPLE, 2.6, (2.0, 4.0), order=5, marker="star"),
 }
-#: Looks of what could have made the thesis' finding, in one chart: a colour for each that moves something, marks for those that do not.
+#: Looks of possible causes of the thesis' finding, in one chart: a colour for each that has an effect, marks for those without.
 EFFECTS: Final = {
     "post-side": Look(*_VERMILION, 3.0, marker="diamond"),
     "post-side-alloy": Look(*_BROWN, 3.0, marker="diamond"),
@@ -107,8 +106,8 @@ _OTHERS: Final = (
 def looks(names: Iterable[str]) -> dict[str, Look]:
     """The look of each of some engines, signals or other names.
 
-    A name that the project does not know takes one of five looks, chosen by the name's checksum (CRC-32), or the next one that no other
-    of these names has. With more than five unknown names looks are given again.
+    A name that the project does not know gets one of five looks, chosen by the name's checksum (CRC-32), or the next one that is free. With
+    more than five unknown names looks repeat.
     """
     asked = list(dict.fromkeys(names))
     known = ENGINES | SIGNALS | EFFECTS | RESONANCE

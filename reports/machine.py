@@ -1,4 +1,4 @@
-"""The machine, the software and the time, as far as they tell how results and solve times came about."""
+"""Facts on the machine, the software and the time behind results and solve times."""
 
 import contextlib
 import datetime

@@ -1,4 +1,4 @@
-"""What somebody needs to build a case in another tool, as a text: values, conventions, the start, and what to record."""
+"""The description of a case for another tool, as a text: values, conventions, the start, and the columns to record."""
 
 import math
 import textwrap
@@ -18,9 +18,9 @@ from quickreturn.reference_model.tip_force import WHOLE
 
 #: Letters in a line of prose.
 WIDTH: Final = 110
-#: Size, in SI units, below which a number of the start is zero but for rounding.
+#: Size, in SI units, below which a number of the start is zero except for rounding.
 ROUNDING: Final = 1e-12
-#: Columns that engines give of something else than a closed mechanism, or by conventions of their own.
+#: Columns that are left out: they describe something else than a closed mechanism, or have engine-specific conventions.
 _NOT_ASKED: Final = (*LEFT_OUT, *BENDING, "base_torque", "axial_stretch", "gravity_energy", "dissipated_energy", "drive_work")
 
 
@@ -67,7 +67,7 @@ def for_other_tools(case: Case, given: str) -> str:
 
 
 def _wrapped(line: str) -> str:
-    """Prose in lines of bearable length; tables and the line of headings stay as they are."""
+    """Prose in lines of limited length; tables and the line of headings stay as they are."""
     if line.startswith(("  ", "time [", "Then: ")):
         return line
     return textwrap.fill(
@@ -76,7 +76,7 @@ def _wrapped(line: str) -> str:
 
 
 def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
-    """Section -> name, value, unit and meaning of each quantity that is not left at nothing."""
+    """Section -> name, value, unit and meaning of each quantity that is present."""
     found: dict[str, list[tuple[str, str, str, str]]] = {}
     for section, values in case.values.items():
         if section == "simulation" or (section == "slider" and case.mechanism.slider == Slider()):
@@ -103,12 +103,12 @@ def _start(mechanism: Mechanism) -> list[tuple[str, str, str]]:
 
 
 def _gap(mechanism: Mechanism, pace: float) -> float:
-    """How far apart rows may be, s: for the turn, and for the first mode."""
+    """Largest time between rows, s: for the turn, and for the first mode."""
     scale = time_scale(mechanism)
     shortest = 1.0 / float(scale.frequencies(TURN)[:, 0].max()) if scale else math.inf
     return min(LARGEST_GAP * 2.0 * math.pi / pace if pace > 0.0 else math.inf, shortest / ROWS_PER_PERIOD)
 
 
 def _value(number: Any) -> str:
-    """Digits that give the same number back."""
+    """The digits that read back as the same number."""
     return ", ".join(map(_value, number)) if isinstance(number, (list, tuple)) else repr(float(number))

@@ -1,4 +1,4 @@
-"""What goes out: files written whole or not at all, JSON that any reader takes, and rows in a terminal."""
+"""Output: files written as a whole or not at all, standard JSON, and rows in a terminal."""
 
 import dataclasses
 import json
@@ -24,12 +24,12 @@ class OutputError(ToldError):
 
 
 def check_writable(path: Path, keep: str, *endings: str) -> None:
-    """Find out now whether a file can be written later, and whether what is written will be what its name says.
+    """Check beforehand that a file can be written, and that its ending names the format.
 
     Args:
         path: of the file.
-        keep: path of a file that must not be replaced; there need not be one.
-        endings: of the names accepted, e.g. ".csv", in small or capital letters; devices and pipes may have any name.
+        keep: path of a file that must not be replaced, if any.
+        endings: accepted endings, e.g. ".csv", in small or capital letters; devices and pipes may have any name.
 
     Raises:
         OutputError: the folder is missing or cannot be written to, the path is a folder or the file to keep, or has another ending.
@@ -55,10 +55,10 @@ def check_writable(path: Path, keep: str, *endings: str) -> None:
 
 
 def check_folder(folder: Path, page: str) -> None:
-    """Find out now whether a file can be written to a folder later, and create the folder.
+    """Check beforehand that a file can be written to a folder, and create the folder.
 
     Raises:
-        OutputError: it is a file, or cannot be created or written to; or the page's name is that of a folder in it.
+        OutputError: `folder` is a file, or cannot be created or written to; or it has a folder with the page's name.
     """
     target = _resolved(folder)
     try:
@@ -74,7 +74,7 @@ def check_folder(folder: Path, page: str) -> None:
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write a file so that it is there in full or as it was before; devices and pipes are written to directly.
+    """Write a file completely or leave the old one; devices and pipes are written to directly.
 
     Raises:
         OutputError: it cannot be written.
@@ -98,7 +98,7 @@ def print_json(document: Any) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Only what JSON knows: dataclasses become objects, numpy's numbers and arrays plain ones, infinity the text "inf", NaN null."""
+    """A value for JSON: dataclasses become objects, numpy's numbers and arrays plain ones, infinity the text "inf", NaN null."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         value = vars(value)
     if isinstance(value, Mapping):
@@ -118,7 +118,7 @@ def print_table(rows: Iterable[Sequence[Cell]], heads: Sequence[str] = ()) -> No
 
 
 def _resolved(path: Path) -> Path:
-    """The file behind symbolic links: replacing the link instead of the file would surprise."""
+    """The file behind symbolic links, so that the file is replaced and not the link."""
     try:
         os.fsencode(path)
         return path.resolve()
@@ -130,7 +130,7 @@ def _resolved(path: Path) -> Path:
 
 
 def _is_special(path: Path) -> bool:
-    """Whether this is a device or a pipe, which must be written to and not replaced."""
+    """Whether a path is a device or a pipe, which must be written to and not replaced."""
     try:
         return not stat.S_ISREG(os.stat(path).st_mode)
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""The report: engines on cases, studies and tables, put together into one page with its CSV files beside it."""
+"""Computes a report: engines on cases, studies and tables, on one page with its CSV files beside it."""
 
 import contextlib
 import csv
@@ -37,13 +37,13 @@ from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import verification as stored_verification
 
 PAGE: Final = "index.html"
-#: The list of all CSV files, by which the next report in the same folder knows which files are an earlier report's.
+#: The list of all CSV files: from it the next report in the same folder knows the files of an earlier report.
 CATALOGUE: Final = "tables.csv"
 
 
 @dataclass(frozen=True)
 class Written:
-    """What a report left behind: the page, and what is in it."""
+    """A written report: the page and its content."""
 
     page: Path
     content: Content
@@ -51,12 +51,12 @@ class Written:
 
     @property
     def unusable(self) -> list[tuple[str, Run]]:
-        """Recorded tables that cannot be held against the steady state, with their cases."""
+        """Recorded tables that cannot be compared in the steady state, with their cases."""
         return [(result.case.name, run) for result in self.content.results for run in result.recorded.values() if not run.usable]
 
     @property
     def incomplete(self) -> list[tuple[str, Run]]:
-        """Runs that an engine did not complete. Studies change a case on purpose: what they cannot make is told in the page."""
+        """Runs that an engine did not complete. Studies change a case on purpose, so the page reports their failures instead."""
         return [(case, run) for case, run in self.content.troubles if run.ending.incomplete]
 
     @property
@@ -78,15 +78,15 @@ def write_report(
 
     Args:
         cases: at least one.
-        folder: where it goes; it is created, and found out about before anything runs (see `reports.output.check_folder`).
-        workshop: where results are computed and kept.
-        engines: names.
-        tables: case -> what was recorded of it, beside the recordings of the experiment.
+        folder: folder of the page; it is created and checked before anything runs (see `reports.output.check_folder`).
+        workshop: processes and store.
+        engines: names of engines.
+        tables: case -> its recorded tables, besides the recordings of the experiment.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
-        settings: of an engine, by its name: setting -> value as text.
+        settings: engine -> setting -> value as text.
 
     Raises:
-        CaseError: a recorded table that cannot be read or is not of its case; nothing has been computed then.
+        CaseError: a recorded table cannot be read or is not of its case; nothing has been computed.
         OutputError: page or tables cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
@@ -113,7 +113,7 @@ def write_report(
 
 
 def write(content: Content, folder: Path) -> Written:
-    """Write page and tables, and remove tables of an earlier report in the same folder that this one does not have.
+    """Write page and tables, and remove tables of an earlier report in the same folder that are not in this one.
 
     Raises:
         OutputError: something cannot be written.
@@ -125,13 +125,13 @@ def write(content: Content, folder: Path) -> Written:
         write_file(folder / table.file, table.csv().encode())
     write_file(folder / PAGE, report_page(content, chapters).encode())
     for name in stale:
-        with contextlib.suppress(OSError):  # what cannot be removed stays: it is not linked from the page
+        with contextlib.suppress(OSError):  # a file that cannot be removed stays: the page does not link it
             (folder / name).unlink()
     return Written(folder / PAGE, content, tables)
 
 
 def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
-    """The verdicts that are stored, and those of record for other engines."""
+    """The stored verdicts, and the recorded ones for other engines."""
     found = {name: workshop.stored(conformance.job(name)) for name in engines}
     values = {name: outcome.value for name, outcome in found.items() if outcome is not None and outcome.value is not None}
     own = {name: long_studies.ConformanceRow.of(value, engine(name).version()).words for name, value in values.items()}
@@ -139,7 +139,7 @@ def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
 
 
 def _thesis_modes(example: CaseResult | None, workshop: Workshop) -> tuple[ThesisModes | None, list[str]]:
-    """What is known of the example run with its crank held, and why nothing is, if it could not be computed."""
+    """Frequencies of the example run with its crank held, and the reason if they could not be computed."""
     if example is None:
         return None, []
     job = Job("frozen crank", thesis_modes, (example.case.mechanism,), kind="frozen crank", code=("quickreturn.cases.thesis_modes",))
@@ -150,14 +150,14 @@ def _thesis_modes(example: CaseResult | None, workshop: Workshop) -> tuple[Thesi
 
 
 def _studied(cases: Sequence[Case]) -> bool:
-    """Whether the report is about all runs that the studies are about."""
+    """Whether the report contains all runs of the studies."""
     return ACCURACY_CASE in {case.name for case in cases if case.source == "library"}
 
 
 def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
-    """The studies of a report on all runs that they are about; of other cases what was measured of them last.
+    """The studies of a report on all their runs; for other cases the latest measurements.
 
-    Where none of one's own are stored, those of record are taken.
+    If none of the user's own are stored, the recorded ones are used.
     """
     if not _studied(cases):
         return {"benchmarks": [table for case in cases if (table := stored(case, workshop))]}

@@ -1,7 +1,7 @@
-"""Results of the long verification, as it leaves them in the store's folder for the report.
+"""Results of the long verification for the report, from the store's folder.
 
 The file `verification.json` holds {"code": fingerprint of the code, "date": text, "chapters": [{"title", "text", "columns": [text],
-"rows": [[text or number or null]]}]}. It is shown as long as the code is what it was made with.
+"rows": [[text or number or null]]}]}. The report shows it as long as the code is unchanged.
 """
 
 import json
@@ -12,13 +12,13 @@ from typing import Any, Final
 from quickreturn.cases.jobs.key import code_fingerprint
 
 FILE: Final = "verification.json"
-#: What the verification verifies.
+#: The code that the verification depends on.
 PARTS: Final = ("reference_model", "engines", "cases")
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What is there to show: `chapters` as described above, or why there are none."""
+    """The stored verification: `chapters` as described above, or why there are none."""
 
     chapters: tuple[dict[str, Any], ...] = ()
     date: str = ""
@@ -26,7 +26,7 @@ class Verification:
 
 
 def verification(folder: Path) -> Verification:
-    """What the store's folder has to tell."""
+    """The verification in the store's folder."""
     try:
         document = json.loads((folder / FILE).read_text("utf-8"))
         found = Verification(tuple(document["chapters"]), document["date"])

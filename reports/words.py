@@ -1,4 +1,4 @@
-"""Numbers and names as the report writes them."""
+"""Texts of numbers and names in the report."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from quickreturn.reports.findings.runs import run_number
 MINUS: Final = "−"
 #: A blank at which no line breaks.
 TIED: Final = "\N{NO-BREAK SPACE}"
-#: Powers of ten within which numbers are written without one.
+#: Range of powers of ten in which numbers are written without an exponent.
 LEAST, GREATEST = -3, 6
 RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 HALF: Final = {"pre": "pre-return", "post": "post-return"}
@@ -23,7 +23,7 @@ QUANTITY: Final = {
     "maximum": "maximum",
 }
 
-#: What an engine's error estimate is of (`engines.base.EstimateOf`): its name, and what stands beside the number.
+#: What an engine's error estimate covers (`engines.base.EstimateOf`): its name, and the remark beside the number.
 ESTIMATE: Final = {
     "total": ("error estimate", ""),
     "integration": ("integration error", "model error not estimated, see `run`"),
@@ -32,14 +32,14 @@ ESTIMATE: Final = {
 
 
 def number(value: float, form: str) -> str:
-    """A number in the page: a true minus sign, no negative zero, words for what is no number, powers of ten as people write them."""
+    """A number in the page: true minus sign, no negative zero, words for NaN and infinity, powers of ten in superscript."""
     if math.isnan(value):
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else f"{MINUS}∞"
     text = _without_exponent(format(value, form))
     if text[0] in "+-" and not any(digit in text for digit in "123456789"):
-        text = text[1:]  # -0.00 is no less and +0.00 no more than 0.00
+        text = text[1:]  # -0.00 and +0.00 are 0.00
     return text.replace("-", MINUS)
 
 
@@ -56,7 +56,7 @@ def _without_exponent(text: str) -> str:
 
 
 def within_turn(degrees: float) -> float:
-    """A crank angle as people are shown it, from 0 to 360 degrees: 451 is 91."""
+    """A crank angle within one turn, from 0 to 360 degrees: 451 is 91."""
     return degrees if 0.0 <= degrees <= 360.0 else degrees % 360.0
 
 
@@ -66,7 +66,7 @@ def angle_text(degrees: float) -> str:
 
 
 def settings_words(settings: Mapping[str, Any]) -> str:
-    """Settings as "modes 5, tolerance 1e-7": numbers as one would type them."""
+    """Settings as "modes 5, tolerance 1e-7", with numbers as in a command."""
     texts = {name: f"{value:g}".replace("e-0", "e-") if isinstance(value, float) else str(value) for name, value in settings.items()}
     return ", ".join(f"{name.replace('_', ' ')} {text}" for name, text in texts.items())
 
@@ -78,7 +78,7 @@ def duration(seconds: float) -> str:
 
 
 def cost(value: float | None) -> str:
-    """Seconds, or seconds for one simulated: two decimals, below one two figures."""
+    """Seconds, or seconds per simulated second: two decimals, below one two figures."""
     return "–" if value is None else number(value, ".2g" if value < 1.0 else ".2f")
 
 
@@ -113,14 +113,14 @@ def per_unit(unit: str) -> float:
 
 
 def quantity(value: float, unit: str) -> str:
-    """A number in SI units as it is written in a unit, to four figures: "35.70 MPa"."""
+    """A number in SI units written in a unit, to four figures: "35.70 MPa"."""
     scaled = value * per_unit(unit)
     places = min(6, max(0, 3 - math.floor(math.log10(abs(scaled))))) if scaled else 0
     return f"{number(scaled, f'.{places}f')}{TIED}{unit}"
 
 
 def off_by(error: float, value: float) -> str:
-    """By how much of itself a number may be off: "± 0.2 %"; what is less than 0.01 % is told as that."""
+    """The relative error of a number: "± 0.2 %"; less than 0.01 % is written as such."""
     share = abs(error / value) if value else 0.0
     return f"±{TIED}{size(share)}" if share >= 1e-4 else f"off by less than 0.01{TIED}%"
 
@@ -152,7 +152,7 @@ def case_label(name: str) -> str:
 
 
 def place(case: str, half: str, channel: str | None) -> str:
-    """Where a number is from: "run 24, pre-return, strain 2"."""
+    """The origin of a number: "run 24, pre-return, strain 2"."""
     return f"{case_label(case)}, {HALF[half]}, {channel_name(channel)}"
 
 

@@ -1,6 +1,6 @@
-"""What it takes to make an engine's machine code: once on a machine, and to load it in every new process.
+"""Times to compile an engine's machine code, once on a machine, and to load it, in every new process.
 
-An engine's first output step is timed in two processes, one after the other, that share a folder for machine code which is empty at first.
+An engine's first output step is timed in two processes, one after the other. They share a folder for machine code that is empty at first.
 """
 
 import os
@@ -29,12 +29,12 @@ class Compiling:
     """Wall times, s, of the first output step of an engine whose code is compiled."""
 
     engine: str
-    compile_seconds: float  # where no code is there
-    load_seconds: float  # where another process has left it
+    compile_seconds: float  # without compiled code
+    load_seconds: float  # with the code of another process
 
 
 def compiling(workshop: Workshop, names: Sequence[str]) -> list[Compiling]:
-    """Of those engines among `names` that compile code. KeyboardInterrupt: Ctrl-C; what was measured is stored."""
+    """The times of engines among `names` that compile code. KeyboardInterrupt: Ctrl-C; finished measurements are stored."""
     jobs = [
         Job(f"compiling {name}", measured, (name,), "compiling", (name,), ("quickreturn.cases.benchmark",))
         for name in names

@@ -1,4 +1,4 @@
-"""What a benchmark says: which points no other beats, who is fastest at an accuracy, and how fast errors fall."""
+"""Findings of a benchmark: the Pareto front, the fastest method for an accuracy, and the orders of errors."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,23 +12,23 @@ LEVELS: Final = (1e-2, 1e-3, 1e-4)
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """What was measured of a point that completed; times in s."""
+    """Measurements of a completed point; times in s."""
 
     degrees_of_freedom: int
-    errors: dict[str, float | None]  # of each column, relative; None where it is zero throughout
+    errors: dict[str, float | None]  # relative error of each column; None if the column is zero throughout
     solve_seconds: float  # the least
     solve_seconds_median: float
     solve_seconds_largest: float
     repetitions: int
     setup_seconds: float  # the least
-    statistics: dict[str, float]  # of the engine, and what the joint lets through
-    calls_per_period: float | None  # right-hand sides in a period of the highest mode kept; None of other methods than the reference
-    # setting up and solving the other runs that the engine's error estimate needs; None where not measured, or where there is no estimate
+    statistics: dict[str, float]  # statistics of the engine, and errors of the joint
+    calls_per_period: float | None  # right-hand sides in a period of the highest mode; None for methods other than the reference
+    # set-up and solve time of the other runs for the engine's error estimate; None if not measured, or if there is no estimate
     estimate_seconds: float | None = None
 
     @property
     def waited_seconds(self) -> float | None:
-        """What one waits for, once the code is compiled: setting up, solving and estimating the error; None without the last."""
+        """Waiting time with compiled code: set-up, solution and error estimate; None if the estimate was not timed."""
         return None if self.estimate_seconds is None else self.setup_seconds + self.solve_seconds + self.estimate_seconds
 
 
@@ -39,12 +39,12 @@ class Point:
     method: str  # name of the engine or of a variant
     engine: str
     settings: dict[str, Any]
-    changing: dict[str, Any]  # those settings that the method's ladder changes
+    changing: dict[str, Any]  # the settings that change along the method's ladder
     status: str  # "completed", or why not
     measured: Measured | None = None
 
     def error(self, column: str = "tip_deflection") -> float | None:
-        """Error of a column, see `error_of`; None of a point that did not complete."""
+        """Error of a column, see `error_of`; None if the point did not complete."""
         return None if self.measured is None else error_of(self.measured.errors, column)
 
 
@@ -56,12 +56,12 @@ def error_of(errors: Mapping[str, float | None], column: str = "tip_deflection")
 
 
 def completed(points: Iterable[Point]) -> list[tuple[Point, Measured]]:
-    """The points that completed, with what was measured of them."""
+    """The completed points with their measurements."""
     return [(point, point.measured) for point in points if point.measured is not None]
 
 
 def pareto_front(points: Sequence[Point], column: str = "tip_deflection") -> list[Point]:
-    """The points that no other beats in both solve time and error of a column, fastest first."""
+    """The points that no other point beats in both solve time and error of a column, fastest first."""
     front: list[Point] = []
     least = np.inf
     done = [(measured.solve_seconds, error, point) for point, measured in completed(points) if (error := point.error(column)) is not None]
@@ -73,7 +73,7 @@ def pareto_front(points: Sequence[Point], column: str = "tip_deflection") -> lis
 
 
 def fastest_at(points: Sequence[Point], level: float) -> dict[str, tuple[Point, Measured]]:
-    """Of each method that reaches an error of the tip deflection of at most `level`, its fastest point that does; fastest first."""
+    """The fastest point of each method with an error of the tip deflection of at most `level`; fastest method first."""
     best: dict[str, tuple[Point, Measured]] = {}
     for point, measured in sorted(completed(points), key=lambda found: found[1].solve_seconds):
         error = point.error()
@@ -83,7 +83,7 @@ def fastest_at(points: Sequence[Point], level: float) -> dict[str, tuple[Point, 
 
 
 def soonest_at(points: Sequence[Point], level: float) -> list[tuple[str, float]]:
-    """The methods of `fastest_at` whose error estimate was timed, with what one waits for (s); soonest first."""
+    """The methods of `fastest_at` whose error estimate was timed, with their waiting time (s); the least first."""
     waited = [(name, measured.waited_seconds) for name, (_, measured) in fastest_at(points, level).items()]
     return sorted(((name, seconds) for name, seconds in waited if seconds is not None), key=lambda found: found[1])
 
@@ -91,7 +91,7 @@ def soonest_at(points: Sequence[Point], level: float) -> list[tuple[str, float]]
 def observed_order(points: Sequence[Point], method: str) -> float | None:
     """Slope of -log(error) of the tip deflection over log(degrees of freedom), by least squares over a method's completed points.
 
-    None where fewer than three numbers of degrees of freedom completed. Of several points with the same number, that of the least error
+    None if fewer than three numbers of degrees of freedom completed. Of several points with the same number the one with the least error
     counts: the others differ in the time step.
     """
     least: dict[int, float] = {}

@@ -1,8 +1,8 @@
 """One scene: error and solve time of every method over its ladder of settings, against a solution that a second engine confirms.
 
-One process, pinned to one processor; the repetitions of all points are interleaved, so that a drift of the machine's speed meets all
-of them alike. Times are solve times as measured: nothing is scaled. Points that fail, and those that were not tried, stay in the table.
-What an engine does to its process it would do to this one: see `cases.benchmark.scenes.measure`, which finds out who it was.
+One process, pinned to one processor; the repetitions of all points are interleaved, so that a drift of the machine's speed affects all of
+them alike. Times are solve times as measured, without scaling. Points that failed or were not tried stay in the table. An engine that
+crashes ends this process: `cases.benchmark.scenes.measure` finds out which engine it was.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
-#: Repetitions of a point at most, and the solve time (s) that the repetitions of one point may take together.
+#: Largest number of repetitions of a point, and the largest sum (s) of their solve times.
 REPETITIONS: Final = 5
 BUDGET: Final = 4.0
 #: Solve time (s) beyond which the finer settings of a method are not tried.
@@ -44,13 +44,13 @@ class Benchmark:
     case: str  # its name
     title: str  # its title
     duration: float  # s
-    truth: Converged  # what errors are measured against
-    confirmation: Confirmation  # how far that can be trusted
+    truth: Converged  # the solution that defines errors
+    confirmation: Confirmation  # its confirmation by a second solution
     points: tuple[Point, ...]  # one for each method and settings
-    repetitions: int  # of a point at most
+    repetitions: int  # largest number of repetitions of a point
     longest: float  # solve time (s) beyond which the finer settings of a method were not tried
     machine: dict[str, str]  # processor, system and versions
-    # engine -> why it was left out: it died, was stopped at a limit or cannot be used here
+    # engine -> why it was left out: it died, was stopped at a limit or cannot be used on this machine
     failures: dict[str, str] = field(default_factory=dict)
 
 
@@ -72,7 +72,7 @@ def benchmark(
 
     Raises:
         UnknownEngine: no engine has this name.
-        EngineFailure: the solution to measure against cannot be computed.
+        EngineFailure: the solution that defines errors cannot be computed.
         Refusal: likewise.
     """
     points = [Attempt(method, settings) for method in methods(names, case) for settings in method.ladder]
@@ -106,7 +106,7 @@ def benchmark(
 def _with_estimates(
     case: Case, attempts: Sequence["Attempt"], points: Sequence[Point], announce: Callable[[str], None]
 ) -> tuple[Point, ...]:
-    """The points; those that are a method's fastest to an error at which methods are compared with the time that their estimate takes."""
+    """The points; a method's fastest point to an error at which methods are compared also has the time of its error estimate."""
     chosen = {id(point) for level in LEVELS for point, _ in fastest_at(points, level).values()}
     found = []
     for attempt, point in zip(attempts, points, strict=True):
@@ -118,7 +118,7 @@ def _with_estimates(
 
 
 def pinned(case: Case, names: Sequence[str], repetitions: int) -> Benchmark:
-    """The same, with the process held on one processor from now on; its output tells who is at work, see `last_at_work`."""
+    """As `benchmark`, with the process pinned to one processor; its output names the engine at work, see `last_at_work`."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     began = time.monotonic()
@@ -130,7 +130,7 @@ def pinned(case: Case, names: Sequence[str], repetitions: int) -> Benchmark:
 
 
 def last_at_work(output: str) -> tuple[str | None, float]:
-    """The engine that was at work when a process in `pinned` ended, by the process' output, and since when (s); (None, 0): none yet."""
+    """The engine at work when a process in `pinned` ended, by the process' output, and the time (s) when it began; (None, 0): none yet."""
     announced = [line.removeprefix(_AT_WORK).split(" ", 1) for line in output.splitlines() if line.startswith(_AT_WORK)]
     return (announced[-1][1], float(announced[-1][0])) if announced else (None, 0.0)
 
@@ -146,12 +146,12 @@ def _machine(names: Sequence[str]) -> dict[str, str]:
 
 
 def seconds_of(runs: Iterable[Made]) -> float:
-    """What setting up and solving some runs takes, s; parts that were kept from an earlier run count as often as they are used."""
+    """Time to set up and solve some runs, s; parts kept from an earlier run count each time they are used."""
     return sum(made.simulation.setup_seconds + made.trajectory.solve_seconds for made in runs)
 
 
 class Attempt:
-    """A method with one set of settings: its repeated runs of a case, and what was measured of them.
+    """A method with one set of settings: its repeated runs of a case, and their measurements.
 
     Attributes:
         status: "" before the first run, `COMPLETED`, or why there is no result.
@@ -165,12 +165,12 @@ class Attempt:
         self.trajectory: Trajectory | None = None
 
     def warm_up(self, case: Case) -> None:
-        """A step of output, so that no time below counts what is done but once: compiling, loading, the first touch of memory."""
-        with contextlib.suppress(EngineFailure, Refusal, SettingError):  # what is wrong shows when it counts
+        """Run one output step, so that no time below contains compilation, loading or the first use of memory."""
+        with contextlib.suppress(EngineFailure, Refusal, SettingError):  # errors show in the timed runs
             run_once(self.method.engine, case.mechanism, standard_start(case.mechanism), case.output_step, case.output_step, self.settings)
 
     def repeat(self, case: Case, repetition: int) -> None:
-        """One more time (`repetition` 0 is the first), unless it has failed or its repetitions have taken long enough."""
+        """Run once more (`repetition` 0 is the first), unless it has failed or its repetitions have taken long enough."""
         if self.status not in ("", COMPLETED):
             return
         if repetition and sum(self.times) + min(self.times) > BUDGET:
@@ -185,9 +185,9 @@ class Attempt:
         self.setup.append(made.simulation.setup_seconds)
 
     def estimate_seconds(self, case: Case) -> float | None:
-        """What setting up and solving the other runs takes that the error estimate of a run with these settings needs, s.
+        """Time to set up and solve the other runs for the error estimate with these settings, s.
 
-        None where there is no estimate.
+        None if there is no estimate.
         """
         start, texts = standard_start(case.mechanism), as_texts(self.settings.as_dict())
         try:
@@ -199,7 +199,7 @@ class Attempt:
         return seconds_of(made for settings, made in found.runs.items() if settings != found.settings)
 
     def told(self, case: Case, truth: Trajectory) -> Point:
-        """What was measured, with the errors against `truth`."""
+        """The measurements, with errors against `truth`."""
         return Point(
             method=self.method.name,
             engine=self.method.engine.name,
@@ -225,7 +225,7 @@ class Attempt:
         )
 
     def _calls_per_period(self, case: Case, statistics: Mapping[str, float]) -> float | None:
-        """Right-hand sides per period of the highest mode that `reference` keeps, at the start's crank angle; None of other methods."""
+        """Right-hand sides per period of the highest mode that `reference` keeps, at the start's crank angle; None for other methods."""
         modes, calls = self.settings.as_dict().get("modes"), statistics.get("right_hand_side_calls")
         if self.method.engine.name != "reference" or modes is None or calls is None or case.mechanism.follower.is_rigid:
             return None
@@ -234,7 +234,7 @@ class Attempt:
 
 
 def _joint(trajectory: Trajectory) -> dict[str, float]:
-    """What the joint lets through: the largest gap in m, and spurious work over the drive's, where there are such columns."""
+    """Errors of the joint: the largest gap in m, and the spurious work over the drive's, if there are such columns."""
     found: dict[str, float] = {}
     columns = trajectory.columns
     if "constraint_gap" in columns:

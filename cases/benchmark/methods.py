@@ -19,21 +19,21 @@ VARIANTS: Final[Mapping[str, tuple[tuple[str, Mapping[str, str]], ...]]] = {
 
 @dataclass(frozen=True)
 class Method:
-    """A method: its name (that of its engine, or of a variant), the engine, and settings from coarse to fine."""
+    """A method: its name (that of its engine, or of a variant), the engine, and its settings from coarse to fine."""
 
     name: str
     engine: AnyEngine
     ladder: tuple[Settings, ...]
 
     def changing(self, settings: Settings) -> dict[str, Any]:
-        """Those of the settings that differ somewhere on the ladder; all of them where it has but one rung."""
+        """The settings that differ on the ladder; all settings if it has only one rung."""
         values = settings.as_dict()
         rungs = [rung.as_dict() for rung in self.ladder]
         return {name: value for name, value in values.items() if len(rungs) < 2 or any(rung[name] != rungs[0][name] for rung in rungs)}
 
 
 def methods(names: Sequence[str], case: Case) -> list[Method]:
-    """All methods of some engines; of an engine that cannot be used here, one with an empty ladder.
+    """All methods of some engines; an engine that cannot be used on this machine has one method with an empty ladder.
 
     Raises:
         UnknownEngine: no engine has this name.

@@ -24,7 +24,7 @@ ENGINES: Final = (*MAIN, *RIVALS)
 
 
 def stored(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES) -> Benchmark | None:
-    """The result that was measured last with this code and these libraries, or None."""
+    """The latest result with this code and these libraries, or None."""
     found = workshop.stored(_job(case, names, ()))
     return None if found is None else found.value
 
@@ -32,11 +32,11 @@ def stored(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES) -> Be
 def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS) -> Benchmark:
     """Measure engines (names) anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
 
-    An engine that dies, or is stopped at the executor's limits, is left out and the others are measured once more; such a result is not
-    stored. The time limit stands for each engine. The least time of the repetitions of a run counts.
+    An engine that dies, or is stopped at the executor's limits, is left out, and the others are measured again; such a result is not
+    stored. The time limit is for each engine. The least time of the repetitions of a run counts.
 
     Raises:
-        EngineFailure, Refusal: the solution to measure against cannot be computed, or the process ended without an answer.
+        EngineFailure, Refusal: the solution that defines errors cannot be computed, or the process ended without an answer.
         KeyboardInterrupt: Ctrl-C.
     """
     limits, failures = workshop.executor.limits, tried(case, workshop.executor, names)
@@ -64,10 +64,10 @@ def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repe
 
 
 def tried(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str]:
-    """Engines that must not be let into the process in which all are measured, with the reason.
+    """Engines that must not run in the common process, with the reason.
 
-    Each is tried with its coarsest settings in a process of its own. One that fails with words of its own is not among them: that is a
-    result, and stays in the table.
+    Each engine is tried with its coarsest settings in a process of its own. An engine that reports its own failure is not among them: that
+    is a result, and stays in the table.
     """
     failures = {}
     for outcome in answers(executor, [Job(name, _try, (case, name)) for name in names], "trying the engines"):
@@ -79,7 +79,7 @@ def tried(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str
 
 
 def _try(case: Case, name: str) -> str:
-    """Run the coarsest settings; why the engine cannot be used here, "" if it can."""
+    """Run the coarsest settings; return why the engine cannot be used here, "" if it can."""
     for method in methods([name], case)[:1]:
         if method.ladder:
             run_once(method.engine, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, method.ladder[0])
@@ -87,6 +87,6 @@ def _try(case: Case, name: str) -> str:
 
 
 def _job(case: Case, names: Sequence[str], arguments: tuple[Any, ...]) -> Job[Benchmark]:
-    """The measurement of a scene, told apart by scene and engines alone: not by how often or how far it is measured."""
+    """The measurement of a scene. Its key contains only scene and engines, not the number of repetitions or the limit of time."""
     inputs = (case.mechanism, case.duration, case.output_step)
     return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=("quickreturn.cases.benchmark",), inputs=inputs)

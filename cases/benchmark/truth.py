@@ -1,4 +1,4 @@
-"""The truth of a scene: the solution that errors are measured against, and those that confirm it."""
+"""The truth of a scene: the solution that defines errors, and the solutions that confirm it."""
 
 import math
 from collections.abc import Mapping
@@ -14,15 +14,15 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 
-#: Engine and settings of the truth. They leave 2e-5 of the tip deflection to nine modes in run 24, and fewer modes err more.
+#: Engine and settings of the truth. In run 24 it differs from nine modes by 2e-5 of the tip deflection; fewer modes have larger errors.
 TRUTH: Final = ("reference", {"modes": "13", "tolerance": "1e-10"})
-#: Engines that confirm it, with settings from coarse to fine: no coordinate, no joint, no integrator in common with the truth. The finer
-#: chain is taken where the first does not agree: where the follower bends to two thirds of its length, 60 links are 1e-3 off.
+#: Engines that confirm it, with settings from coarse to fine: they share no coordinate, joint or integrator with the truth. The finer chain
+#: is used if the first does not agree: for a follower that bends to two thirds of its length 60 links are 1e-3 off.
 CONFIRMING: Final[Mapping[str, tuple[dict[str, str], ...]]] = {
     "mujoco": ({"links": "60", "armature": "0"}, {"links": "160"}),
     "exudyn": ({"elements": "32", "step": "5e-5"},),
 }
-#: The one that is asked where one is enough: the quicker.
+#: The faster confirming engine, for uses where one is enough.
 CONFIRMING_ONE: Final = "mujoco"
 #: Largest difference (relative, in the tip deflection) between truth and confirming solution with which the truth counts as confirmed.
 #: Measured in run 24: 3e-5 by mujoco, 6e-5 by exudyn.
@@ -31,7 +31,7 @@ CONFIRMED: Final = 2e-4
 
 @dataclass(frozen=True)
 class Converged:
-    """The solution that errors are measured against; `sizes`: RMS of each column of `engines.accurate.ESTIMATED`, SI."""
+    """The solution that defines errors; `sizes`: RMS of each column of `engines.accurate.ESTIMATED`, SI."""
 
     engine: str
     settings: dict[str, Any]
@@ -40,7 +40,7 @@ class Converged:
 
 @dataclass(frozen=True)
 class Confirmation:
-    """Another solution of the same: by how much both differ in each column, relative to the former, or why there is none."""
+    """A second solution of the scene: its difference in each column, relative to the first one, or the reason why there is none."""
 
     engine: str
     settings: dict[str, Any]
@@ -55,17 +55,17 @@ class Confirmation:
 
 
 def truth_of(case: Case) -> Trajectory:
-    """The solution that errors are measured against. Raises EngineFailure or Refusal where it cannot be computed."""
+    """The solution that defines errors. Raises EngineFailure or Refusal if it cannot be computed."""
     return run_of(engine(TRUTH[0]), case, _settings(*TRUTH, case)).trajectory
 
 
 def converged(case: Case, truth: Trajectory) -> Converged:
-    """What the truth of a case is."""
+    """The truth of a case, with its sizes."""
     return Converged(TRUTH[0], _settings(*TRUTH, case).as_dict(), {column: rms(truth[column]) for column in ESTIMATED})
 
 
 def confirmation_of(case: Case, truth: Trajectory, name: str = CONFIRMING_ONE) -> Confirmation:
-    """How far the solution of an engine in `CONFIRMING` is from `truth`, or why there is none."""
+    """The difference of the solution of an engine in `CONFIRMING` from `truth`, or the reason why there is none."""
     found = Confirmation(name, {}, failure="no settings")
     for texts in CONFIRMING[name]:
         settings = _settings(name, texts, case)
@@ -85,7 +85,7 @@ def run_of(chosen: AnyEngine, case: Case, settings: Settings) -> Made:
 
 
 def errors_of(columns: Trajectory | Mapping[str, Any], truth: Trajectory) -> dict[str, float | None]:
-    """Relative error of each column of `engines.accurate.ESTIMATED`; None where the truth is zero throughout."""
+    """Relative error of each column of `engines.accurate.ESTIMATED`; None if the truth is zero throughout."""
     errors = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
     return {column: error if math.isfinite(error) else None for column, error in errors.items()}
 

@@ -1,1 +1,1 @@
-"""Which method for which class of machines: a map over dimensionless groups, measured, and where a machine lies on it."""
+"""The fastest method for each class of machines: a measured map over dimensionless groups, and the place of a machine on it."""

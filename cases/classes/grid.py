@@ -11,9 +11,9 @@ from quickreturn.cases.classes.groups import Groups, scene_of
 
 SPEEDS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5)
 TIPS: Final = (0.0, 0.5, 2.0)
-#: What the other groups are varied around; the damping is that of run 24, 0.0031, rounded.
+#: Centre of the variations of the other groups; the damping is that of run 24, 0.0031, rounded.
 CENTRE: Final = Groups(speed=0.2, tip=0.5, crank=0.25, damping=0.003, joint=math.inf)
-#: Group -> its other values, and the speeds at which they are tried: damping matters where the arm rings, a soft joint below that.
+#: Group -> its other values, and the speeds at which they are measured: damping matters where the arm rings, a soft joint at lower speeds.
 VARIED: Final[Mapping[str, tuple[tuple[float, ...], tuple[float, ...]]]] = MappingProxyType(
     {"crank": ((0.15, 0.38), (0.05, 0.2, 0.5)), "damping": ((0.0, 0.03), (0.2, 0.5)), "joint": ((1000.0, 100.0), (0.05, 0.2))}
 )
@@ -23,7 +23,7 @@ ROWS: Final = 1000
 
 
 def grid() -> Iterator[Groups]:
-    """The groups of all scenes, row by row of the map; each row is of one machine at several speeds."""
+    """The groups of all scenes, row by row of the map; a row is one machine at several speeds."""
     for tip in TIPS:
         yield from (replace(CENTRE, tip=tip, speed=speed) for speed in SPEEDS)
     for group, (values, speeds) in VARIED.items():
@@ -32,7 +32,7 @@ def grid() -> Iterator[Groups]:
 
 
 def name_of(groups: Groups) -> str:
-    """A short name, such as "speed 0.2, tip 2": speed, and the groups that are not as in the centre."""
+    """A short name, such as "speed 0.2, tip 2": speed, and the groups that differ from the centre."""
     others = [f"{group} {value:g}" for group, value in vars(groups).items() if group != "speed" and value != getattr(CENTRE, group)]
     return ", ".join([f"speed {groups.speed:g}", *others])
 

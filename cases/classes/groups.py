@@ -1,4 +1,4 @@
-"""A mechanism in dimensionless groups: what tells one class of such machines from another.
+"""A mechanism in dimensionless groups, which define classes of machines.
 
 By similarity two machines with the same groups move alike: lengths scale with the follower's, times with the period of its lowest mode.
 """
@@ -21,16 +21,16 @@ GYRATION: Final = 0.068 / 25.0**2
 class Groups:
     """The groups of a machine."""
 
-    speed: float  # crank's frequency over the lowest natural frequency of the follower with the crank held, wherever that is lowest
+    speed: float  # crank's frequency over the lowest natural frequency of the follower with the crank held, the least over its angle
     tip: float  # mass of the tip body over that of the arm
     crank: float  # crank's length over the distance of the pivots
-    # share of critical damping of the lowest mode: of the arm's own damping as if there were no tip body, and of the pivot's as if the
-    # arm turned as a whole
+    # damping ratio of the lowest mode: from the arm's own damping as if there were no tip body, and from the pivot's as if the arm turned
+    # as a whole
     damping: float
-    joint: float  # stiffness of the slider's joint over EI / L^3 of the arm; infinite where it is rigid
+    joint: float  # stiffness of the slider's joint over EI / L^3 of the arm; infinite if it is rigid
 
 
-#: Group -> what it is, in words.
+#: Group -> its definition in words.
 MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "speed": "crank speed over the lowest bending frequency",
@@ -43,7 +43,7 @@ MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
 
 
 def scene_of(groups: Groups) -> Mechanism:
-    """The thesis' arm with a crank, a tip, a damping, a joint and a prescribed speed that make these groups.
+    """The thesis' arm with a crank, a tip, a damping, a joint and a prescribed speed that give these groups.
 
     Raises:
         ImpossibleMechanism: the slider would leave the follower, or the crank reach the pivot.
@@ -67,7 +67,7 @@ def scene_of(groups: Groups) -> Mechanism:
 
 
 def groups_of(mechanism: Mechanism) -> Groups | None:
-    """The groups of a mechanism; None where it has no bending frequency or does not turn."""
+    """The groups of a mechanism; None if it has no bending frequency or does not turn."""
     ratio, arm = stiffness_ratio(mechanism), mechanism.follower
     if ratio == 0.0:
         return None

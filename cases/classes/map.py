@@ -1,4 +1,4 @@
-"""The map of classes: who is first where, by what, and where a machine lies on it."""
+"""The map of classes: the winners by each time, and the place of a machine on the map."""
 
 import math
 from collections import Counter
@@ -14,12 +14,12 @@ from quickreturn.cases.library.thesis import run_case
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
-#: What times are compared by -> the field of `Reach` with the time.
-TIMES: Final[Mapping[str, str]] = MappingProxyType({"solving alone": "solve_seconds", "all that one waits for": "waited_seconds"})
-#: What a method can come to, as `Reach.status` has it.
+#: Name of a compared time -> the field of `Reach` with it.
+TIMES: Final[Mapping[str, str]] = MappingProxyType({"solve time": "solve_seconds", "waiting time": "waited_seconds"})
+#: Values of `Reach.status`.
 STATUSES: Final = (REACHED, NOT_REACHED, TOO_SLOW, FAILED, REFUSED)
-#: Group -> where a value lies on an axis whose unit is about a row or a column of the map. Tip and damping may be zero; a joint is as good
-#: as rigid from ten times the stiffest one of the map on.
+#: Group -> place of a value on an axis whose unit is about a row or a column of the map. Tip and damping may be zero; a joint counts as
+#: rigid from ten times the stiffest one of the map on.
 _AXES: Final[Mapping[str, Callable[[float], float]]] = MappingProxyType(
     {
         "speed": math.log2,
@@ -29,27 +29,27 @@ _AXES: Final[Mapping[str, Callable[[float], float]]] = MappingProxyType(
         "joint": lambda value: math.log10(min(value, 1e4)),
     }
 )
-#: Quantities of a case file that the groups stand for.
+#: Quantities of a case file that the groups contain.
 _GROUPED: Final = frozenset(
     {"crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "follower.material_damping", "slider.joint_stiffness"}
 )
-#: Part by which a ratio of lengths may differ from the map's and still be called the same.
+#: Relative difference up to which a ratio of lengths counts as that of the map.
 _SIMILAR: Final = 0.05
 
 
 @dataclass(frozen=True)
 class Map:
-    """Scenes, and what each method reached on each of them; both may be empty."""
+    """Scenes, and the result of each method on each of them; both may be empty."""
 
     scenes: tuple[ClassScene, ...] = ()
     reaches: tuple[Reach, ...] = ()
 
     def at(self, scene: ClassScene, level: float) -> list[Reach]:
-        """What is known of each method on a scene, in the engines' order."""
+        """The results of all methods on a scene, in the engines' order."""
         return [reach for reach in self.reaches if (reach.scene, reach.level) == (scene.name, level)]
 
     def ranked(self, scene: ClassScene, level: float, by: str) -> dict[str, float]:
-        """The engines that get to an error on a scene, each with its time (s) by one of `TIMES`, fastest first."""
+        """The engines that reach an error on a scene, each with its time (s) by one of `TIMES`, fastest first."""
         times = {reach.engine: seconds for reach in self.at(scene, level) if (seconds := getattr(reach, TIMES[by])) is not None}
         return dict(sorted(times.items(), key=lambda found: found[1]))
 
@@ -64,26 +64,26 @@ class Map:
         return {name: found[name] for name, _ in order}
 
     def nearest(self, groups: Groups) -> tuple[ClassScene, float]:
-        """The scene that is the least steps away, and how many. ValueError: the map is empty."""
+        """The nearest scene, and its distance in steps. ValueError: the map is empty."""
         return min(((scene, distance(scene.groups, groups)) for scene in self.scenes), key=lambda found: found[1])
 
     def outside(self, groups: Groups) -> dict[str, tuple[float, float]]:
-        """The groups in which a machine lies outside of all scenes, each with its range on the map."""
+        """The groups in which a machine lies outside all scenes, each with its range on the map."""
         each = {name: [getattr(scene.groups, name) for scene in self.scenes] for name in vars(groups)}
         found = {name: (min(values), max(values)) for name, values in each.items()}
         return {name: (low, high) for name, (low, high) in found.items() if not 0.999 * low <= getattr(groups, name) <= 1.001 * high}
 
 
 def distance(one: Groups, other: Groups) -> float:
-    """How far two machines are from each other, in steps of the map."""
+    """The distance of two machines, in steps of the map."""
     return math.hypot(*(place(getattr(one, name)) - place(getattr(other, name)) for name, place in _AXES.items()))
 
 
 def off_the_map(mechanism: Mechanism) -> list[str]:
-    """Sentences on what a machine has and no scene of the map: nothing is known of what that does to the methods."""
+    """Sentences on features of a machine that no scene of the map has: their effect on the methods is unknown."""
     given = {f"{section}.{key}": value for section, values in values_of(mechanism).items() for key, value in values.items()}
     others = [name for name, value in given.items() if name in NAMED and name not in _GROUPED and value != NAMED[name].default]
-    found = [f"{name} is given, and no scene of the map has it" for name in others]
+    found = [f"{name} is given, but no scene of the map has it" for name in others]
     reach, usual = (each.follower.length / each.pivot_distance for each in (mechanism, run_case(24).mechanism))
     if abs(reach / usual - 1.0) > _SIMILAR:
         found.append(f"follower.length over mechanism.pivot_distance is {reach:.3g}, on the map it is {usual:.3g}")

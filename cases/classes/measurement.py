@@ -1,4 +1,4 @@
-"""The time that each method needs to reach an error in a scene of the map: of solving alone, and of all that one waits for."""
+"""The time that each method needs to reach an error in a scene of the map: solve time and waiting time."""
 
 import time
 from dataclasses import dataclass, replace
@@ -18,12 +18,12 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 
-#: Errors of the tip deflection at which methods are compared here.
+#: Errors of the tip deflection at which the map compares methods.
 LEVELS: Final = ALL_LEVELS[:2]
-#: Processor time (s) that a method's ladder may take, and an answer to an error. No run is begun that would end later if it took as long
-#: as the one before.
+#: Limit of processor time (s) for a method's ladder, and for an answer to an error. A run is not begun if it would end later, should it
+#: take as long as the run before.
 LIMIT: Final = 5.0
-#: Repetitions of a run at most, and of an answer that takes less than this (s); the least time counts.
+#: Largest number of repetitions of a run, and of an answer that takes less than this (s); the least time counts.
 REPETITIONS: Final = 3
 BRIEF: Final = 1.0
 
@@ -32,10 +32,10 @@ REFUSED: Final = "refused"
 FAILED: Final = "failed"
 NOT_REACHED: Final = "not reached"
 TOO_SLOW: Final = "too slow"
-#: Remark where settings reach an error in time, but the engine's own estimate does not confirm it in time.
+#: Remark if settings reach an error in time, but the engine's own estimate does not confirm it in time.
 SLOW_ANSWER: Final = "its estimate takes too long"
-#: Remark where the estimate does not include the distance from the scene's solution, as for a model that differs from the scene.
-OF_ITSELF: Final = "its estimate is of something else"
+#: Remark if the estimate does not include the distance from the scene's solution, as for a model that differs from the scene.
+OF_ITSELF: Final = "its estimate covers another error"
 
 
 @dataclass(frozen=True)
@@ -46,18 +46,18 @@ class Reach:
     engine: str  # the method
     level: float  # the error
     status: str  # `REACHED` by settings of its ladder, or why not
-    solve_seconds: float | None = None  # solving with the fastest settings that are within the level; None where there are none
-    # setting up and solving all runs that the engine makes when asked for this error, those of its estimate included; None where it does
-    # not get there or does not know that it is there
+    solve_seconds: float | None = None  # solve time with the fastest settings within the level; None if there are none
+    # set-up and solve time of all runs when the engine is asked for this error, including those for its estimate; None if it does not reach
+    # it, or its estimate does not show it
     waited_seconds: float | None = None
-    error: float | None = None  # of what it delivers when asked; where nothing is within the level the least error of its ladder
+    error: float | None = None  # error of its result when asked; if no settings are within the level, the least error of its ladder
     remark: str = ""  # the reason in words
 
 
 def truth(groups: Groups) -> tuple[Trajectory, Confirmation]:
-    """The solution of a scene that errors are measured against, and how far another one is from it.
+    """The solution of a scene that defines errors, and the difference of a second one from it.
 
-    EngineFailure: there is none, as where the slider leaves the follower.
+    EngineFailure: there is none, for example because the slider leaves the follower.
     """
     case = case_of(groups)
     found = truth_of(case)
@@ -88,9 +88,9 @@ def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
 
 
 class _Clock:
-    """Tells when the next run would end after `LIMIT` if it took as long as the one before; ask it once before each run.
+    """Tells whether the next run would end after `LIMIT` if it took as long as the one before; to be asked once before each run.
 
-    It counts processor time: what else the machine does must not decide how far a method gets.
+    It counts processor time, so that other work of the machine does not affect the result.
     """
 
     def __init__(self) -> None:
@@ -107,7 +107,7 @@ class _Clock:
 
 
 class _Limited:
-    """An engine that begins no run for which the time does not suffice."""
+    """An engine that begins a run only if the time suffices."""
 
     def __init__(self, engine: AnyEngine, clock: _Clock) -> None:
         self._engine, self._clock = engine, clock
@@ -116,14 +116,14 @@ class _Limited:
         return getattr(self._engine, name)
 
     def prepare(self, *arguments: Any) -> Any:
-        """As the engine does. EngineFailure: it is too late."""
+        """As the engine. EngineFailure: it is too late."""
         if self._clock.late:
             raise EngineFailure(0.0, "time has run out", "ask for less")
         return self._engine.prepare(*arguments)
 
 
 def _reach(unknown: Reach, attempts: list[Attempt], points: list[Point], clock: _Clock, case: Case, true: Trajectory) -> Reach:
-    """What is known of a level, by the runs of the ladder that were made."""
+    """The result for a level from the completed runs of the ladder."""
     best = fastest_at(points, unknown.level).get(attempts[0].method.name)
     if best is None:
         errors = [error for point in points if (error := point.error()) is not None]
@@ -138,7 +138,7 @@ def _reach(unknown: Reach, attempts: list[Attempt], points: list[Point], clock: 
 
 
 def _asked(reach: Reach, engine: AnyEngine, case: Case, true: Trajectory) -> Reach:
-    """The same with what comes of asking the engine for the level, unless its estimate is of something else."""
+    """The result with the answer of the engine when it is asked for the level, unless its estimate covers another error."""
     if engine.estimates != "total":
         return replace(reach, remark=OF_ITSELF)
     start, times = standard_start(case.mechanism), list[float]()

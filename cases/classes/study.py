@@ -1,4 +1,4 @@
-"""The study: every method on every scene of the map, from the store where it is there."""
+"""The study: every method on every scene of the map, from the store if it is there."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ CODE: Final = (
     "quickreturn.cases.classes.groups",
     "quickreturn.cases.classes.measurement",
 )
-#: Time (s) after which a method is stopped on a scene: its ladder and two answers take `LIMIT` each, and some runs are repeated.
+#: Time limit (s) of a method on a scene: its ladder and two answers take `LIMIT` each, and some runs are repeated.
 STOP: Final = 12.0 * LIMIT
 
 
@@ -30,16 +30,16 @@ class ClassScene:
     """A scene of the map."""
 
     name: str  # see `cases.classes.grid.name_of`
-    groups: Groups  # that make it
-    # of the confirming solution's tip deflection from the one that errors are measured against; None where there is none
+    groups: Groups  # its groups
+    # difference of the confirming solution's tip deflection from the one that defines errors; None if there is none
     difference: float | None = None
-    failure: str = ""  # why there is no solution, or no confirming one; "" where there are both
+    failure: str = ""  # why there is no solution, or no confirming one; "" if there are both
 
 
 def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[ClassScene], list[Reach]]:
-    """The scenes, and what each method reached on each of them; what is missing in the workshop is left out.
+    """The scenes, and the result of each method on each of them; results that are missing in the workshop are left out.
 
-    `among`: scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; what was measured is stored.
+    `among`: scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; finished measurements are stored.
     """
     groups = list(grid() if among is None else among)
     truths = workshop.outcomes([_truth_job(each) for each in groups], "solutions to measure against")
@@ -80,7 +80,7 @@ def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) ->
 
 
 def _kept(workshop: Workshop, outcome: Outcome[list[Reach]]) -> Outcome[list[Reach]]:
-    """The outcome; of a method without one that says so. One that was stopped is stored and not tried again, one that crashed is."""
+    """The outcome, or one that says why there is none. A stopped method is stored and not tried again, a crashed one is."""
     if outcome.completed:
         return outcome
     groups, name, _ = outcome.job.arguments

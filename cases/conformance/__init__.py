@@ -1,7 +1,7 @@
 """Does an adapter do what it says? A trial of an engine on mild scenes, against identities, closed forms and `reference`.
 
-Nobody is accused of being coarse: by how much a column may be off follows from the engine's own estimate of its error. Where it makes
-none, it must show a mistake to be found wrong: a sign, a unit, a column exchanged, a quantity ignored.
+A coarse engine still conforms: the engine's own estimate of its error says how far a column may be off. Without an estimate a check fails
+only if a mistake explains the difference: a sign, a unit, an exchanged column, an ignored quantity.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -32,11 +32,11 @@ class Group:
     """A group of checks."""
 
     checks: Callable[[Bench, Elsewhere], Iterator[Check]]  # makes them
-    runs: tuple[int, int]  # about how many runs of the engine it takes, and how many of them an estimate is made of
-    share: float  # of the time, where that is limited
+    runs: tuple[int, int]  # approximate number of runs of the engine, and of runs with an error estimate
+    share: float  # share of a limited time
 
 
-#: Groups of checks by name, in the order in which they are told. Runs are those that `reference` takes.
+#: Groups of checks by name, in the order of the output. Numbers of runs are those of `reference`.
 GROUPS: Final[Mapping[str, Group]] = {
     "motion": Group(lambda bench, _: motion(bench), (6, 2), 0.3),
     "quantities": Group(lambda bench, _: quantities(bench), (65, 60), 0.3),
@@ -46,7 +46,7 @@ GROUPS: Final[Mapping[str, Group]] = {
     "follower alone": Group(lambda bench, _: alone(bench), (14, 13), 0.1),
     "repetition": Group(repetition, (0, 0), 0.1),
 }
-#: Wall time of a quick trial, s; and what a process may take besides until it begins, s.
+#: Wall time of a quick trial, s; and the additional time for the start of a process, s.
 QUICK: Final = 60.0
 _TO_BEGIN: Final = 5.0
 
@@ -63,10 +63,10 @@ def conform(
 
     Args:
         engine: an instance, or the name of one that is installed.
-        executor: computes the groups, each apart from the others, so that one that crashes costs its own answer; None: this process.
-        groups: of checks, names of `GROUPS`.
-        seconds: wall time that it may take; checks for which it does not suffice are left out. None: as long as it takes.
-        quiet: in this process, whether nothing is shown on standard error meanwhile.
+        executor: computes each group separately, so that a crash loses only that group; None: this process.
+        groups: names of groups of checks, see `GROUPS`.
+        seconds: limit of wall time; checks that do not fit into it are left out. None: no limit.
+        quiet: in this process, whether progress on standard error is left out.
 
     Raises:
         UnknownEngine: there is no engine of this name.
@@ -89,7 +89,7 @@ def conform(
 
 
 def _verdict(told: Mapping[str, list[Check]]) -> bool | None:
-    """Whether an engine conforms: no check fails, and one passes; where checks were left out, one of its motion."""
+    """Whether an engine conforms: no check fails, and one passes; if checks were left out, one of its motion must pass."""
     judged = {check.status for checks in told.values() for check in checks}
     if "failed" in judged:
         return False
@@ -99,7 +99,7 @@ def _verdict(told: Mapping[str, list[Check]]) -> bool | None:
 
 
 def job(engine: str) -> Job[Conformance]:
-    """`conform` of an installed engine, as its outcome is kept: for this version and code of the engine."""
+    """The stored form of `conform` for an installed engine: for this version and code of the engine."""
     return Job(
         f"conformance of {engine}",
         conform,
@@ -111,9 +111,9 @@ def job(engine: str) -> Job[Conformance]:
 
 
 def checks_of(group: str, engine: AnyEngine | str, other: Elsewhere = NOT_TRIED, seconds: float | None = None) -> list[Check]:
-    """The checks of one group; engine and seconds as of `conform`, `other`: what came of it in other processes.
+    """The checks of one group; engine and seconds as for `conform`; `other`: its results in other processes.
 
-    What an engine raises that no engine may ends them.
+    An exception that no engine may raise ends them.
     """
     found = found_engine(engine)
     checks: list[Check] = []
@@ -136,7 +136,7 @@ def checks_of(group: str, engine: AnyEngine | str, other: Elsewhere = NOT_TRIED,
 
 
 def _expected(bench: Bench, group: Group) -> int:
-    """About how many runs of the engine a group takes."""
+    """Approximate number of runs of the engine in a group."""
     plain, estimated = group.runs
     settings = bench.settings(bench.scene)
     pairs = bench.engine.comparisons(settings, bench.scene, bench.mild.output_step) if bench.claims else ()
@@ -145,7 +145,7 @@ def _expected(bench: Bench, group: Group) -> int:
 
 
 def _told(group: str, outcome: Outcome[list[Check]]) -> list[Check]:
-    """The checks that a process made, or how it ended. Raises UnknownEngine, Refusal where the engine cannot be had."""
+    """The checks of a process, or how it ended. Raises UnknownEngine or Refusal if the engine cannot be used."""
     if isinstance(outcome.error, (Refusal, UnknownEngine)):
         raise outcome.error
     if outcome.failure.startswith(STOPPED):

@@ -1,4 +1,4 @@
-"""The follower alone, where the engine has a model of it: its columns, and its quantities one by one."""
+"""Checks of the follower alone, if the engine models it: its columns, and its quantities one by one."""
 
 import functools
 from collections.abc import Iterator
@@ -17,9 +17,9 @@ from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, Tip
 
 _DURATION: Final = 0.6  # s: the base has turned steadily for a while
-#: The mild scene's follower on a base that is turned: it bends by a hundredth of its length.
+#: The mild scene's follower on a turning base: it bends by a hundredth of its length.
 SCENE: Final = FollowerAlone(spin_up=SpinUp(speed=6.0, time=0.4), base=BASE.base, follower=BASE.follower, tip=BASE.tip)
-#: Every quantity that a follower alone has, but for those that show in nothing.
+#: Every quantity of a follower alone, except those without effect on the columns.
 CHANGES: Final = (
     Change("base.spin_up_speed", {"spin_up.speed": 8.0}),
     Change("base.spin_up_time", {"spin_up.time": 0.3}),
@@ -37,7 +37,7 @@ CHANGES: Final = (
 
 
 def alone(bench: Bench) -> Iterator[Check]:
-    """All checks of the follower alone; one that says so where the engine has no model of it."""
+    """All checks of the follower alone; a single check that says so if the engine does not model it."""
     try:
         bench.check(SCENE)
     except Refusal as refusal:
@@ -68,7 +68,7 @@ def _everything() -> FollowerAlone:
 
 
 def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
-    """The columns against reference; those whose rows are wrong are added to `told`."""
+    """The columns against reference; columns with wrong rows are added to `told`."""
     motion = Motion(scene, _DURATION)
     try:
         found = findings(bench, motion, told)

@@ -1,4 +1,4 @@
-"""Runs of the engine in question and of `reference`, and by how much they may differ."""
+"""Runs of the tested engine and of `reference`, and the tolerances of their differences."""
 
 import contextlib
 import functools
@@ -24,22 +24,22 @@ from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
-#: Columns that are not held against `reference`: the grid, and what a model's own numerics leave.
+#: Columns that are not compared with `reference`: the grid, and residuals of a model's own numerics.
 _OWN: Final = ("time", "constraint_gap", "axial_stretch")
-#: Columns that are held against `reference`, as far as the engine delivers them.
+#: Columns that are compared with `reference`, if the engine delivers them.
 COMPARED: Final = tuple(name for name in COLUMNS if name not in _OWN)
-#: Those by whose differences a mistake of the model is named: the others follow from them.
+#: Columns from which a mistake of the model is recognised: the others follow from them.
 DECISIVE: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")
 
 #: Tables of more than five modes take seconds to build, and five leave 1e-5 of the tip deflection in the mild scene.
 _FINEST: Final = ReferenceSettings(modes=5, tolerance=1e-8)
 _FINE: Final = ReferenceSettings(modes=4, tolerance=1e-8)
-#: By how many times its own estimate a column may be off: of the claims measured in 59 scenes the worst was missed 2.5-fold, and in a
-#: column that no claim is made for the estimate is this module's.
+#: Factor of its own estimate by which a column may be off: of the claims measured in 59 scenes the worst was exceeded 2.5-fold; for a
+#: column without a claim the estimate is this module's.
 BENEFIT: Final = 3.0
-#: Rungs above the default that are tried until an error falls: on a ladder of small steps one changes little.
+#: Number of rungs above the default that are tried until an error falls: on a ladder of small steps one rung changes little.
 _SHARPENED: Final = 3
-#: Part of a column's size that nobody notices: sums of many numbers are rounded.
+#: Part of a column's size that counts as rounding of sums.
 ROUNDING: Final = 1e-6
 
 
@@ -50,7 +50,7 @@ def found_engine(engine: AnyEngine | str) -> AnyEngine:
 
 @dataclass(frozen=True)
 class Motion:
-    """What is simulated: a scene from a start, the standard one by default; duration and output step in s."""
+    """A motion to simulate: a scene from a start, the standard one by default; duration and output step in s."""
 
     scene: Scene
     duration: float = DURATION
@@ -58,14 +58,14 @@ class Motion:
     start: Start | None = None
 
     def by(self, engine: AnyEngine, settings: Settings) -> Trajectory:
-        """A complete and finite run of an engine. Raises as `run_once`; Refusal where it has no model of a follower alone."""
+        """A complete and finite run of an engine. Raises as `run_once`; Refusal if it does not model a follower alone."""
         check_scene(engine, self.scene)
         return run_once(engine, self.scene, self.start or standard_start(self.scene), self.duration, self.output_step, settings).trajectory
 
 
 @dataclass(frozen=True)
 class Truth:
-    """A converged solution and, column by column, about how far it can be trusted (in the column's unit)."""
+    """A converged solution and, column by column, its approximate error (in the column's unit)."""
 
     columns: Mapping[str, Array]
     uncertainty: Mapping[str, float]
@@ -79,14 +79,14 @@ def solution(motion: Motion) -> Mapping[str, Array]:
 
 @functools.lru_cache(maxsize=128)
 def truth(motion: Motion) -> Truth:
-    """`solution`; four modes show its uncertainty."""
+    """`solution` with its uncertainty from a run with four modes."""
     finest, fine = solution(motion), motion.by(ReferenceEngine(), _FINE).columns
     return Truth(finest, {name: rms(finest[name] - fine[name]) for name in COMPARED if name in finest})
 
 
 @functools.lru_cache(maxsize=4)
 def bent_start(mechanism: Mechanism) -> Start:
-    """A bent follower in motion: where the scene is after a while."""
+    """A start with a bent follower in motion: the state of the scene after a while."""
     simulation = ReferenceEngine().prepare(mechanism, standard_start(mechanism), _FINEST)
     assert isinstance(simulation, OwnSimulation)
     simulation.advance(UNTIL_BENT, OUTPUT_STEP)
@@ -94,14 +94,14 @@ def bent_start(mechanism: Mechanism) -> Start:
 
 
 class Bench:
-    """The engine in question on the scenes of its trial.
+    """The tested engine on the scenes of its trial.
 
     Attributes:
         engine: the engine.
         scene: the mild scene, with the drive that the engine can model.
         mild: the motion in it.
-        seconds: wall time that the engine's runs may take; None: as long as they take.
-        expected: about how many runs of the engine there will be; 0: unknown.
+        seconds: limit of wall time for the engine's runs; None: no limit.
+        expected: approximate number of runs of the engine; 0: unknown.
     """
 
     def __init__(self, engine: AnyEngine, seconds: float | None = None) -> None:
@@ -122,7 +122,7 @@ class Bench:
         check_scene(self.engine, scene)
 
     def settings(self, scene: Scene) -> Settings:
-        """Those that the engine picks unless asked otherwise."""
+        """The engine's default settings for a scene."""
         found: Settings = self.engine.settings_for(self.engine.default_accuracy, scene)
         return found
 
@@ -141,7 +141,7 @@ class Bench:
         return self._runs[key]
 
     def _compile(self, motion: Motion, settings: Settings) -> None:
-        """Before the first run one of a single row, so that no time counts what is compiled or loaded for it."""
+        """Make a run of a single row before the first run, so that no time contains compilation or loading."""
         if self._runs or not self.engine.compiles:
             return
         progress.tell(engine=self.engine.name, phase="compiling")
@@ -149,7 +149,7 @@ class Bench:
             replace(motion, duration=motion.output_step).by(self.engine, settings)
 
     def _tell(self, motion: Motion) -> None:
-        """Say how far the trial is. Raises LeftOut where the next run does not fit into the time that is left."""
+        """Report the progress of the trial. Raises LeftOut if the next run does not fit into the remaining time."""
         done = len(self._runs)
         ahead = self._spent / self._simulated * motion.duration if self._simulated else 0.0
         if self.seconds is not None and done and time.monotonic() - self._began + ahead > self.seconds:
@@ -162,13 +162,13 @@ class Bench:
         progress.tell(engine=self.engine.name, phase=f"run {done + 1}{of}{left}")
 
     def finer(self, scene: Scene, settings: Settings) -> Settings | None:
-        """The next rung of an engine that is found to be twice as far off as it may be."""
+        """The next rung for an error that is twice as large as allowed."""
         parts = len(self.engine.comparisons(settings, scene, 1e-3))
         found: Settings | None = self.engine.finer(settings, (2.0,) * max(1, parts), 1e-3)
         return found
 
     def sharpened(self, motion: Motion) -> Iterator[Trajectory]:
-        """Runs of the rungs above the default, from the next one on, a few at most: what falls with them is an error of the resolution."""
+        """Runs of a few rungs above the default: an error that falls with them is one of the resolution."""
         settings: Settings | None = self.settings(motion.scene)
         for _ in range(_SHARPENED):
             settings = self.finer(motion.scene, settings) if settings is not None else None
@@ -180,7 +180,7 @@ class Bench:
                 return
 
     def coarsened(self, motion: Motion) -> Trajectory | None:
-        """A run that is coarser than the default by what `comparisons` say; None where they name none."""
+        """A run that is coarser than the default according to `comparisons`; None if they name none."""
         settings = self.settings(motion.scene)
         pairs = self.engine.comparisons(settings, motion.scene, motion.output_step)
         coarser = [pair for pair in pairs if pair.factor > 1.0 and pair.run == settings]
@@ -191,11 +191,11 @@ class Bench:
 
     @property
     def claims(self) -> bool:
-        """Whether the engine says how far it is from the solution of the scene."""
+        """Whether the engine estimates its distance from the solution of the scene."""
         return self.engine.estimates == "total"
 
     def estimates(self, motion: Motion, settings: Settings | None = None) -> dict[str, float] | None:
-        """The engine's error by its own comparisons, in the unit of each column; None where they show none."""
+        """The engine's error by its own comparisons, in the unit of each column; None if they show none."""
         parts: dict[str, float] = {}
         try:
             for pair in self.engine.comparisons(settings or self.settings(motion.scene), motion.scene, motion.output_step):
@@ -209,7 +209,7 @@ class Bench:
         return parts
 
     def tolerances(self, motion: Motion) -> dict[str, float] | None:
-        """By how much each column may be off, in its unit; None where the engine does not say."""
+        """Tolerance of each column, in its unit; None if the engine does not say."""
         estimates = self.estimates(motion) if self.claims else None
         if estimates is None:
             return None
@@ -222,6 +222,6 @@ class Bench:
 
 
 def columns_of(run: Trajectory, among: Iterable[str] = COMPARED, known: Mapping[str, Array] | None = None) -> tuple[str, ...]:
-    """Its columns that are held against `reference`: of those in `among`, where `reference` has them (`known`) and they are not zero."""
+    """The columns that are compared with `reference`: those in `among` that `reference` has (`known`) and that are not zero."""
     names = [name for name in among if name in run.columns]
     return tuple(name for name in names if known is None or (name in known and rms(known[name]) > 0.0))

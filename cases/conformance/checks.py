@@ -1,4 +1,4 @@
-"""What a check of an adapter says."""
+"""The outcome of a check of an adapter."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,35 +14,35 @@ from quickreturn.engines.base import EngineFailure, Refusal, first_line
 Array = NDArray[np.float64]
 Status = Literal["passed", "failed", "not judged"]
 
-#: How the cause of a check begins that was not begun for lack of time.
+#: Beginning of the cause of a check that was left out for lack of time.
 LEFT_OUT: Final = "left out"
-#: Names that a sentence lists.
+#: Largest number of names in a sentence.
 _NAMED: Final = 4
-#: Advice where nothing better is known.
+#: Default advice.
 TELL_THE_AUTHOR: Final = "debug it with the scene of this check: cases.conformance.scenes"
 
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked at."""
+    """One check of an adapter."""
 
-    check: str  # what was looked at
+    check: str  # name of the check
     status: Status  # how it ended
-    cause: str = ""  # what is wrong, or why it was not judged; of a check that passed what was seen, or ""
-    advice: str = ""  # what to try; "" where nothing is wrong
+    cause: str = ""  # what is wrong, or why it was not judged; for a passed check a remark, or ""
+    advice: str = ""  # what to try; "" if nothing is wrong
 
     @property
     def left_out(self) -> bool:
-        """Whether there was no time for it."""
+        """Whether it was left out for lack of time."""
         return self.status == "not judged" and self.cause.startswith(LEFT_OUT)
 
 
 @dataclass(frozen=True, repr=False)
 class Conformance(Shown):
-    """What was found of an engine."""
+    """The outcome of all checks of an engine."""
 
     engine: str
-    conforms: bool | None  # False if a check failed; None if there was nothing to judge by
+    conforms: bool | None  # False if a check failed; None if nothing could be judged
     checks: tuple[Check, ...]
 
     def _parts(self) -> Iterator[Cell]:
@@ -56,7 +56,7 @@ class Conformance(Shown):
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """Names of the checks that were not begun for lack of time."""
+        """Names of the checks that were left out for lack of time."""
         return tuple(check.check for check in self.checks if check.left_out)
 
     @property
@@ -84,11 +84,11 @@ class Unjudged(Fault):
 
 
 class LeftOut(Unjudged):
-    """A check that was not begun: it would have taken longer than there is time."""
+    """A check was not begun, because it would have exceeded the time."""
 
 
 def looked_at(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
-    """The check that `look` makes: it raises `Fault`, or gives back a remark, if there is one. An engine may refuse, or raise anything."""
+    """The check that `look` makes: it raises `Fault`, or returns a remark. The engine may refuse, or raise anything."""
     try:
         return Check(name, "passed", look(*arguments) or "")
     except Refusal as refusal:
@@ -102,12 +102,12 @@ def looked_at(name: str, look: Callable[..., str | None], *arguments: Any) -> Ch
 
 
 def raising(name: str, error: Exception) -> Check:
-    """A check that ends with an exception which no engine may raise."""
+    """A check that ended with an exception that no engine may raise."""
     cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}"
     return Check(name, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user")
 
 
 def some(names: Sequence[str]) -> str:
-    """Names for a sentence: the first ones, and how many more there are."""
+    """Names for a sentence: the first ones, and the number of the others."""
     more = len(names) - _NAMED
     return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"

@@ -1,4 +1,4 @@
-"""How an engine fails: what cannot go on must be said, and when."""
+"""Checks of failures: an engine must report that it cannot go on, and at what time."""
 
 import math
 from collections.abc import Iterator
@@ -15,13 +15,13 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import changed
 
-#: A slack follower whose bent end the slider reaches when it comes to its farthest place.
+#: A slack follower: the slider reaches its bent end at the farthest place.
 _PUSHED_OFF: Final = {"crank.length": 0.1795, "crank.initial_angle": 0.5, "follower.bending_stiffness": 10.0, "tip.mass": 0.1}
 _UNTIL: Final = 0.4  # s
-#: Part of the time until the slider leaves by which a coarse engine may be off.
+#: Relative error allowed for the time at which the slider leaves, for a coarse engine.
 _WHEN: Final = 0.3
 _RAISE: Final = "raise engines.base.EngineFailure(time, cause, advice, partial)"
-#: Words in the cause of a failure that no adapter raised on purpose -> what is wrong, the advice.
+#: Words in the cause of an unintended failure -> what is wrong, and the advice.
 _UNSAID: Final = {
     "the engine raised": ("", f"where a run cannot go on, {_RAISE}"),
     "the engine returned": ("it is not said: ", f"do not return rows that are not there: {_RAISE}"),
@@ -51,7 +51,7 @@ def _attempt(bench: Bench, motion: Motion) -> Trajectory | EngineFailure:
 
 
 def _leaves(bench: Bench) -> str:
-    """The slider leaves the follower's end."""
+    """Check a motion in which the slider leaves the follower's end."""
     motion, reference = Motion(changed(bench.scene, _PUSHED_OFF), _UNTIL), ReferenceEngine()
     length = motion.scene.follower.length
     try:
@@ -76,7 +76,7 @@ def _leaves(bench: Bench) -> str:
 
 
 def _impossible_start(bench: Bench) -> str:
-    """A follower bent so much that it does not reach the crank's tip."""
+    """Check a start with a follower that is bent so much that it does not reach the crank's tip."""
     length = bench.scene.follower.length
     x = np.linspace(0.0, length, 65)
     bent = CubicSpline(x, 0.45 * length * (x / length) ** 2)
@@ -92,7 +92,7 @@ def _impossible_start(bench: Bench) -> str:
 
 
 def _explodes(bench: Bench) -> str:
-    """A follower a thousand times as stiff, with settings for a soft one: a fixed step is unstable there."""
+    """Check a follower a thousand times as stiff, with settings for a soft one: a fixed step is unstable there."""
     scene = changed(bench.scene, {"follower.bending_stiffness": 2e4})
     found = _attempt(bench, Motion(scene, duration=0.1))
     if isinstance(found, EngineFailure):

@@ -1,4 +1,4 @@
-"""Natural frequencies with the crank held: shape, order, unit, and what they are."""
+"""Checks of natural frequencies with the crank held: shape, order, unit and values."""
 
 import math
 from collections.abc import Iterator
@@ -18,8 +18,8 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 _COUNT: Final = 3
 _ANGLES: Final = (180.0, 90.0, 0.0)
-#: By how much they may be off beside three times the change that finer settings make; what one that makes no claim may be off by in
-#: the first, where one cubic is 12 to 16 % too high; and what even a coarse model must not miss.
+#: Tolerance in addition to three times the change by finer settings; tolerance of the first frequency without a claim (one cubic is 12 to
+#: 16 % too high); and the tolerance that even a coarse model must meet.
 _FLOOR: Final = np.array([0.005, 0.015, 0.04])
 _REFINED: Final = 3.0
 _COARSE: Final = (0.3, 0.6, 0.9)
@@ -34,7 +34,7 @@ _RETURN: Final = "return an ascending array of at most `count` frequencies"
 
 
 def frequencies(bench: Bench) -> Iterator[Check]:
-    """All checks of natural frequencies; none of their values where they are no list of frequencies."""
+    """All checks of natural frequencies; values are checked only if they are a list of frequencies."""
     form = looked_at("frequencies: form", _form, bench)
     yield form
     if form.status != "failed":
@@ -44,12 +44,12 @@ def frequencies(bench: Bench) -> Iterator[Check]:
 
 
 def _asked(bench: Bench, scene: Mechanism, degrees: float, count: int = _COUNT, settings: Settings | None = None) -> Array:
-    """With the settings for the mild scene unless others are given."""
+    """The engine's frequencies, by default with the settings for the mild scene."""
     found: Any = bench.engine.natural_frequencies(scene, math.radians(degrees), count, settings or bench.settings(bench.scene))
     try:
         values = np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError):
-        raise Fault(f"they are no numbers: {str(found)[:60]}", _RETURN) from None
+        raise Fault(f"they are not numbers: {str(found)[:60]}", _RETURN) from None
     if not values.size:
         raise Unjudged("the engine gives none")
     return values
@@ -94,7 +94,7 @@ def _known(scene: Mechanism, degrees: float, count: int) -> Array:
 
 
 def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tuple[str, str]:
-    """What is wrong with frequencies, and what to do."""
+    """The mistake in frequencies, and what to do."""
     n = len(found)
 
     def at(angle: float, **quantities: object) -> Array:
@@ -128,12 +128,12 @@ def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tupl
 
 
 def _base_held(scene: Mechanism, degrees: float, count: int) -> Array:
-    """Frequencies of a follower that is clamped at its base: of one so heavy that its own slow vibration comes first."""
+    """Frequencies of a follower with a clamped base, as those of a base so heavy that its own slow vibration comes first."""
     return _known(changed(scene, {"base.inertia": _HEAVY}), degrees, count + 1)[1:]
 
 
 def _closed_form(bench: Bench) -> None:
-    """A uniform pinned beam over a support, without tip and base."""
+    """Check a uniform pinned beam over a support, without tip and base."""
     follower, d = bench.scene.follower, bench.scene.pivot_distance
     overhang = _SUPPORT * follower.length - d  # of the support beyond O, along n1
     scene = changed(bench.scene, {"tip": None, "base.inertia": 0.0, "crank.length": abs(overhang)})
@@ -146,7 +146,7 @@ def _closed_form(bench: Bench) -> None:
 
 
 def _left_out(bench: Bench) -> None:
-    """Gravity, damping and motion do not enter."""
+    """Check that gravity, damping and motion do not change the frequencies."""
     plain = _asked(bench, bench.scene, 90.0)
     tried: dict[str, dict[str, Any]] = {"gravity": {"gravity": (0.0, 30.0)}, "follower.damping": {"follower.damping": 30.0}}
     for words, values in tried.items():

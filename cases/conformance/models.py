@@ -1,4 +1,4 @@
-"""Which quantity of the scene an engine has wrong, from how its motion differs."""
+"""Finds the quantity of the scene that an engine has wrong, from the difference of its motion."""
 
 import contextlib
 import math
@@ -17,20 +17,20 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive
 
-#: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
-#: are small beside the follower's.
+#: Relative change of a quantity to see its effect; small enough for a proportional effect. The inertias of base and tip are small beside
+#: the follower's.
 _TRIED: Final = 1.02
 _TRIED_OF_SMALL: Final = 2.0
-#: Factors to begin with: the others where the first finds nothing and a column is farther off than this part of itself, for the motion is
-#: in proportion to small mistakes alone.
+#: First factors of the search. The others are tried if the first finds nothing and a column is off by more than this part of itself,
+#: because only small mistakes have a proportional effect.
 _BEGIN: Final = (1.0, 1.3, 0.75)
 _SMALL: Final = 0.1
-#: Scenes that are tried for one quantity; those of which the first, in proportion, would leave more than this part are not; and what is
-#: found leaves no more than this.
+#: Number of scenes that are tried for one quantity; the part of the difference that a first, proportional trial may leave; and the part
+#: that the result may leave.
 _ROUNDS: Final = 4
 _PROMISING: Final = 0.9
 _FOUND: Final = 0.02
-#: Mistakes by a factor that are made more often than others.
+#: Common mistakes by a factor.
 _SIMPLE: Final = {0.5: "half", 2.0: "twice"}
 _SCALED: Final = (
     "follower.bending_stiffness", "follower.mass_per_length", "follower.length", "pivot_distance", "crank.length", "crank.mass",
@@ -42,12 +42,12 @@ Departure = Callable[[Scene], Array]
 
 
 def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> Finding | None:
-    """The one quantity that makes the motion from the standard start what it is, if there is one.
+    """The single wrong quantity that explains the motion from the standard start, if there is one.
 
     Args:
-        motion: what was asked for.
+        motion: the motion asked for.
         moves: columns of the engine.
-        tolerances: by how much columns may be off; None: the engine does not say.
+        tolerances: tolerances of the columns; None: the engine does not say.
     """
     known, scene = solution(motion), motion.scene
     part, allowed = (0.01, dict[str, float]()) if tolerances is None else (1e-4, tolerances)
@@ -73,7 +73,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
 
 
 def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
-    """Scenes that differ by a mistake which no number has to be found for."""
+    """Scenes with a mistake that has no free number."""
     others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
         "tip.mass ignored": {"tip.mass": 0.0},
@@ -98,7 +98,7 @@ def _advice(words: str) -> str:
 
 
 def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
-    """Mistakes of the crank and its drive: what they are -> what they make of a scene."""
+    """Mistakes of the crank and its drive: words -> the scene with the mistake."""
     drive = crank.drive
     others: dict[str, dict[str, Any]] = {
         "crank.inertia taken about O: the crank's mass is not counted": {"crank.center_of_mass": 0.0},
@@ -120,13 +120,13 @@ def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
 
 
 def _scaled(scene: Scene) -> list[str]:
-    """Those of `_SCALED` that may be off by a factor in a scene: finite and not zero."""
+    """The quantities of `_SCALED` that may be off by a factor in a scene: finite and not zero."""
     values = {path: value_at(scene, path) for path in _SCALED}
     return [path for path, value in values.items() if isinstance(value, float) and math.isfinite(value) and value != 0.0]
 
 
 def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Iterator[Hypothesis]:
-    """Each quantity as many times as large as explains most, from `begin` on by secants."""
+    """For each quantity the factor that explains most, found by secants from `begin`."""
     for path in _scaled(scene):
 
         def times(factor: float, path: str = path) -> Array:

@@ -1,6 +1,6 @@
 """Checks of a trajectory: its rows and pieces, each column against `reference`, identities that need none, first rows, a bent start.
 
-A column that is found wrong is left out of the checks that follow: one mistake is told once.
+A wrong column is left out of later checks, so that each mistake is reported once.
 """
 
 import functools
@@ -26,7 +26,7 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism, Scene, changed
 
 _BENT_DURATION: Final = 0.25  # s
-#: What is wrong -> what is left of a start then.
+#: Mistake -> the start that is left with it.
 _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
     "the start's deflection and its rate are ignored: the follower begins straight": {"deflection": None, "deflection_rate": None},
     "the start's deflection rate is ignored: the follower begins bent and is not bending": {"deflection_rate": None},
@@ -36,10 +36,10 @@ _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
 _IGNORABLE: Final = 0.05
 #: A finer rung that leaves no more than this part of a difference shows that it comes from the resolution.
 FALLS: Final = 0.7
-#: Wrong columns that are told one by one; more than these are told together, unless they are off by this many times their size.
+#: Largest number of wrong columns that are reported one by one, unless they are off by this many times their size.
 _ONE_BY_ONE: Final = 3
 _WILD: Final = 1.0
-#: Coarse columns are called so from this part on.
+#: Smallest relative difference for which a column is called coarse.
 _COARSE: Final = 0.02
 
 
@@ -54,7 +54,7 @@ def motion(bench: Bench) -> Iterator[Check]:
     yield looked_at("pieces continue", pieces, bench, wrong | set(depending))
     yield from late.values()
     yield from _columns(bench, bench.mild, "column", wrong, found, model)
-    yield from dict.fromkeys(check for column, check in depending.items() if column not in wrong)  # a column explained needs no second word
+    yield from dict.fromkeys(check for column, check in depending.items() if column not in wrong)  # an explained column is reported once
     wrong.update(depending)
     yield from _identities(bench.run(bench.mild), bench.scene, wrong)
     yield looked_at("first row of the standard start", _first_row, bench, bench.mild, wrong)
@@ -62,7 +62,7 @@ def motion(bench: Bench) -> Iterator[Check]:
 
 
 class Amiss(NamedTuple):
-    """What is wrong in the mild scene."""
+    """The mistakes in the mild scene."""
 
     late: Mapping[str, Check]  # columns that come late with a coarser output step
     depending: Mapping[str, Check]  # columns that depend on it otherwise
@@ -71,24 +71,24 @@ class Amiss(NamedTuple):
 
     @property
     def columns(self) -> frozenset[str]:
-        """Those whose own rows are wrong: no other check tells that again."""
+        """Columns whose own rows are wrong: no other check reports them again."""
         explained = {name for name, finding in self.found.items() if finding.explained and self.model is None}
         return frozenset({*self.late, *self.depending, *explained})
 
     @property
     def motion(self) -> bool:
-        """Whether more is wrong than rows."""
+        """Whether more than rows is wrong."""
         return self.model is not None or not all(finding.explained for finding in self.found.values())
 
 
 def already_amiss(bench: Bench) -> Amiss:
-    """As `amiss`, for checks of something else; without a look at other output steps where there is no time for that."""
+    """As `amiss`, for other checks; without other output steps if there is no time for them."""
     return amiss(bench, steps=bench.seconds is None)
 
 
 @functools.lru_cache(maxsize=1)
 def amiss(bench: Bench, *, steps: bool = True) -> Amiss:
-    """What is wrong with the mild scene's trajectory; `steps`: with other output steps, too. Raises EngineFailure if there is none."""
+    """The mistakes in the mild scene's trajectory; `steps`: also with other output steps. Raises EngineFailure if there is none."""
     run, (late, depending) = bench.run(bench.mild), output_steps(bench) if steps else ({}, {})
     found = findings(bench, bench.mild, late)
     if len(found) < 2:
@@ -101,7 +101,7 @@ def amiss(bench: Bench, *, steps: bool = True) -> Amiss:
 def _columns(
     bench: Bench, motion: Motion, kind: str, wrong: set[str], found: Mapping[str, Finding], model: Finding | None = None
 ) -> Iterator[Check]:
-    """Each column against `reference`; or the model, where it explains several at once."""
+    """Each column against `reference`; or the model, if it explains several at once."""
     run, known = bench.run(motion), truth(motion).columns
     off = {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known) if name not in wrong}
     if model is not None:
@@ -130,7 +130,7 @@ def _columns(
 
 
 def _of_a_kind(names: Sequence[str]) -> Iterator[list[str]]:
-    """Columns one by one; those of a numbered kind of many, as `shape_01` is one, at once."""
+    """Groups of columns: single ones, and all of a numbered kind such as `shape_01` together."""
     for stem, kind in itertools.groupby(names, key=lambda name: name.rstrip("0123456789")):
         several = list(kind)
         yield from [several] if len(several) > _ONE_BY_ONE and stem != several[0] else ([name] for name in several)
@@ -141,7 +141,7 @@ def _named(kind: str, names: Sequence[str]) -> str:
 
 
 def _together(check: str, names: Sequence[str], off: Mapping[str, float]) -> Check:
-    """Many columns that are off by less than a mistake of theirs would make, in one line."""
+    """One check for many columns that are off by less than a mistake would make."""
     worst = sorted(names, key=lambda name: -off[name])[:_ONE_BY_ONE]
     most = ", ".join(f"{name} by {share_of(off[name])}" for name in worst)
     cause = f"{len(names)} columns are off by more than the engine's own estimate says, most {most}; no single mistake explains it"
@@ -149,7 +149,7 @@ def _together(check: str, names: Sequence[str], off: Mapping[str, float]) -> Che
 
 
 def findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str, Finding]:
-    """What is wrong with which column."""
+    """The mistake in each column."""
     run, known, tolerances = bench.run(motion), truth(motion).columns, bench.tolerances(motion)
     found: dict[str, Finding] = {}
     for name in columns_of(run, known=known):
@@ -168,7 +168,7 @@ def findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str,
 
 
 def _alike_in_all_places(found: dict[str, Finding], run: Trajectory) -> dict[str, Finding]:
-    """Findings of a model that says nothing of its error; those of places along the follower only where all of them show the same."""
+    """Findings for a model without an error estimate; findings at places along the follower count only if all places show the same."""
     kept = dict(found)
     for names in _of_a_kind(columns_of(run)):
         causes = {found[name].cause.removeprefix(name) if name in found else "" for name in names}
@@ -178,7 +178,7 @@ def _alike_in_all_places(found: dict[str, Finding], run: Trajectory) -> dict[str
 
 
 def falling(bench: Bench, motion: Motion, names: Iterable[str]) -> list[str]:
-    """Columns whose error depends on the resolution: no mistake of theirs, but an estimate that is too small, which is told there.
+    """Columns whose error depends on the resolution: the mistake is an estimate that is too small, which another check reports.
 
     It falls with finer settings, or was larger with coarser ones.
     """
@@ -205,7 +205,7 @@ def _diagnosed(
 
 
 def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[Check]:
-    """What holds between the columns of one trajectory, whatever the model."""
+    """Identities between the columns of one trajectory, for any model."""
     d, h, q2 = scene.pivot_distance, OUTPUT_STEP, run["follower_angle"]
     x, y = run["tip_x"] - d, run["tip_y"]
     a = np.gradient(np.gradient([x, y], h, axis=1), h, axis=1)
@@ -228,7 +228,7 @@ def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[
 
 
 def _first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6) -> None:
-    """Where the loop puts crank, follower and slider at the start, to a part of the follower's length or of a radian."""
+    """Check the first row: crank, follower and slider at the start, to `part` of the follower's length or of a radian."""
     run, scene = bench.run(motion), motion.scene
     assert isinstance(scene, Mechanism)
     start = motion.start or standard_start(scene)
@@ -254,7 +254,7 @@ def _first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6
 
 
 def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
-    """A start with a bent follower in motion: its first row, and where it goes from there."""
+    """Check a start with a bent follower in motion: its first row, and the motion from there."""
     soft, check = changed(bench.scene, SOFT), "a bent, moving start"
     start = bent_start(soft)
     motion = Motion(soft, _BENT_DURATION, start=start)
@@ -285,7 +285,7 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
 
 
 def _ignored(run: Mapping[str, Array], motion: Motion, start: Start) -> str:
-    """What of a bent start is left out, by how the follower bends from then on; "" where nothing is."""
+    """The part of a bent start that is ignored, recognised from the later bend; "" if none is."""
     known = truth(motion).columns
 
     def bend(columns: Mapping[str, Array]) -> Array:

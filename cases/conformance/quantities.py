@@ -18,22 +18,22 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, changed
 
-#: Of the effect a quantity must have: less is none.
+#: Part of the effect below which a quantity counts as without effect.
 _NONE: Final = 0.02
-#: What a coarse model may make of a quantity's effect, and how far its own may be from it.
+#: Range of a quantity's effect in a coarse model, and the tolerance of its own effect.
 _HALF_TO_DOUBLE: Final = (0.5, 2.0)
 _APART: Final = 0.9
-#: An effect that is as far off is looked at more closely, even if the engine says that it may be.
+#: An effect that is off by this much is examined further, even if the engine's claim allows it.
 _SUSPICIOUS: Final = 0.3
-#: Columns of what moves but for the follower's bend: mistakes that a scene can only imitate as a whole are seen in them.
+#: Columns of the motion without the follower's bend: they show mistakes that a scene can only imitate as a whole.
 _RIGID: Final = ("crank_angle", "crank_speed", "follower_angle", "slider_position")
-#: Quantities that are ignored from which on it is a scene that is ignored.
+#: Number of ignored quantities from which on the scene counts as ignored.
 _MOST: Final = 0.6
 _IGNORED: Final = "is ignored in silence: another value changes nothing"
 
 
 def quantities(bench: Bench) -> Iterator[Check]:
-    """A check for each of `CHANGES`, and one of all together; that one first where there is no time for all."""
+    """A check for each of `CHANGES`, and one of all together, which comes first if there is no time for all."""
     try:
         wrong = already_amiss(bench)
     except EngineFailure:
@@ -52,7 +52,7 @@ def quantities(bench: Bench) -> Iterator[Check]:
 
 
 def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
-    """A check for each of `CHANGES`; one alone where most are ignored."""
+    """A check for each of `CHANGES`; a single check if most are ignored."""
     told = set(wrong.columns)
     checks = [looked_at(f"quantity {change.name}", followed, bench, bench.scene, change, wrong.motion, told) for change in CHANGES]
     ignored = [check for check in checks if check.cause.endswith(_IGNORED)]
@@ -65,9 +65,9 @@ def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
 
 
 def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str]) -> str:
-    """Whether the engine follows a change of a scene, where its motion without the change is right or `wrong`.
+    """Check that the engine follows a change of a scene; its motion without the change is right or `wrong`.
 
-    Columns whose rows are wrong are told of once: `told` grows by those that are found here. Raises as a look of `looked_at` may.
+    Columns with wrong rows are reported once: those found here are added to `told`. Raises as a function for `looked_at` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
     if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
@@ -117,14 +117,14 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
 
 
 class _Effects:
-    """What a change makes of columns, each relative to how much it moves in `reference`."""
+    """The effect of a change on columns, each relative to its effect in `reference`."""
 
     def __init__(self, known: Sequence[Mapping[str, Array]], names: Sequence[str]) -> None:
         self.names = list(names)
         self._sizes = {name: max(rms(each[name] - np.mean(each[name])) for each in known) + 1e-6 * rms(known[1][name]) for name in names}
 
     def between(self, first: Mapping[str, Array], second: Mapping[str, Array], among: Iterable[str] | None = None) -> Array:
-        """The effect, columns one behind the other; of those in `among`, None: all."""
+        """The effect as one array, column after column; `among`: these columns, None: all."""
         names = self.names if among is None else [name for name in self.names if name in among]
         return np.concatenate([(second[name] - first[name]) / self._sizes[name] for name in names]) if names else np.zeros(0)
 
@@ -134,7 +134,7 @@ def _of_drive(change: Change) -> bool:
 
 
 def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:
-    """Fault if it is but a column or two that are wrong with the change: their rows are, not the quantity."""
+    """Fault if only one or two columns are wrong with the change: then their rows are wrong, not the quantity."""
     found = findings(bench, after, told)
     if 0 < len(found) <= 2 and all(finding.explained for finding in found.values()):
         told.update(found)
@@ -142,7 +142,7 @@ def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:
 
 
 def _worst(bench: Bench, motions: Sequence[Motion], names: Sequence[str]) -> str | None:
-    """The column that is farthest beyond what the engine says of its own error; "" if none is, None where it does not say."""
+    """The column that exceeds the engine's own error estimate most; "" if none does, None if there is no estimate."""
     first, second = (bench.tolerances(motion) for motion in motions)
     if first is None or second is None:
         return None
@@ -152,7 +152,7 @@ def _worst(bench: Bench, motions: Sequence[Motion], names: Sequence[str]) -> str
 
 
 def _error(bench: Bench, motions: Sequence[Motion], name: str) -> Array:
-    """Of a quantity's effect on a column."""
+    """Error of a quantity's effect on a column."""
     before, after = (bench.run(motion)[name] - truth(motion).columns[name] for motion in motions)
     return after - before
 
@@ -166,7 +166,7 @@ def _mistake(
     worst: str | None,
     share: float | None,
 ) -> str:
-    """What the engine does with the quantity, in words; "" where no simple mistake makes it."""
+    """The engine's mistake with the quantity, in words; "" if no simple mistake explains it."""
     scenes = list(imagined(context, change.mistakes(), lambda scene: solution(Motion(scene, change.duration))))
     for among in (None, _RIGID) if worst else (None,):
         shown, due = (effect.between(first, second, among) for first, second in (found, known))

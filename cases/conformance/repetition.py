@@ -1,7 +1,7 @@
-"""An engine's answer depends on the scene and nothing else.
+"""Checks that an engine's answer depends on the scene and nothing else.
 
-What is compared are answers of processes of their own, all with one thread: sums that threads make in another order differ in the last
-digits, and that is no mistake.
+The answers come from separate processes with one thread each: sums in a different order of threads differ in the last digits, which is not
+a mistake.
 """
 
 import dataclasses
@@ -23,12 +23,12 @@ from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Mechanism, changed
 
 _DURATION: Final = 0.1  # s
-#: Part of a column by which it may differ.
+#: Relative difference that is allowed in a column.
 _SAME: Final = 1e-6
-#: Part of its own error that an engine may differ by, by what its estimate is of. Other last digits lead a step size control to other
-#: steps, and the integration's error to another value of the same size; of the whole error that is a small part.
+#: Allowed difference as a part of the engine's own error, by what its estimate covers. Different last digits lead a step size control to
+#: other steps, and the integration's error to another value of the same size; this is a small part of the whole error.
 _OF_ERROR: Final = {"total": 0.02, "integration": 1.0, "unverified": 0.02}
-#: Part of a scene -> what is changed in it, so that a state kept of it shows.
+#: Part of a scene -> its change, which reveals a kept state.
 PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "crank": {"crank.length": 0.09, "crank.inertia": 4e-3},
     "tip": {"tip.mass": 0.1},
@@ -37,25 +37,25 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
 _FIRST: Final = "the mild scene"
 _KEEP: Final = "keep nothing between runs: no class attribute, module variable, random number or clock"
 
-#: What was found of each scene in a process: columns, or why there are none.
+#: Results of each scene in a process: columns, or why there are none.
 Found = Mapping[str, Mapping[str, Array]]
 
 
 @dataclasses.dataclass(frozen=True)
 class Elsewhere:
-    """What came of an engine in other processes."""
+    """Results of an engine in other processes."""
 
-    # each scene behind the others, in one process; the mild scene again, and at the end once more
+    # each scene after the others, in one process; the mild scene again, and once more at the end
     in_turn: Found = dataclasses.field(default_factory=dict)
     alone: Found = dataclasses.field(default_factory=dict)  # each scene in a process of its own, the mild one twice
-    reason: str = ""  # why there is nothing; "" where there is
+    reason: str = ""  # why there are no results; "" if there are
 
 
 NOT_TRIED: Final = Elsewhere(reason="not tried")
 
 
 def scenes_in_turn(engine: AnyEngine | str) -> dict[str, dict[str, Array]]:
-    """Columns of the mild scene, of the same again, of each of `PARTS` changed, and of the mild scene behind them."""
+    """Columns of the mild scene, of the same again, of each of `PARTS` changed, and of the mild scene after them."""
     found = found_engine(engine)
     return {name: _columns(found, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
 
@@ -66,13 +66,13 @@ def one_scene(engine: AnyEngine | str, name: str) -> dict[str, Array]:
 
 
 def elsewhere(engine: AnyEngine | str, seconds: float | None = None) -> Elsewhere:
-    """What comes of the engine in processes of their own; `seconds`: wall time that each may take, None: as long as it takes."""
+    """Results of the engine in separate processes; `seconds`: limit of wall time for each, None: no limit."""
     try:
         pickle.dumps(engine)
     except Exception as error:  # of whatever kind pickle makes it
         return Elsewhere(reason=f"pickle raised {type(error).__name__}: {error}")
     limits = None if seconds is None else Limits(seconds, default_limits().memory)
-    if found_engine(engine).compiles:  # what a process compiles and what it loads may differ in the last digits: all shall load it
+    if found_engine(engine).compiles:  # compiled and loaded code may differ in the last digits: all processes shall load it
         answers(LocalProcesses(1, limits), [Job("compiling", one_scene, (engine, _FIRST))], "other processes")
     names = (_FIRST, "in another process", *PARTS)
     jobs: list[Job[Any]] = [Job("scenes in turn", scenes_in_turn, (engine,)), *(Job(name, one_scene, (engine, name)) for name in names)]
@@ -96,12 +96,12 @@ def _columns(engine: AnyEngine, name: str) -> dict[str, Array]:
 
 
 def repetition(bench: Bench, other: Elsewhere) -> Iterator[Check]:
-    """The same scene again, behind other scenes, and in another process."""
+    """Checks of the same scene again, after other scenes, and in another process."""
     if other.reason.startswith(LEFT_OUT):
         yield Check("twice the same", "not judged", other.reason, "try it without --quick")
         return
     if other.reason:
-        # a class that is to be had here alone: its last digits may depend on threads here, which its own error covers
+        # a class that exists in this process alone: its last digits may depend on threads, which its own error covers
         try:
             in_turn: Found = {name: _columns(bench.engine, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
         except EngineFailure as failure:
@@ -126,13 +126,13 @@ def _same(bench: Bench, first: Mapping[str, Array], second: Mapping[str, Array],
 
 
 def _errors(bench: Bench) -> Mapping[str, float]:
-    """By how much columns may differ for the engine's own error, in their units. It takes time: it is only made where it matters."""
+    """Allowed differences of columns because of the engine's own error, in their units. Computed only if needed, because it takes time."""
     part = _OF_ERROR[bench.engine.estimates]
     return {name: part * error for name, error in (bench.estimates(Motion(bench.scene, _DURATION)) or {}).items()}
 
 
 def _differing(first: Mapping[str, Array], second: Mapping[str, Array], errors: Mapping[str, float]) -> str:
-    """The first column that differs; "" where none does."""
+    """The first column that differs; "" if none does."""
     for name, values in first.items():
         allowed = max(_SAME * (rms(values) + 1e-12), errors.get(name, 0.0))
         if len(values) != len(second[name]) or rms(values - second[name]) > allowed:
@@ -141,7 +141,7 @@ def _differing(first: Mapping[str, Array], second: Mapping[str, Array], errors: 
 
 
 def _same_there(bench: Bench, other: Elsewhere) -> None:
-    """Fault if two processes differ, or if there is none; Unjudged if only the class is not to be had there."""
+    """Fault if two processes differ, or if there is none; Unjudged if the class does not exist there."""
     if other.reason:
         words = other.reason.lower()
         if "raised" in words and (("error" in words and "import" in words) or "attribute" in words or "pickle" in words):
@@ -152,7 +152,7 @@ def _same_there(bench: Bench, other: Elsewhere) -> None:
 
 
 def _nothing_kept(bench: Bench, part: str, behind: Mapping[str, Array], fresh: Mapping[str, Array]) -> None:
-    """Fault if a scene comes out another way behind others than in a new process; names the part that is kept, if it is one."""
+    """Fault if a scene gives other results after other scenes than in a new process; it names the kept part, if it is a single one."""
     if not _differing(fresh, behind, {}) or not (name := _differing(fresh, behind, _errors(bench))):
         return
     scene = _scene(bench, part)

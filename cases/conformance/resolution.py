@@ -1,4 +1,4 @@
-"""An engine's ladder: it gets finer, ends, its estimates hold, and each setting does something."""
+"""Checks of an engine's ladder: it gets finer, ends, its estimates hold, and each setting has an effect."""
 
 import itertools
 import math
@@ -15,18 +15,18 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.simple import SimpleEngine
 
-#: Rungs that a ladder may have: half as many as there are settings in the longest of this project.
+#: Largest number of rungs of a ladder: half of the number of settings in the longest of this project.
 _MOST_RUNGS: Final = 200
 #: Accuracy of coarse settings, or the engine's default if that is coarser.
 _COARSE: Final = 0.05
-#: Rungs that are run, and solve time (s) of a run from which on no finer one is made.
+#: Number of rungs that are run, and solve time (s) of a run after which no finer one is run.
 _RUN: Final = 3
 _SLOW: Final = 5.0
-#: By how many times an error may be larger than its estimate in the mild scene, by what the estimate is of: errors of an integration
-#: with steps of its own choice scatter. By how many times a finer rung may be worse: some are better than they should be by chance.
+#: Largest ratio of an error to its estimate in the mild scene, by what the estimate covers: errors of an integration with adaptive steps
+#: scatter. Largest ratio of a finer rung's error to a coarser one's: some are better than expected by chance.
 _MISSED: Final = {"total": 1.5, "integration": 2.5}
 _WORSE: Final = 1.1
-#: Errors of the tip deflection below this are not compared: the integration leaves them.
+#: Errors of the tip deflection below this are not compared: they are errors of the integration.
 _NOISE: Final = 5e-5
 #: An order or factor is as stated within this factor.
 _ABOUT: Final = 2.5
@@ -67,7 +67,7 @@ def _ends(bench: Bench, settings: Settings) -> str:
 
 
 def _truth(bench: Bench) -> Truth:
-    """The solution of the scene; of an engine whose discretization is its model, that of its own equations."""
+    """The solution of the scene; for an engine whose discretization is its model, the solution of its own equations."""
     if bench.engine.estimates != "integration":
         return truth(bench.mild)
     settings = bench.settings(bench.scene)
@@ -77,13 +77,13 @@ def _truth(bench: Bench) -> Truth:
 
 
 def _error(bench: Bench, settings: Settings, known: Truth) -> float:
-    """Of the tip deflection, relative."""
+    """Relative error of the tip deflection."""
     right = known.columns["tip_deflection"]
     return rms(bench.run(bench.mild, settings)["tip_deflection"] - right) / (rms(right) or 1.0)
 
 
 def _climb(bench: Bench, known: Truth, settings: Settings, most: int) -> list[float]:
-    """Errors of the tip deflection from rung to rung, of so many at most; none above one that takes long."""
+    """Errors of the tip deflection from rung to rung, of at most `most` rungs; it stops after a rung that takes long."""
     errors = [_error(bench, settings, known)]
     while len(errors) < most and bench.run(bench.mild, settings).solve_seconds <= _SLOW:
         finer = bench.finer(bench.scene, settings)
@@ -95,7 +95,7 @@ def _climb(bench: Bench, known: Truth, settings: Settings, most: int) -> list[fl
 
 
 def _gets_finer(errors: list[float], above: list[float], wrong: Amiss) -> str:
-    """From the coarsest rung on, and above the default."""
+    """Check that errors fall from the coarsest rung on, and above the default."""
     for found in (errors, above):
         if any(after > max(_WORSE * before, 0.3 * errors[0], _NOISE) for before, after in itertools.pairwise(found)):
             cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {_listed(found)}"
@@ -161,7 +161,7 @@ def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:
 
 
 def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth) -> float | None:
-    """Error of the other run over that of the run, of the tip deflection; None where one of them is lost in noise."""
+    """Ratio of the other run's error to the run's, for the tip deflection; None if one of them is within the noise."""
     try:
         error, other = (_error(bench, settings, known) for settings in (pairs[0].run, pairs[0].other))
     except EngineFailure:

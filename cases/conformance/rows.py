@@ -1,4 +1,4 @@
-"""The rows of a trajectory: with another output step, and in pieces, they are those of the same motion."""
+"""Checks of the rows of a trajectory: with another output step, and in pieces, they show the same motion."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -17,15 +17,15 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: Output steps that are tried besides the usual one, in its units: coarser, finer, and such as no usual step of an engine divides.
+#: Further output steps, as multiples of the usual one: coarser, finer, and steps that no usual step of an engine divides.
 _STEPS: Final = (4.0, 2.5, 0.5, 1.3)
-#: Rows that are computed with the finer and the odd ones.
+#: Number of rows with the finer and the odd output steps.
 _ROWS: Final = 120
-#: Part of a column's swing that may change with the output step where the engine says nothing of its error.
+#: Part of a column's range that may change with the output step if the engine gives no error.
 _SAME: Final = 0.02
-#: By how many times what interpolation costs a column may depart from its own interpolation.
+#: Allowed departure of a column from its own interpolation, as a multiple of the interpolation error.
 _INTERPOLATED: Final = 2.0
-#: Columns that are told one by one.
+#: Largest number of columns that are reported one by one.
 _ONE_BY_ONE: Final = 3
 _AT_ITS_INSTANT: Final = (
     "compute it from the state at the instant of the row, not from rows before and after: end a step of the solver there, or interpolate"
@@ -33,7 +33,7 @@ _AT_ITS_INSTANT: Final = (
 
 
 def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
-    """Columns that come late with a coarser output step, and columns that depend on it otherwise; "" where there are none."""
+    """Columns that come late with a coarser output step, and columns that depend on it in another way."""
     late, depending = dict[str, Check](), dict[str, Check]()
     tolerances, run = bench.tolerances(bench.mild), bench.run(bench.mild)
     name = "the same with another output step"
@@ -68,7 +68,7 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
 
 
 def _changed(name: str, told: str, shares: Mapping[str, float]) -> dict[str, Check]:
-    """Columns that change with the output step, by which part of their swing: one by one, or together where they are many."""
+    """Columns that change with the output step, with the part of their range: one by one, or together if there are many."""
     if len(shares) <= _ONE_BY_ONE:
         return {
             column: Check(f"{name}: {column}", "failed", f"{column} changes by {share_of(share)} with {told}", _AT_ITS_INSTANT)
@@ -81,12 +81,12 @@ def _changed(name: str, told: str, shares: Mapping[str, float]) -> dict[str, Che
 
 
 def allowed(column: str, values: Array, tolerances: Mapping[str, float] | None, part: float, times: float = 1.0) -> float:
-    """By how much a column may differ from another run's: as the engine says, and by a part of its swing."""
+    """Allowed difference of a column from another run's: the engine's estimate, and a part of the column's range."""
     return _SAME * _swing(values) if tolerances is None else max(times * tolerances.get(column, 0.0), part * _swing(values))
 
 
 def _roughness(values: Array) -> float:
-    """By how much every second row departs from a spline through the others: what jumps cannot be interpolated."""
+    """Departure of every second row from a spline through the others: jumps cannot be interpolated."""
     rows = np.arange(len(values))
     return rms(values[1:-1:2] - CubicSpline(rows[::2], values[::2])(rows[1:-1:2]))
 
@@ -96,7 +96,7 @@ def _swing(values: Array) -> float:
 
 
 def pieces(bench: Bench, wrong: Iterable[str]) -> None:
-    """A simulation advanced in pieces goes on where it stood."""
+    """Check that a simulation in pieces continues from its state."""
     rows, scene, run, tolerances = 60, bench.scene, bench.run(bench.mild), bench.tolerances(bench.mild)
     assert isinstance(scene, Mechanism)
     span = rows * OUTPUT_STEP

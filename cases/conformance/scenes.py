@@ -1,9 +1,9 @@
 """The scenes in which adapters are tried: a mild one that coarse models get right, and the same with one quantity changed at a time.
 
-The first bending frequency is twenty times the crank's, so that the follower bends (3 mm at the tip) and hardly rings: in it one cubic
-is 11 % off in the tip deflection where it is 80 % off in the thesis' run 24. The crank is light: its speed swings by a quarter, so that
-drive and inertias show. What a scene may lack is absent, so that a mistake in it does not show elsewhere. Each change is as large as it
-takes to move the motion by more than a coarse engine errs.
+The first bending frequency is twenty times the crank's, so that the follower bends (3 mm at the tip) and hardly rings: one cubic is 11 %
+off in the tip deflection, but 80 % off in the thesis' run 24. The crank is light: its speed varies by a quarter, so that drive and inertias
+have an effect. Optional features are absent, so that a mistake in one does not affect other checks. Each change is so large that its effect
+exceeds the error of a coarse engine.
 """
 
 import dataclasses
@@ -40,7 +40,7 @@ BASE: Final = Mechanism(
     ),
     tip=_TIP,
 )
-#: For engines whose crank can only be turned at a given speed.
+#: The mild scene for engines that need a prescribed crank speed.
 PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
 
 
@@ -48,14 +48,14 @@ PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
 class Change(Variation):
     """A quantity of the scene, by its key in a case file, with a new value that an engine must follow."""
 
-    # what the scene needs besides for the quantity to matter; it is there before and after
+    # other values that the quantity needs to have an effect, before and after the change
     context: dict[str, Any] = dataclasses.field(default_factory=dict)
-    # mistakes that are made with it: what they are -> what the scene would be with them
+    # mistakes with it: words -> the scene with the mistake
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
     duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
 
     def mistakes(self) -> list[Variation]:
-        """What a scene would be with the mistakes of `alike`, and with the quantity half and twice as large."""
+        """The scene with each mistake of `alike`, and with the quantity half and twice as large."""
         found = [Variation(words, values) for words, values in self.alike.items()]
         if len(self.given) == 1:
             ((path, value),) = self.given.items()
@@ -99,7 +99,7 @@ def turned(vector: tuple[float, float], angle: float) -> tuple[float, float]:
     return c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]
 
 
-#: Gravity (m/s^2) in no direction that a mistake leaves as it is, and an angle (rad) of the crank at the start that is not 180 deg.
+#: Gravity (m/s^2) in a direction that every mistake changes, and a start angle (rad) of the crank other than 180 deg.
 _ASLANT: Final = (6.0, -8.0)
 _ELSEWHERE: Final = 2.0
 
@@ -209,5 +209,5 @@ CHANGES: Final = (
 
 #: A softer follower, which bends by 10 mm: exact geometry shows.
 SOFT: Final = {"follower.bending_stiffness": 8.0}
-#: How long it moves (s) until it is taken for a start: bent, its bend changing, the crank on its way.
+#: Time (s) until its state serves as a start: the follower is bent and its bend changes.
 UNTIL_BENT: Final = 0.2

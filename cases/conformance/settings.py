@@ -1,4 +1,4 @@
-"""An engine's settings: each does something; and the errors that a `SimpleEngine` states are those that are measured."""
+"""Checks of an engine's settings: each has an effect; and the stated errors of a `SimpleEngine` are the measured ones."""
 
 import contextlib
 import dataclasses
@@ -20,19 +20,19 @@ from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.simple import SimpleEngine, SimpleSettings
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: Duration of the runs by which settings are told apart, s: 50 rows.
+#: Duration of the runs that compare settings, s: 50 rows.
 _DURATION: Final = 0.05
-#: Factors by which a number is changed until a change shows; what is zero becomes this part of what is accepted at most.
+#: Factors by which a number is changed until it has an effect; zero becomes this part of the largest accepted value.
 _FACTORS: Final = (0.5, 2.0, 0.01, 100.0)
 _OF_ZERO: Final = 0.1
-#: By how many times the time of a run must change to be seen, the shortest of so many runs.
+#: Ratio of run times that counts as a change, and the number of runs of which the shortest counts.
 _COST: Final = 1.5
 _TIMED: Final = 3
-#: The case and the time (s) in which the errors of a `SimpleEngine` are stated, and the time in which one may be measured.
+#: Case and duration (s) for which the errors of a `SimpleEngine` are stated, and the time in which one may be measured.
 _MEASURED_IN: Final = "thesis-24"
 _MEASURED_OVER: Final = 2.0
 _AFFORDABLE: Final = 60.0
-#: By how many times a measured error may exceed the one that is stated.
+#: Largest ratio of a measured error to the stated one.
 _UNDERSTATED: Final = 1.5
 
 
@@ -54,7 +54,7 @@ def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
                 changed = settings.replaced(**{field.name: value})
                 plain, other = bench.run(motion, settings), bench.run(motion, changed)
             except (SettingError, EngineFailure):
-                return ""  # whether it breaks down or is not accepted: it is looked at
+                return ""  # if it fails or is refused, the engine reads the setting
             tried.append(value)
             if any(not np.array_equal(values, other[name]) for name, values in plain.columns.items()):
                 return ""
@@ -67,7 +67,7 @@ def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
 
 
 def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Settings]) -> bool:
-    """Whether two runs cost something else: by what their solvers count, or where they count nothing by the time that they take."""
+    """Whether two runs differ in cost: by the counts of their solvers, or by their times if these count nothing."""
     counts = [{key: value for key, value in bench.run(motion, each).statistics.items() if not key.endswith("seconds")} for each in settings]
     if any(counts):
         return counts[0] != counts[1]
@@ -76,7 +76,7 @@ def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Set
 
 
 def _others(field: "dataclasses.Field[Any]", present: Any) -> Iterator[Any]:
-    """Other values of a setting that are accepted."""
+    """Other accepted values of a setting."""
     known: Mapping[str, Any] = field.metadata
     if isinstance(present, bool):
         yield not present

@@ -1,4 +1,4 @@
-"""Everything that the engine accepts in one scene: quantities that are followed one by one may err in pairs."""
+"""Check of all accepted quantities in one scene: quantities that are right one by one may be wrong in pairs."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -14,7 +14,7 @@ from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
 #: Duration of the motion, s: three quarters of a turn.
 _DURATION: Final = 0.4
-#: What a scene may have beside the mild one's: name -> values. Each is added where the engine accepts it.
+#: Optional features of a scene: name -> values. Each is added if the engine accepts it.
 PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "crank.initial_angle": {"crank.initial_angle": 2.3},
     "mechanism.gravity": {"gravity": (5.0, -7.0)},
@@ -36,13 +36,13 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "base.friction_torque": {"base.friction_torque": 0.03},
     "follower.material_damping": {"follower.material_damping": 1e-3},
 }  # fmt: skip
-#: The largest part of an error that may remain without a quantity that takes part in it.
+#: Largest part of an error that may remain without a quantity that contributes to it.
 _VANISHES: Final = 0.3
 _NAME: Final = "quantities together"
 
 
 def together(bench: Bench, wrong: Amiss) -> Iterator[Check]:
-    """The scene with everything, its columns, and which quantities do not go together."""
+    """Check the scene with everything: its columns, and the quantities that are wrong together."""
     if wrong.motion:
         yield Check(_NAME, "not judged", "the motion in the mild scene is wrong already", "mend that first")
     else:
@@ -70,7 +70,7 @@ def _look(bench: Bench, wrong: Amiss) -> str:
 
 
 def everything(bench: Bench) -> tuple[Mechanism, list[str]]:
-    """The scene, and what it has beside the mild one's. Raises Unjudged where the engine accepts nothing."""
+    """The scene, and its optional features. Raises Unjudged if the engine accepts none."""
     scene, parts = bench.scene, list[str]()
     for name in PARTS:
         try:
@@ -85,7 +85,7 @@ def everything(bench: Bench) -> tuple[Mechanism, list[str]]:
 
 
 def _off(bench: Bench, motion: Motion) -> dict[str, float]:
-    """How far each column is off, relative to its size."""
+    """The error of each column, relative to its size."""
     run, known = bench.run(motion), truth(motion).columns
     return {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known)}
 

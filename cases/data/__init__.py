@@ -1,4 +1,4 @@
-"""Published numbers as tables; `read_table` and `read_toml` are how the code gets at them."""
+"""Published numbers as tables; the code reads them with `read_table` and `read_toml`."""
 
 import csv
 import functools

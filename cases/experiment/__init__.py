@@ -1,4 +1,4 @@
-"""What is left of the experiment: speeds, frequencies, axis labels, words; `curves` is the place for recordings of it."""
+"""Remaining data of the experiment: speeds, frequencies, axis labels, words; recordings of it belong into `curves`."""
 
 from quickreturn.cases.experiment.published import AxisLabels, axis_labels, channel_is_usable, measured_crank_speed
 from quickreturn.cases.experiment.statements import Statement, statements

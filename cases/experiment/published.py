@@ -1,4 +1,4 @@
-"""Numbers of the experiment that the thesis prints: crank speeds, which channels are valid, and the axes of its figures."""
+"""Numbers of the experiment that the thesis prints: crank speeds, valid channels, and the axes of its figures."""
 
 import functools
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class AxisLabels:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Smallest and largest legible label; the axis itself may reach further, for labels are missing."""
+        """Smallest and largest legible label; the axis itself may reach further, because labels are missing."""
         return min(self.values), max(self.values)
 
 

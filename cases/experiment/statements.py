@@ -1,4 +1,4 @@
-"""What the thesis says in words about simulation and experiment, in a form that numbers can confirm or contradict."""
+"""Statements of the thesis about simulation and experiment, in a form that numbers can confirm or contradict."""
 
 import functools
 import math
@@ -14,20 +14,20 @@ Kind = Literal["relation", "frequency", "observation", "cause"]
 
 @dataclass(frozen=True)
 class Statement:
-    """One statement and how it is read."""
+    """One statement and its reading."""
 
     id: str  # short name
     section: str  # of the thesis
     words: str  # the statement in our words
     kind: Kind  # "relation" (a ratio per run), "frequency" (a range in Hz), "observation" or "cause" (words only)
     quantity: str  # what is compared
-    runs: tuple[int, ...]  # numbers of the runs that it speaks of
+    runs: tuple[int, ...]  # numbers of the runs that it is about
     low: float = -math.inf  # smallest value that the words mean, -inf if there is none
     high: float = math.inf  # largest value that the words mean, inf if there is none
-    share: float = 1.0  # of the runs that must show it
+    share: float = 1.0  # share of the runs that must show it
 
     def share_of(self, values: Mapping[int, float]) -> float | None:
-        """Which share of the runs shows it, counting runs with a value only; None if no run has one.
+        """The share of the runs that shows it, among runs with a value; None if no run has one.
 
         Args:
             values: number of the run -> ratio simulation / experiment (kind "relation") or frequency in Hz (kind "frequency").

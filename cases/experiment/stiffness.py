@@ -1,4 +1,4 @@
-"""What the published bending stiffness says of the follower's material."""
+"""The material of the follower by its published bending stiffness."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,8 +20,8 @@ class StiffnessReading:
 
     published: str  # as printed
     modulus: float  # Young's modulus that follows, Pa
-    below: tuple[float, float]  # by which parts it lies below ordinary aluminium, least and greatest
-    # part by which EI would have to be lower to undo the median excess of a frequency (which grows with its root); None without one
+    below: tuple[float, float]  # relative distance below ordinary aluminium, least and greatest
+    # relative reduction of EI that would undo the median excess of a frequency (which grows with its root); None without one
     needed: float | None
 
 

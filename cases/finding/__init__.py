@@ -1,5 +1,4 @@
-"""What could have made the thesis' finding: each effect by itself, at three strengths, in all 24 runs.
+"""Possible causes of the thesis' finding: each effect by itself, at three strengths, in all 24 runs.
 
-`effects` is what is changed, `response` brings a changed scene to its steady cycles and measures them, `study` holds them against the
-scene as published.
+`effects` changes a scene, `response` brings it to its steady cycles and measures them, `study` compares them with the scene as published.
 """

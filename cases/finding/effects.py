@@ -1,4 +1,4 @@
-"""The effects that could tell the machine from its simulation, as `cases/data/thesis_effects.toml` declares them."""
+"""The effects by which the machine may differ from its simulation, as `cases/data/thesis_effects.toml` declares them."""
 
 import functools
 from collections.abc import Mapping

@@ -1,12 +1,11 @@
 """A changed scene in its steady cycles, measured.
 
-Where the loop stays closed and nothing rubs, `reference` finds the periodic state directly, and one cycle is measured. Everything else is
-marched from the periodic state of the scene as published: until 3 % of a disturbance are left by that state's largest Floquet
-multiplier, and then through the cycles that are measured. Numbers are means over these, with their scatter; a rattling joint has
-no cycle that repeats.
+If the loop stays closed and nothing rubs, `reference` finds the periodic state directly, and one cycle is measured. Every other scene is
+marched from the periodic state of the scene as published: until 3 % of a disturbance remain by that state's largest Floquet multiplier, and
+then through the measured cycles. Numbers are means over these, with their scatter; with a rattling joint no cycle repeats.
 
-Friction and impacts slow the crank, and its speed changes the vibration more than they do. So a torque drive gets the torque that
-keeps the published scene's mean speed: what the crank loses in the first cycles says which.
+Friction and impacts slow the crank, and its speed changes the vibration more than they do. So a torque drive gets the torque that keeps the
+published scene's mean speed; it follows from the loss of speed in the first cycles.
 """
 
 import math
@@ -35,19 +34,19 @@ from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, change
 
 Array = NDArray[np.float64]
 
-#: Cycles that are recorded once the motion is steady, and of those the share whose vibration is fitted, which takes longest.
+#: Number of recorded cycles of the steady motion, and the share of these whose vibration is fitted, which takes longest.
 CYCLES: Final = 8
 EVERY: Final = 4
-#: Part of a disturbance that may be left before that.
+#: Part of a disturbance that may remain before these cycles.
 LEFT: Final = 0.03
-#: Cycles from which the speed is foretold that a torque leads to, by which part it may miss, and how often the torque is corrected.
+#: Cycles from which the final speed with a torque is predicted, its allowed relative error, and the number of corrections of the torque.
 TRIED: Final = 4
 SPEED: Final = 2e-3
 CORRECTIONS: Final = 3
 #: Hz, the band in which section 3.4 saw a second mode, and a wider one in which its frequency is looked for.
 BAND: Final = (90.0, 180.0)
 SOUGHT: Final = (60.0, 200.0)
-#: Share of a cycle's crank angle behind the farthest place that counts as "at the return": 360 to 420 degrees.
+#: Part of a cycle after the farthest place that counts as "at the return": 360 to 420 degrees.
 RETURN: Final = (0.5, 0.5 + 60.0 / 360.0)
 #: Rows of a cycle at even instants, and transforms of so many times its length.
 ROWS: Final = 4096
@@ -56,7 +55,7 @@ PADDING: Final = 16
 
 @dataclass(frozen=True)
 class Half:
-    """The first mode in a half, by channel, where all measured cycles resolve it."""
+    """The first mode in a half, by channel, if all measured cycles resolve it."""
 
     frequencies: Mapping[str, float]  # Hz
     uncertainties: Mapping[str, float]  # of their measurement, Hz
@@ -75,7 +74,7 @@ class Ring:
 
 @dataclass(frozen=True)
 class Response:
-    """What was measured; `reason` says why nothing was."""
+    """Measurements of a scene; `reason` says why there are none."""
 
     halves: Mapping[str, Half] = field(default_factory=dict)
     peaks: Mapping[str, float] = field(default_factory=dict)  # largest magnitude in a cycle, by channel, mean over the cycles
@@ -87,19 +86,19 @@ class Response:
 
 @dataclass(frozen=True)
 class Request:
-    """A scene to be brought to its steady cycles."""
+    """A scene to bring to its steady cycles."""
 
-    scene: Mechanism  # changed from one as published
-    start: PeriodicStart  # periodic state of that
+    scene: Mechanism  # changed from the published one
+    start: PeriodicStart  # periodic state of the published scene
     multiplier: float  # its largest Floquet multiplier
-    speed: float  # its mean crank speed, which is kept, rad/s
+    speed: float  # its mean crank speed, rad/s, which is kept
     engine: str = "reference"  # name
-    settings: Mapping[str, str] = field(default_factory=dict)  # of it, as texts; others are those of its default accuracy
-    finer: bool = False  # whether it takes the finer settings that its error is estimated with
+    settings: Mapping[str, str] = field(default_factory=dict)  # settings of the engine, as texts; others are those of its default accuracy
+    finer: bool = False  # whether it uses the finer settings of the error estimate
 
 
 def respond(requests: tuple[Request, ...]) -> tuple[Response, ...]:
-    """What each scene does in its steady cycles; what an engine cannot do becomes a reason."""
+    """The response of each scene in its steady cycles; a failure of an engine becomes its reason."""
     return tuple(_response(request) for request in requests)
 
 
@@ -130,7 +129,7 @@ def _at_speed(engine: AnyEngine, settings: Settings, request: Request) -> list[C
 def _steady_cycles(
     engine: AnyEngine, settings: Settings, scene: Mechanism, start: PeriodicStart, multiplier: float
 ) -> tuple[Iterator[Cycle], float]:
-    """The cycles, which a march makes as they are taken, and the mean speed (rad/s) that they have or tend to."""
+    """The cycles, which are simulated as they are taken, and the mean speed (rad/s) that they have or tend to."""
     step = output_step(scene)
     try:
         found = engine.steady_state(scene, standard_start(scene), settings)
@@ -164,7 +163,7 @@ def _measured(scene: Mechanism, cycles: list[Cycle]) -> Response:
 
 
 def carrying(scene: Mechanism, half: str) -> Mechanism:
-    """The scene as small vibrations in a half find it: with the one roller that carries there, or with both where preload keeps both."""
+    """The scene for small vibrations in a half: with the roller that carries there, or with both if preload keeps both in contact."""
     plus, minus = scene.slider.sides
     if plus == minus:
         return scene
@@ -174,7 +173,7 @@ def carrying(scene: Mechanism, half: str) -> Mechanism:
 
 
 def _first_modes(scene: Mechanism, cycles: list[Cycle]) -> dict[str, Half]:
-    """Both halves, each on the time scale of the scene as small vibrations find it there."""
+    """Both halves, each on the time scale of the scene for small vibrations there."""
     scales = {found: time_scale(found) for found in {carrying(scene, half) for half in HALVES}}
     return {half: _half(half, [_fitted(scales[carrying(scene, half)], half, cycle) for cycle in cycles]) for half in HALVES}
 

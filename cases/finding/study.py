@@ -1,4 +1,4 @@
-"""The study: every effect at every strength in all 24 runs, held against the runs as published."""
+"""The study: every effect at every strength in all 24 runs, compared with the runs as published."""
 
 import math
 import statistics
@@ -17,11 +17,11 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import Orbit, orbits
 from quickreturn.cases.runs.request import CODE
 
-#: The strength at which errors are estimated and a second formulation is asked, and the runs in which they are.
+#: The strength at which errors are estimated and a second formulation computes, and the runs for both.
 MIDDLE: Final = 1
 SAMPLE: Final = (4, 10, 16, 24)
 CONFIRMED_RUNS: Final = (10, 24)
-#: The second formulation, and the effects that it computes, too: those of the joint.
+#: The second formulation, and the effects that it also computes: those of the joint.
 SECOND: Final = "mujoco"
 OF_JOINT: Final = ("linear", "post-side", "pre-side", "preload", "post-side-alloy", "clearance", "friction", "drag", "pivot")
 #: The run whose fast vibration the thesis describes.
@@ -33,11 +33,11 @@ Found = Mapping[tuple[str, int, Way], tuple[Response, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """An effect of one strength; changes are those of the run as published. None: not resolvable, not computed, or broken down."""
+    """An effect of one strength; changes are relative to the run as published. None: not resolvable, not computed, or failed."""
 
     effect: str  # `Effect.id`
     strength: str  # its words
-    engine: str  # that computed it
+    engine: str  # engine that computed it
     # change of the first mode's consensus frequency, 0.01 %, of each run from 1 on, of `SECOND` of `CONFIRMED_RUNS`
     pre_frequency: tuple[int | None, ...]
     post_frequency: tuple[int | None, ...]  # likewise
@@ -49,46 +49,46 @@ class Row:
     # of run 24 the first mode's frequency before and after the return, Hz (0: not resolvable); at the return the RMS of the band, m/s^2,
     # the strongest frequency from 60 to 200 Hz, and there the correlation of strain 1 with 2, and with 3
     example: tuple[float, ...]
-    measured: float  # what the measurement leaves open of a frequency, %, median over runs and halves, the cycles' scatter included
+    measured: float  # uncertainty of a measured frequency, %, median over runs and halves, including the cycles' scatter
     # estimated errors, the greatest of the sample: of the changes of frequency, amplitude, peak acceleration and peak strain, in %, and
     # of the band, m/s^2; empty where none was estimated
     claim: tuple[float, ...]
-    runs: int  # how many were computed, and `failed` of them broke down
+    runs: int  # number of computed runs; `failed` of them failed
     failed: int
 
     def changes(self, name: str) -> dict[int, float]:
-        """Run -> change of what the field `name` holds, as a part, where it is known."""
+        """Run -> relative change in the field `name`, if it is known."""
         unit, runs = 1e-4 if name.endswith("frequency") else 1e-2, CONFIRMED_RUNS if self.engine == SECOND else tuple(RUNS)
         return {run: unit * value for run, value in zip(runs, getattr(self, name), strict=True) if value is not None}
 
     @property
     def apart(self) -> float | None:
-        """By how much more the frequency changes after the return than before it, median over the runs, as a part."""
+        """Relative change of the frequency after the return minus that before it, median over the runs."""
         before, after = self.changes("pre_frequency"), self.changes("post_frequency")
         found = [(1.0 + after[run]) / (1.0 + before[run]) - 1.0 for run in before if run in after]
         return statistics.median(found) if found else None
 
     @property
     def tells_halves_apart(self) -> bool:
-        """Whether they differ by more than what the measurement leaves open of a difference of two frequencies."""
+        """Whether the halves differ by more than the uncertainty of a difference of two frequencies."""
         return self.apart is not None and abs(self.apart) > 0.01 * math.sqrt(2.0) * self.measured
 
 
 def study(workshop: Workshop) -> list[Row]:
-    """All rows, those of the second formulation last, of the runs that are not missing in the workshop; none unless all of the sample are.
+    """All rows, those of the second formulation last, from the runs in the workshop; none unless all runs of the sample are there.
 
     KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     others = tuple(run for run in RUNS if run not in SAMPLE)
     begin = dict(zip(RUNS, orbits([run_case(run).mechanism for run in RUNS], workshop), strict=True))
     jobs = dict[tuple[str, int, Way], Job[tuple[Response, ...]]]()
-    # the sample first, so that what is there when this is cut off is the same for all effects
+    # the sample first, so that an interrupted study has the same runs for all effects
     for way, runs in (("", SAMPLE), (SECOND, CONFIRMED_RUNS), ("finer", SAMPLE), ("", others)):
         for run in (run for run in runs if begin[run].begin is not None):
             known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id in (PUBLISHED.id, *OF_JOINT)]
             jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in known}
     outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
-    broken = (Response(reason="its process did not end well"),) * 3
+    broken = (Response(reason="its process failed"),) * 3
     found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if not outcome.missing}
     if any((effect.id, run, "") not in found for effect in (PUBLISHED, *effects()) for run in SAMPLE):
         return []
@@ -148,7 +148,7 @@ Pair = tuple[Response, Response] | None
 
 
 def _pair(effect: Effect, place: int, run: int, way: Way, found: Found) -> Pair:
-    """The run as published and changed, both computed in one way; None where they were not."""
+    """The run as published and changed, both computed in the same way; None if they were not."""
     if (effect.id, run, way) not in found:
         return None
     changed = found[effect.id, run, way]
@@ -156,7 +156,7 @@ def _pair(effect: Effect, place: int, run: int, way: Way, found: Found) -> Pair:
 
 
 def _frequency(pair: Pair, half: str) -> tuple[float | None, float | None]:
-    """Change and what its measurement leaves open, %, over the channels that both resolve."""
+    """Change and its uncertainty, %, over the channels that both resolve."""
     before, after = (response.halves.get(half) for response in pair) if pair else (None, None)
     channels = [name for name in CHANNELS if before and after and name in before.frequencies and name in after.frequencies]
     if before is None or after is None or not channels:
@@ -191,7 +191,7 @@ def _example(response: Response) -> tuple[float, ...]:
 
 
 def _claim(effect: Effect, found: Found) -> tuple[float, ...]:
-    """Greatest difference that finer settings make to each kind of number, over the part of the error that they take away."""
+    """Greatest difference of each kind of number with finer settings, over the part of the error that these remove."""
     kinds: Sequence[Callable[[Pair], Iterable[float | None]]] = (
         lambda pair: [_frequency(pair, half)[0] for half in HALVES],
         lambda pair: [_amplitude(pair, half) for half in HALVES],
@@ -210,7 +210,7 @@ def _claim(effect: Effect, found: Found) -> tuple[float, ...]:
 
 
 def _taken_away(finer: Pair) -> float:
-    """The least part of an error that the finer settings take away, of the run as published and of the changed one."""
+    """The least part of an error that the finer settings remove, in the published and in the changed run."""
     assert finer is not None
     return min(abs(1.0 - response.factor) for response in finer)
 

@@ -1,1 +1,1 @@
-"""Jobs: what is to be computed, in processes of its own, named by one key, kept in one store."""
+"""Jobs: computations in separate processes, each with a key, stored in one store."""

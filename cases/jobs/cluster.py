@@ -1,6 +1,6 @@
-"""Jobs on a cluster: a scheduler of Dask deals them out, and each worker computes those that it gets in processes of their own.
+"""Jobs on a cluster: a Dask scheduler distributes them, and each worker computes its jobs in processes of their own.
 
-A worker that is killed loses the jobs that it was at, and others compute them again. Results go into the store of the machine that asks.
+If a worker is killed, other workers compute its jobs again. Results go into the store of the machine that runs the command.
 """
 
 import asyncio
@@ -30,7 +30,7 @@ def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "
     Limits and quiet as of `cases.jobs.job.Executor`; None: `default_limits` of this machine.
 
     Raises:
-        ExecutorError: there is no such scheduler, no worker, or one that would compute something else than this machine.
+        ExecutorError: there is no such scheduler, no worker, or one with other code or versions than this machine.
     """
     place = f"cluster {address}"
     try:
@@ -59,11 +59,11 @@ class Cluster:
 
     @property
     def at_once(self) -> int:
-        """How many jobs the present workers compute at a time."""
+        """Number of jobs that the present workers compute at a time."""
         return max(1, sum(self._client.nthreads().values()))
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
-        """See `cases.jobs.job.Executor`; `watch` is not told, for the workers do not say how far they are."""
+        """See `cases.jobs.job.Executor`; `watch` is not called, because the workers do not report their progress."""
         executor = self._client.get_executor(pure=False)
         yield from computed(
             lambda job: executor.submit(_on_worker, job, key_of(job), self.limits), jobs, partial(executor.shutdown, wait=False)
@@ -77,7 +77,7 @@ class Cluster:
 
 
 async def _answers(address: str) -> None:
-    """OSError or ValueError: nobody answers at the address. A client that finds nobody would hang when it is thrown away."""
+    """OSError or ValueError: nothing answers at the address. A client without a scheduler would hang at its end."""
     from distributed import Security
     from distributed.comm.core import connect
 
@@ -105,14 +105,14 @@ def _check(client: "Client", address: str) -> None:
 
 
 def installed() -> dict[str, str]:
-    """Versions of what determines results, by name: libraries, engines, and this project's code."""
+    """Versions that determine results, by name: libraries, engines, and this project's code."""
     engines = {f"engine {name}": version_of(name)[-2] for name in sorted(OWN)}
     versions = {library: library_version(library) for library in LIBRARIES}
     return {**versions, **engines, "code of quickreturn": code_fingerprint((*SIMULATION, "quickreturn.cases"))[:12]}
 
 
 def _worker() -> tuple[bool, dict[str, str]]:
-    """On a worker: whether it is a daemon, which may start no processes, and what is installed."""
+    """On a worker: whether it is a daemon, which may not start processes, and the installed versions."""
     return multiprocessing.current_process().daemon, installed()
 
 
@@ -122,11 +122,11 @@ def _on_worker(job: Job[V], key: str, limits: Limits) -> Outcome[V]:
 
     worker = get_worker()
     if key_of(job) != key:
-        raise ExecutorError(f"worker {worker.address} has other code or libraries than the machine that asks it for {job.name}")
+        raise ExecutorError(f"worker {worker.address} has other code or libraries than the machine that asks for {job.name}")
     task = worker.get_current_task()
 
     def unwanted() -> bool:
-        """Whether who asked has gone or changed his mind, or the worker is about to go itself."""
+        """Whether the client is gone or has cancelled the job, or the worker is closing."""
         return worker.state.tasks[task].state == "cancelled" or worker.status in (Status.closing, Status.closed, Status.failed)
 
     return isolated(job, limits, stopped=unwanted)

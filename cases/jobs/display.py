@@ -1,4 +1,4 @@
-"""What the person who waits gets to see, on standard error: what is at work, how far it is, how much is done, what is left.
+"""Display of progress on standard error: jobs at work, their progress, finished jobs, and the remaining time.
 
 A terminal shows it in place; a pipe or a file gets a line every few seconds and one for each result.
 """
@@ -19,19 +19,19 @@ from quickreturn.reference_model.machine import machine_code
 if TYPE_CHECKING:
     from quickreturn.engines.progress import Progress
 
-#: Until the first line, and between lines, s. What is done before needs none.
+#: Time until the first line, and between lines, s.
 FIRST: Final = 0.3
 EVERY: Final = 5.0
-#: Seconds of the processor that may go before it is told that code is compiled. Loading what is kept takes one, compiling 15 to 40.
+#: Processor seconds before a message says that code is compiled. Loading compiled code takes one, compilation 15 to 40.
 UNTOLD: Final = 2.0
-#: Between looks at that, s.
+#: Interval of that check, s.
 EVERY_LOOK: Final = 0.2
-#: Shown on a line at most.
+#: Largest number of jobs on a line.
 _MOST_AT_WORK: Final = 4
 
 
 def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator[Outcome[T], None, None]:
-    """Outcomes as they come; how far they are is shown meanwhile unless the executor is quiet. Raises as `Executor.run`."""
+    """Outcomes as they come; progress is shown meanwhile unless the executor is quiet. Raises as `Executor.run`."""
     if executor.quiet or not jobs:
         yield from executor.run(jobs)
         return
@@ -46,14 +46,14 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
 
 
 def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
-    """How each of the jobs ended, in their order; their results are good for this moment and not stored. Raises as `Executor.run`."""
+    """The outcome of each job, in their order; these results are not stored. Raises as `Executor.run`."""
     with closing(watched(executor, jobs, title)) as computed:
         found = {id(outcome.job): outcome for outcome in computed}
     return [found[id(job)] for job in jobs]
 
 
 class Tally:
-    """How many of the jobs are done, what is at work, and how long the rest will take."""
+    """Number of finished jobs, jobs at work, and the remaining time."""
 
     def __init__(self, total: int, at_once: int) -> None:
         """`total`: points of all jobs; `at_once`: how many jobs are computed at a time."""
@@ -65,13 +65,13 @@ class Tally:
         self._lock = threading.Lock()
 
     def watch(self, job: Job[Any], progress: "Progress | None") -> None:
-        """A job has begun (None), or is as far as it says."""
+        """Note that a job has begun (None), or its progress."""
         with self._lock:
             began = self._at_work[id(job)][2] if id(job) in self._at_work else time.monotonic()
             self._at_work[id(job)] = job, progress, began
 
     def ended(self, outcome: Outcome[Any]) -> None:
-        """A job has ended, well or not."""
+        """Note that a job has ended, successfully or not."""
         with self._lock:
             self._at_work.pop(id(outcome.job), None)
             self.done += outcome.job.points
@@ -80,12 +80,12 @@ class Tally:
 
     @property
     def elapsed(self) -> str:
-        """Since the beginning, for a person."""
+        """Time since the beginning, as text."""
         return span(time.monotonic() - self._began)
 
     @property
     def left(self) -> float | None:
-        """How long the rest will take, s, if it takes on average what took so far; None before there is a result."""
+        """Remaining time, s, from the average so far; None before there is a result."""
         with self._lock:
             if not self.done:
                 return None
@@ -113,7 +113,7 @@ def _line(job: Job[Any], progress: "Progress | None") -> str:
 
 
 def span(seconds: float) -> str:
-    """A time span for a person: "4 s", "3 min 20 s", "1 h 20 min"."""
+    """A time span as text: "4 s", "3 min 20 s", "1 h 20 min"."""
     whole = round(max(seconds, 0.0))
     if whole < 60:
         return f"{whole} s"
@@ -123,7 +123,7 @@ def span(seconds: float) -> str:
 
 @contextlib.contextmanager
 def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
-    """The terminal: a bar, and below it what is at work. What is yielded is told of every outcome."""
+    """Display in a terminal: a bar, and below it the jobs at work. The yielded function is called with every outcome."""
     from rich.console import Console, Group
     from rich.live import Live
     from rich.progress_bar import ProgressBar
@@ -141,7 +141,7 @@ def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
 
 @contextlib.contextmanager
 def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
-    """A pipe or a file: a line for each outcome, and now and then one from a thread of its own, for the caller waits."""
+    """Display in a pipe or a file: a line for each outcome, and at intervals one from a thread, because the caller waits."""
     ended = threading.Event()
 
     def tell() -> None:
@@ -167,9 +167,9 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
 
 @contextlib.contextmanager
 def compilation_told(quiet: bool) -> Iterator[None]:
-    """One line while this process waits for code that is compiled; nothing where it is kept from before, or to the quiet.
+    """Print one line if this process waits for compilation; nothing if compiled code exists, or if quiet.
 
-    The line comes by the processor's time and not by the clock: on a busy machine loading what is kept takes long, too.
+    Processor time decides, not the clock: on a busy machine loading also takes long.
     """
     ended: list[threading.Event] = []
 
@@ -197,7 +197,7 @@ def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> Non
 
 @functools.cache
 def _say_what_is_forgotten() -> None:
-    """Once in a process."""
+    """Print once in a process which notices were lost."""
     if sentence := machine_code.forgotten():
         _say(sentence)
 

@@ -1,7 +1,7 @@
-"""The fork server: it has the slow imports done, computes with one thread, and starts the processes of the jobs.
+"""The fork server: it has completed the slow imports, computes with one thread, and starts the processes of the jobs.
 
-Several threads may start processes. Whenever `multiprocessing` starts one it looks at all others, and two looks at once at the same
-process spoil its exit code; so one lock guards them.
+Several threads may start processes. When `multiprocessing` starts one it polls all others, and two polls of the same process at once spoil
+its exit code; so one lock guards them.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ from multiprocessing import connection, forkserver, resource_tracker
 from types import ModuleType
 from typing import Any, Final
 
-#: Variables by which numerical libraries are told how many threads to use.
+#: Environment variables for the number of threads of numerical libraries.
 THREADS: Final = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMBA"))
 #: Modules that a fork server imports once for all its workers.
 PRELOAD: Final = (
@@ -33,12 +33,12 @@ PRELOAD: Final = (
 )
 
 _LOCK: Final = threading.Lock()
-#: Number of the fork server as long as no process was asked of it.
+#: Process number of a fork server that has not started a process yet.
 _without_job: Final[list[int]] = []
 
 
 def get_ready(preload: Sequence[str]) -> None:
-    """Start the fork server now, so that it has its imports done when the first job comes; what fails here is told then."""
+    """Start the fork server now, so that its imports are complete when the first job comes; a failure is reported then."""
     with contextlib.suppress(OSError, EOFError), _LOCK:
         before = _number()
         _context(preload)
@@ -47,7 +47,7 @@ def get_ready(preload: Sequence[str]) -> None:
 
 
 def not_needed() -> None:
-    """End the fork server if it was started for a job that has not come: it would go on with its imports."""
+    """End a fork server without a job: it would otherwise go on with its imports."""
     with _LOCK:
         for number in (_without_job.pop() for _ in list(_without_job)):
             if number == _number():
@@ -56,7 +56,7 @@ def not_needed() -> None:
 
 
 def _number() -> Any:
-    """Of the fork server's process; None: there is none."""
+    """Process number of the fork server; None: there is none."""
     return vars(forkserver._forkserver)["_forkserver_pid"]
 
 
@@ -65,9 +65,9 @@ class Process:
 
     Args:
         target: a function of a module.
-        receives: for each pipe whether the worker reads from it; else it writes.
+        receives: for each pipe whether the worker reads from it; otherwise it writes.
         preload: modules that the fork server imports; the first process decides.
-        hide_main: whether the worker shall not run the caller's script, which would do again what the script does at its top.
+        hide_main: whether the worker does not run the caller's script, whose top level would otherwise run again.
 
     Raises:
         OSError, EOFError: no process can be started.
@@ -82,8 +82,8 @@ class Process:
             self.pipes = [pair[1 if reads else 0] for pair, reads in zip(pairs, receives, strict=True)]  # this process' ends
             self._process = context.Process(target=target, args=its, daemon=True)
             with _hidden_main() if hide_main else contextlib.nullcontext():
-                self._process.start()  # waits until the fork server has its imports done
-            #: Becomes ready when the process has ended, or the fork server that watches over it.
+                self._process.start()  # waits until the fork server has completed its imports
+            #: Becomes ready when the process, or the fork server that watches it, has ended.
             self.sentinel: int = self._process.sentinel
         for end in its:  # only the worker may hold these: their closing tells that it ended
             end.close()
@@ -95,7 +95,7 @@ class Process:
             return self._process.exitcode
 
     def exists(self) -> bool:
-        """Whether there is a process of this number: not once the fork server has told of its end."""
+        """Whether there is a process of this number; False once the fork server has reported its end."""
         try:
             os.kill(self._process.pid, 0)
         except ProcessLookupError:

@@ -1,4 +1,4 @@
-"""Computes jobs in the caller's own process, one after the other: what a notebook or a test defines is nowhere else to be had."""
+"""Computes jobs in the caller's own process, one after the other: definitions of a notebook or a test exist only there."""
 
 import time
 from collections.abc import Generator, Sequence
@@ -8,7 +8,7 @@ from quickreturn.engines import progress
 
 
 class ThisProcess:
-    """The executor without processes. Limits are not kept, and a job that crashes takes the caller along."""
+    """The executor without processes. Limits do not apply, and a job that crashes ends the caller."""
 
     at_once = 1
     limits = Limits()
@@ -30,7 +30,7 @@ class ThisProcess:
 
 
 class Nobody:
-    """The executor that computes nothing: of what is not stored it says that it is missing."""
+    """The executor that computes nothing: jobs that are not stored are reported as missing."""
 
     at_once, limits, quiet = 1, Limits(), True
 
@@ -40,7 +40,7 @@ class Nobody:
 
 
 def done(job: Job[V]) -> Outcome[V]:
-    """How a job ends in this process."""
+    """The outcome of a job in this process."""
     began = time.monotonic()
     try:
         return Outcome(job, job.function(*job.arguments), seconds=time.monotonic() - began)

@@ -1,8 +1,8 @@
-"""One job in a process of its own: what the job does to itself, nobody else notices.
+"""One job in a process of its own: a crash affects no other job.
 
-A worker comes from a fork server that has the slow imports done. It computes with one thread, its output is caught, and its result
+A worker comes from a fork server that has completed the slow imports. It computes with one thread, its output is captured, and its result
 comes back through a pipe. It may be limited in time and memory, and it ends with the process that asked for it, even if that is killed.
-Whatever happens to it becomes an `Outcome` with one clause that says so:
+Every end of it becomes an `Outcome` with one clause:
 
 | what a job does, or what is done to it | `Outcome.failure` |
 |---|---|
@@ -16,7 +16,7 @@ Whatever happens to it becomes an `Outcome` with one clause that says so:
 | cannot be started: no process, file handle or temporary folder left | could not be started (...) |
 | is not wanted any more | stopped |
 
-If the fork server is killed its workers finish what they are at, and the next job gets a new server.
+If the fork server is killed, its workers finish their jobs, and the next job gets a new server.
 """
 
 import contextlib
@@ -37,11 +37,11 @@ from quickreturn.cases.jobs.job import Job, Limits, Outcome, T, Watch, default_l
 from quickreturn.cases.jobs.worker import serve
 from quickreturn.reference_model.machine import machine_code
 
-#: How the failure of a job begins that took longer than it may.
+#: Beginning of the failure of a job that exceeded its time.
 STOPPED: Final = "stopped at the time limit"
 _KEPT_OUTPUT: Final = 4000  # bytes: the last of what a job printed
-_EVERY_LOOK: Final = 0.1  # s: between two looks whether the job is still wanted
-_GRACE: Final = 2.0  # s: how long a process that is done may take to be gone
+_EVERY_LOOK: Final = 0.1  # s, interval of checks whether the job is still wanted
+_GRACE: Final = 2.0  # s, largest time for the end of a process after its answer
 _SIGKILL_HINT: Final = " (by the user, or by the system for lack of memory)"
 
 #: Workers that wait for their next job.
@@ -56,13 +56,13 @@ def isolated(
     stopped: Callable[[], bool] = lambda: False,
     preload: Sequence[str] = PRELOAD,
 ) -> Outcome[T]:
-    """Compute a job in a process of its own; if it is `brief`, in one that other such jobs have left in good order.
+    """Compute a job in a process of its own; a `brief` job may reuse the process of other such jobs.
 
     Args:
-        job: what to do.
-        limits: where the job has none of its own; None: `default_limits`.
-        watch: is told how far the job is; None: nobody wants to know.
-        stopped: whether the job is not wanted any more; it is asked from time to time.
+        job: the job.
+        limits: limits if the job has none of its own; None: `default_limits`.
+        watch: called with the progress of the job; None: progress is not reported.
+        stopped: whether the job is no longer wanted; called from time to time.
         preload: modules that the fork server imports once; only the first job of this process decides.
     """
     with _first_alone(job, stopped):
@@ -94,9 +94,9 @@ def end_waiting() -> None:
 
 @contextlib.contextmanager
 def _first_alone(job: Job[Any], stopped: Callable[[], bool]) -> Iterator[None]:
-    """Hold up brief jobs while the first of their kind is computed: on a new machine it compiles what the others then find on the disk.
+    """Delay brief jobs while the first of their kind is computed: on a new machine it compiles code that the others then load.
 
-    A file beside the compiled code is locked meanwhile, and no longer empty afterwards.
+    A file beside the compiled code is locked meanwhile, and not empty afterwards.
     """
     if not (job.brief and job.engines):
         yield
@@ -124,7 +124,7 @@ def _of_the_script(job: Job[Any]) -> bool:
 
 
 def _worker_for(job: Job[Any], preload: Sequence[str]) -> "_Worker":
-    """One that waits if the job may share it, else a new one, from a new fork server if the old one is dying.
+    """An idle worker if the job may share it, otherwise a new one, from a new fork server if the old one is dying.
 
     Until it is gone a dying server counts as alive.
     """
@@ -146,12 +146,12 @@ def _worker_for(job: Job[Any], preload: Sequence[str]) -> "_Worker":
 
 
 class _Worker:
-    """A process that does jobs, one after the other, seen from the side that gives them."""
+    """The runner's side of a process that computes jobs one after the other."""
 
     def __init__(self, preload: Sequence[str], hide_main: bool) -> None:
         self._process = Process(serve, (True, True, False, False), preload, hide_main)
         self._lifeline, self._orders, self._output, self._answer = self._process.pipes
-        self._guarded = True  # by the fork server, which tells how it ends
+        self._guarded = True  # whether the fork server will report its end
 
     def outcome(self, job: Job[Any], limits: Limits, watch: Watch | None, stopped: Callable[[], bool]) -> Outcome[Any]:
         """Have the job done."""
@@ -173,22 +173,22 @@ class _Worker:
                 return self._ended(failure="stopped" if time.monotonic() < deadline else f"{STOPPED} of {limits.seconds:g} s")
 
     def alive(self) -> bool:
-        """Whether it can be given another job."""
+        """Whether it can take another job."""
         return self._guarded and not connection.wait([self._process.sentinel], 0.0)
 
     def end(self) -> None:
-        """Leave neither process nor pipe behind."""
+        """End the process and close its pipes."""
         if self.alive() or not self._guarded:
             self._process.kill()
         self._process.close()
 
     def _handles(self) -> list[Any]:
-        """What becomes ready when something happens."""
+        """Handles that become ready when something happens."""
         pipes = [pipe for pipe in (self._answer, self._output) if not pipe.closed]
         return [*pipes, self._process.sentinel] if self._guarded else pipes
 
     def _told(self, ready: list[Any]) -> Outcome[Any] | None:
-        """The outcome if the job has ended, else None. `ready`: those of the handles that are."""
+        """The outcome if the job has ended, else None. `ready`: the handles that are ready."""
         if self._output in ready:
             self._read_output()
         if self._answer in ready:
@@ -200,7 +200,7 @@ class _Worker:
         return None
 
     def _answered(self) -> Outcome[Any] | None:
-        """What the next message, or the end of all messages, makes of the job; None where the message tells how far it is."""
+        """The outcome by the next message, or by the end of all messages; None if the message is a progress report."""
         try:
             kind, *content = pickle.loads(self._answer.recv_bytes())
         except (EOFError, OSError):

@@ -1,4 +1,4 @@
-"""What is to be computed, what it may take, who computes it, how far it is, and how it ended."""
+"""Jobs, their limits, executors, progress and outcomes."""
 
 import os
 from collections.abc import Callable, Generator, Sequence
@@ -10,52 +10,52 @@ from quickreturn.reference_model.errors import ToldError
 if TYPE_CHECKING:
     from quickreturn.engines.progress import Progress
 
-#: Failure of a job that is not stored where nothing is computed.
+#: Failure of a job that is not stored if nothing is computed.
 MISSING: Final = "is not stored"
-#: Exceptions that are the machine's doing.
+#: Exceptions that are due to the machine.
 _OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
 
 T = TypeVar("T")
 V = TypeVar("V")
 
-_LONGEST_WORDS: Final = 200  # characters of what a job printed last that are worth repeating in a sentence
+_LONGEST_WORDS: Final = 200  # largest number of characters of a job's last output in a sentence
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What one job may take; None: as much as there is."""
+    """Limits of one job; None: no limit."""
 
     seconds: float | None = None  # wall time
     memory: int | None = None  # bytes of address space, on top of what a worker has at its start
 
 
 def default_limits() -> Limits:
-    """An hour, and 8 GiB or what the machine has, if that is less: far above what any run needs, to end what would never end."""
+    """An hour, and 8 GiB or the machine's memory if that is less: far above the needs of any run, to stop endless ones."""
     return Limits(seconds=3600.0, memory=min(8 * 2**30, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
 
 
 def would_come_again(outcome: "Outcome[Any]") -> bool:
-    """Whether a job would end so again: with a result, or with an exception of its own."""
+    """Whether the outcome of a job would repeat: a result, or an exception of its own."""
     return outcome.completed or (isinstance(outcome.error, Exception) and not isinstance(outcome.error, _OF_THE_MACHINE))
 
 
 @dataclass(frozen=True)
 class Job(Generic[T]):
-    """A result to be had: `function(*arguments)`, both picklable, the function importable by its name."""
+    """A result to compute: `function(*arguments)`, both picklable, the function importable by its name."""
 
     name: str  # for people
-    function: Callable[..., T]  # makes the result; the type that it is annotated with is what comes back from the store
+    function: Callable[..., T]  # computes the result; its annotated return type is the type that the store returns
     arguments: tuple[Any, ...] = ()  # of the function
-    kind: str = ""  # of result; counts in the key under which it is stored
-    engines: tuple[str, ...] = ()  # names of those whose versions, and code where they are from elsewhere, it depends on
-    code: tuple[str, ...] = ()  # packages and modules that it depends on besides those of a simulation (`cases.jobs.key.SIMULATION`)
-    inputs: Any = None  # what determines the result besides engines and code; None: the arguments
+    kind: str = ""  # kind of result; part of the key under which it is stored
+    engines: tuple[str, ...] = ()  # engines on whose versions it depends, and on whose code if they are of other packages
+    code: tuple[str, ...] = ()  # packages and modules on which it depends besides those of a simulation (`cases.jobs.key.SIMULATION`)
+    inputs: Any = None  # further data that determine the result, besides engines and code; None: the arguments
     limits: Limits | None = None  # None: those of the executor
-    # whether it is one of many short ones, whose processes would take longer to get ready than they compute. A process may do several of
-    # them one after the other. What crashes or hangs there costs its own job and the process.
+    # whether it is one of many short jobs whose processes would take longer to start than to compute. A process may do several of them one
+    # after the other. A crash or hang loses only its own job and the process.
     brief: bool = False
-    points: int = 1  # how much of the whole it is, for the person who waits
-    lasts: Callable[["Outcome[Any]"], bool] | None = would_come_again  # whether an ending is stored; None: none is, nor looked for
+    points: int = 1  # its share of the whole, for the display of progress
+    lasts: Callable[["Outcome[Any]"], bool] | None = would_come_again  # whether an outcome is stored; None: the store is not used
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ class Outcome(Generic[T]):
     """How a job ended."""
 
     job: Job[T]
-    value: T | None = None  # what its function returned; None if it failed
+    value: T | None = None  # result of its function; None if it failed
     failure: str = ""  # "" if it completed, else one clause, e.g. "killed by SIGSEGV"
-    error: BaseException | None = None  # the exception that it raised, where there is one and it can travel between processes
+    error: BaseException | None = None  # its exception, if there is one that can be pickled
     seconds: float = 0.0  # wall time of the job
-    output: str = ""  # the last of what it printed, with the traceback of an exception
+    output: str = ""  # the end of its output, with the traceback of an exception
     stored: bool = False  # whether it was in the store before
 
     @property
@@ -82,7 +82,7 @@ class Outcome(Generic[T]):
 
     @property
     def explanation(self) -> str:
-        """The failure in the engine's words where it has some; of a process that died with the last line of a native library."""
+        """The failure, in the engine's words if there are any; for a process that died with the last line of a native library."""
         if self.error is not None:
             from quickreturn.engines.base import EngineFailure, Refusal
 
@@ -93,37 +93,37 @@ class Outcome(Generic[T]):
         return f'{self.failure} (its last words: "{lines[-1].strip()[:_LONGEST_WORDS]}")'
 
 
-#: Called with a job that has begun (None), or with how far it is.
+#: Called with a job and None when it begins, or with its progress.
 Watch = Callable[[Job[Any], "Progress | None"], None]
 
 
 class ExecutorError(ToldError):
-    """Jobs cannot be computed where they were sent; the text is one sentence."""
+    """The executor cannot compute jobs; the text is one sentence."""
 
 
 class Executor(Protocol):
-    """Computes jobs somewhere, apart from each other: what one does to itself costs that one and no other."""
+    """Computes jobs separately from each other: a crash loses only its own job."""
 
     @property
     def quiet(self) -> bool:
-        """Whether nobody is to be told how far the jobs are."""
+        """Whether progress is not reported."""
 
     @property
     def at_once(self) -> int:
-        """How many jobs are computed at a time."""
+        """Number of jobs that are computed at a time."""
 
     @property
     def limits(self) -> Limits:
-        """Those of a job that has none of its own."""
+        """Limits of a job that has none of its own."""
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
-        """Outcomes as jobs end, in whatever order that is; closing the generator ends those that are at work.
+        """Outcomes as jobs end, in any order; closing the generator stops those at work.
 
         Args:
-            jobs: what to do, started in this order.
-            watch: is told how far they are; None: nobody wants to know.
+            jobs: the jobs, started in this order.
+            watch: called with their progress; None: progress is not reported.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; nothing is left running.
-            ExecutorError: the machines that compute them are lost, or would compute something else than this one.
+            ExecutorError: the connection to the computing machines is lost, or these have other code than this one.
         """

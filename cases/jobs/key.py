@@ -1,7 +1,7 @@
 """The key under which a result is stored: a hash of everything that determines it.
 
-That is the function and what it is given, the engines' versions, the code, and the libraries that the code computes with. So a result
-of other code, or of another library, is never taken for today's.
+It contains the function and its arguments, the engines' versions, the code, and the libraries for computation. So a result of other code,
+or of another library, is never reused.
 """
 
 import dataclasses
@@ -22,10 +22,10 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 
-#: What trajectories and natural frequencies depend on, besides a third-party engine's own code.
+#: Code on which trajectories and natural frequencies depend, besides a third-party engine's own code.
 SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")
 
-#: By what results become records, and are read back from them.
+#: Code that converts results to records and back.
 _RECORDS: Final = "quickreturn.cases.jobs.records"
 
 #: Libraries that compute; an engine's own library is named by `Engine.version`.
@@ -57,7 +57,7 @@ def hash_of(content: Any) -> str:
 
 
 def version_of(name: str) -> list[str]:
-    """Of an engine: name, library, and the code where that is from elsewhere."""
+    """Version of an engine: name, library, and its code if it is of another package."""
     chosen = engine(name)
     if chosen.unavailable():
         return [name]
@@ -69,7 +69,7 @@ def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | No
 
     Args:
         parts: names of packages (with everything below them) or modules; ModuleNotFoundError: one does not exist.
-        engine: an engine from elsewhere; its code counts as well.
+        engine: an engine of another package; its code counts as well.
     """
     digest = hashlib.sha256()
     for part in sorted(set(parts)):
@@ -83,7 +83,7 @@ def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | No
 
 @cache
 def library_version(library: str) -> str:
-    """Of a library that is installed."""
+    """Version of an installed library."""
     return metadata.version(library)
 
 
@@ -98,7 +98,7 @@ def _source_hash(part: str) -> str:
 
 @cache
 def _file_hash(source: str) -> str:
-    """Of an engine's file and of those beside it: a small engine is one file, a larger one a package."""
+    """Hash of an engine's file and of those beside it: a small engine is one file, a larger one a package."""
     file = Path(source)
     if not file.is_file():
         return source
@@ -110,7 +110,7 @@ def _hash_of(files: Iterator[Path], root: Path) -> str:
     digest = hashlib.sha256()
     for file in sorted(files):
         text = file.read_bytes()
-        # Name and length before each text: moving a line from one file to the next must not go unnoticed.
+        # Name and length before each text, so that a line that moves from one file to the next changes the hash.
         digest.update(f"{file.relative_to(root).as_posix()} {len(text)}\n".encode())
         digest.update(text)
     return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""Many jobs at once: each is isolated, wherever it is computed."""
+"""Executors for many jobs at once, each job isolated."""
 
 import os
 import threading
@@ -21,9 +21,9 @@ def available_cores() -> int:
 def computed(
     submit: Callable[[Job[V]], "Future[Outcome[V]]"], jobs: Sequence[Job[V]], cancel: Callable[[], object] = lambda: None
 ) -> Generator[Outcome[V], None, None]:
-    """Outcomes as they come from where `submit` sends the jobs.
+    """Outcomes as they come from the executor behind `submit`.
 
-    Closing the generator, or Ctrl-C, calls `cancel` and then cancels what is left one by one, which may take long where there is much.
+    Closing the generator, or Ctrl-C, calls `cancel` and then cancels the remaining jobs one by one, which may take long.
     """
     waiting: dict[Future[Outcome[V]], Job[V]] = {}
     try:
@@ -58,12 +58,12 @@ class Pool:
         self.submit = partial(executor.submit, isolated, limits=self.limits)
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
-        """See `cases.jobs.job.Executor`; `watch` is not told, for the executor does not say when it begins a job."""
+        """See `cases.jobs.job.Executor`; `watch` is not called, because the executor does not report the start of a job."""
         yield from computed(self.submit, jobs)
 
 
 class LocalProcesses:
-    """The executor on this machine: some jobs at a time, each in its process; all of a process share a fork server.
+    """The executor on this machine: several jobs at a time, each in its process, all from one fork server.
 
     Args:
         at_once: how many jobs at a time; None: one per core. ValueError: it is below 1.

@@ -1,7 +1,7 @@
 """Typed results as records of the store, and back: dataclasses become JSON objects of their fields, arrays and bytes stand beside them.
 
 Understood are dataclasses, tuples, lists, mappings from texts, None, texts, numbers with infinities, numpy arrays, bytes, and unions of
-one of these with None. A number that is none (NaN) is no result: the store refuses it.
+one of these with None. NaN is not a result: the store refuses it.
 """
 
 import dataclasses

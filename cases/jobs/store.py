@@ -1,10 +1,9 @@
-"""Results on disk as they come: an interrupted run continues where it stopped, and nothing stale or damaged is ever shown.
+"""Results on disk, stored one by one: an interrupted run continues where it stopped, and stale or damaged results are never shown.
 
 An entry is one file named by its key, a hash of everything that determines the result (scene, engine, settings, versions, code).
-It is written to a temporary file, forced to the disk and renamed, so that it is there in full or not at all, whoever else writes
-at the same time. A checksum over key and content finds truncated, edited or misplaced files: such an entry counts as absent, which
-makes its result be computed anew, and a notice says so. A result that cannot be written is not kept, a notice says so, and the run
-goes on: it costs one result to be computed again, not all those that the run still has to compute.
+It is written to a temporary file, forced to the disk and renamed, so that it is complete or absent even with several writers. A checksum
+over key and content finds truncated, edited or misplaced files: such an entry counts as absent, its result is computed anew, and a notice
+says so. If a result cannot be written, a notice says so and the run goes on: only this result must be computed again.
 
 File format: one line `quickreturn-store 1 <sha256>`, then numpy's npz with the JSON document as UTF-8 bytes and the arrays.
 """
@@ -55,7 +54,7 @@ class Store:
 
     Args:
         folder: None for that of the environment variable.
-        tell: gets each notice the moment it arises.
+        tell: called with each notice at once.
 
     Raises:
         StoreError: the folder cannot be created or written to.
@@ -101,7 +100,7 @@ class Store:
     def put(self, key: str, record: Record) -> None:
         """Store an entry, replacing one of the same key.
 
-        If it cannot be written (full disk, ...) a notice says so, and an entry that was there before stays.
+        If it cannot be written (full disk, ...) a notice says so, and an earlier entry stays.
 
         Raises:
             ValueError: an array is called "document" or holds Python objects, or the document holds NaN or infinities.
@@ -142,7 +141,7 @@ class Store:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that it is there in full or, on any failure, as it was before. OSError: it cannot be written."""
+    """Write a file completely or, on any failure, leave the old one. OSError: it cannot be written."""
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         with temporary.open("xb") as file:
@@ -160,5 +159,5 @@ def _head(key: str, body: bytes) -> bytes:
 
 
 def words_of(error: OSError) -> str:
-    """What the system says, in lower case."""
+    """The system's message, in lower case."""
     return (error.strerror or str(error)).lower()

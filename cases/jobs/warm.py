@@ -1,4 +1,4 @@
-"""Imported by the fork server alone: what numba does before its first function takes 0.4 s, which each worker would spend anew."""
+"""Imported only by the fork server: numba's initialisation takes 0.4 s, which each worker would otherwise spend again."""
 
 import numba
 

@@ -37,7 +37,7 @@ def serve(lifeline: Connection, orders: Connection, output: Connection, answer: 
     os.dup2(output.fileno(), 2)
 
     def send(message: bytes) -> None:
-        with contextlib.suppress(OSError):  # the runner is gone: nobody to tell
+        with contextlib.suppress(OSError):  # the runner is gone
             answer.send_bytes(message)
 
     with contextlib.suppress(EOFError, OSError):
@@ -75,7 +75,7 @@ def _portable(error: BaseException) -> BaseException | None:
 
 
 def _die_with_the_runner(lifeline: int) -> None:
-    """Have the system end this process (SIGIO) when the lifeline's other end closes: works even while an engine holds the GIL."""
+    """Let the system end this process (SIGIO) when the lifeline's other end closes: this works even while an engine holds the GIL."""
     signal.signal(signal.SIGIO, signal.SIG_DFL)
     fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
     fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
@@ -84,7 +84,7 @@ def _die_with_the_runner(lifeline: int) -> None:
 
 
 def _be_first_to_go() -> None:
-    """Where the system must kill something for lack of memory it shall be a worker, not its runner or what else runs there."""
+    """If the system must kill a process for lack of memory, let it be a worker, not its runner or another program."""
     with contextlib.suppress(OSError), open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
         file.write("500")
 

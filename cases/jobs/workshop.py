@@ -1,7 +1,7 @@
-"""Where jobs are done: taken from the store where they are there, else computed by the executor and stored as they come.
+"""A store with an executor: results come from the store if they are there, otherwise the executor computes them and they are stored.
 
-Stored is what would come out again (`Job.lasts`): a result, or an exception of the job's own. What the machine did to a job is not: a
-process that was killed, a limit of time or memory, a full disk, a library that is missing. It is tried again the next time.
+Outcomes that would repeat are stored (`Job.lasts`): a result, or an exception of the job's own. Outcomes that depend on the machine are
+not: a killed process, a limit of time or memory, a full disk, a missing library. Such a job is tried again the next time.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from quickreturn.cases.jobs.store import Record, Store
 
 
 def _processes() -> Executor:
-    """Those of this machine; importing them takes a moment that a notebook need not wait."""
+    """Processes of this machine, imported on first use, so that a notebook need not wait."""
     from quickreturn.cases.jobs.processes import LocalProcesses
 
     return LocalProcesses()
@@ -32,7 +32,7 @@ class Workshop:
     executor: Executor = field(default_factory=_processes)
 
     def outcomes(self, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
-        """How each of the jobs ended, in their order, computed in that order; of equal keys the first is.
+        """The outcome of each job, in their order; jobs with equal keys are computed once.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; what was computed is stored.
@@ -50,7 +50,7 @@ class Workshop:
 
     @property
     def as_it_is(self) -> "Workshop":
-        """The same store where nothing is computed: outcomes of what is not stored are `missing`."""
+        """The same store without computation: outcomes of jobs that are not stored are `missing`."""
         return replace(self, executor=Nobody())
 
     @property
@@ -59,11 +59,11 @@ class Workshop:
         return not isinstance(self.executor, Nobody)
 
     def stored(self, job: Job[T]) -> Outcome[T] | None:
-        """How a job ended, if that is stored."""
+        """The outcome of a job, if it is stored."""
         return self._stored(job, key_of(job))
 
     def kept(self, outcome: Outcome[T], key: str | None = None) -> Outcome[T]:
-        """Store how a job ended, where it would end so again; the outcome as it will be read back."""
+        """Store the outcome of a job if it would repeat; return it as it will be read back."""
         if outcome.job.lasts is None or not outcome.job.lasts(outcome):
             return outcome
         key = key or key_of(outcome.job)
@@ -91,10 +91,10 @@ class Workshop:
 
 
 def outcomes_of(jobs: Sequence[Job[T]], title: str, executor: Executor, store: Store | None) -> list[Outcome[T]]:
-    """As `Workshop.outcomes`; without a store everything is computed, and nothing is kept."""
+    """As `Workshop.outcomes`; without a store everything is computed, and nothing is stored."""
     return answers(executor, jobs, title) if store is None else Workshop(store, executor).outcomes(jobs, title)
 
 
 def _type_of(job: Job[Any]) -> Any:
-    """What the job's function says that it returns."""
+    """The annotated return type of the job's function."""
     return get_type_hints(job.function).get("return", Any)

@@ -1,1 +1,1 @@
-"""Can it be trusted? Evidence of an engine in a scene, verdicts, and the matrix of engines and scenes."""
+"""Judges engines in hard scenes: evidence of an engine in a scene, verdicts, and the matrix of engines and scenes."""

@@ -1,8 +1,8 @@
-"""How much a scene's answer depends on what is given: the change of the tip deflection for 0.1 % of a parameter, by the reference.
+"""Conditioning of a scene: the change of the tip deflection for 0.1 % of a parameter, by the reference.
 
-Parameters are never known to 0.1 %. Where so little moves the answer by several percent, a solution that is good to a percent over the
-whole duration says more than the scene does; two good solutions then run apart beyond a horizon, and what can still be compared there
-is energy, extremes and spectrum (`later_differences`).
+Parameters are never known to 0.1 %. If so small a change moves the answer by several percent, an accuracy of a percent over the whole
+duration has no meaning: two good solutions diverge beyond a horizon, and only energy, extremes and spectrum can be compared there
+(`later_differences`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,13 +23,13 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-#: Bands of the spectrum: third octaves. Two motions that run apart keep their band levels, not their lines.
+#: Bands of the spectrum: third octaves. Two motions that diverge keep their band levels, not their lines.
 BANDS_PER_OCTAVE: Final = 3
 #: Part by which a parameter is changed.
 CHANGE: Final = 1e-3
 #: A scene whose answer moves by more than this is ill-conditioned: fifty times the change.
 ILL: Final = 0.05
-#: Rows beyond the horizon that are worth a look of their own: of fewer there is no spectrum.
+#: Least number of rows beyond the horizon for a comparison of spectra.
 FEWEST_LATER: Final = 16
 #: Accuracy at which the reference runs. Its error is the same with and without the change, so that it hardly shows in the difference.
 _ACCURACY: Final = 1e-3
@@ -37,7 +37,7 @@ _ACCURACY: Final = 1e-3
 
 @dataclass(frozen=True)
 class Conditioning:
-    """Of one scene."""
+    """Conditioning of one scene."""
 
     # parameter ("stiffness", "damping", "speed", "speed at the same crank angle") -> RMS change of the tip deflection over its RMS, for
     # `CHANGE` of the parameter, over the duration or until the scene ends
@@ -65,14 +65,14 @@ def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> C
 
 
 def variations(mechanism: Mechanism) -> tuple[Variation, ...]:
-    """One kind of parameter larger by `CHANGE`: bending stiffness, dampings of beam and pivot, mean crank speed."""
+    """Variations with one kind of parameter larger by `CHANGE`: bending stiffness, dampings of beam and pivot, mean crank speed."""
     speed = ("crank.drive.torque", "crank.drive.initial_speed") if mechanism.crank_is_free else ("crank.drive.speed",)
     kinds = {"stiffness": ("follower.bending_stiffness",), "damping": ("follower.damping", "base.damping"), "speed": speed}
     return tuple(Variation(name, scaled=dict.fromkeys(paths, 1.0 + CHANGE)) for name, paths in kinds.items())
 
 
 def _run(mechanism: Mechanism, duration: float, output_step: float) -> Trajectory:
-    """The motion, or what there is of it until the slider leaves the follower."""
+    """The motion, up to the time when the slider leaves the follower."""
     engine = ReferenceEngine()
     settings = engine.settings_for(_ACCURACY, mechanism)
     try:
@@ -107,8 +107,8 @@ def later_differences(columns: dict[str, Array], other: dict[str, Array], since:
     """Relative differences of two trajectories after an instant.
 
     Args:
-        columns: of the one; at least time, tip_deflection, and strain_energy where there is one.
-        other: of the other, on the same grid.
+        columns: columns of one trajectory; at least time, tip_deflection, and strain_energy if there is one.
+        other: columns of the other, on the same grid.
         since: s, the rows after it are compared.
 
     Returns:

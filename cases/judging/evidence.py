@@ -1,9 +1,9 @@
-"""Gathers the evidence for a verdict: one engine on one scene at several settings, none of which knows the right answer.
+"""Gathers the evidence for a verdict: one engine on one scene at several settings, without the right answer.
 
 The engine is asked for an accuracy as a user would ask it (`engines.accurate.simulate`), which climbs its ladder until its own estimate
-is good enough. What it delivers is then held against finer settings and the balances of `verdicts`; while these leave a doubt, it is
-asked for more. Where the slider reaches the follower's end the run is judged up to shortly before; a numerical breakdown moves or
-goes with finer settings, the end of a scene stays.
+is good enough. Its result is then compared with finer settings and the balances of `verdicts`; while these leave a doubt, a smaller error
+is asked for. If the slider reaches the follower's end, the run is judged up to shortly before. With finer settings a numerical breakdown
+moves or disappears, but the end of a scene stays.
 """
 
 import math
@@ -24,11 +24,11 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns, Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: What the engine is asked for, in parts of what is requested, while a doubt remains.
+#: Errors asked of the engine while a doubt remains, as parts of the requested one.
 ASKED: Final = (1.0, 0.3, 0.1)
 #: A run that breaks down is judged on this part of the time until then: runs with other settings may break down a little earlier.
 BEFORE_BREAKDOWN: Final = 0.95
-#: How often that stretch is cut shorter because finer settings find an earlier end.
+#: How often that stretch is shortened because finer settings find an earlier end.
 _CUTS: Final = 3
 
 
@@ -42,16 +42,16 @@ class TrialScene:
     horizon: float
 
     def evidence(self, requested: float, **known: Any) -> Evidence:
-        """What is known of a run, judged on no stretch yet."""
+        """The evidence before any run."""
         return Evidence(requested=requested, duration=self.duration, stretch=0.0, row=self.output_step, **known)
 
 
 @dataclass(frozen=True)
 class Trial:
-    """An engine tried in a scene: what the climb ended with."""
+    """An engine in a scene: the result of its climb of the ladder."""
 
     evidence: Evidence  # for `cases.judging.verdicts.judge`
-    settings: dict[str, Any]  # of the run judged; {} where none ran
+    settings: dict[str, Any]  # settings of the judged run; {} if none ran
     columns: Columns  # its trajectory, as far as it goes
 
 
@@ -69,7 +69,7 @@ def gather(
             run = _Request(chosen, scene, requested, share * requested).run()
             broken = run.evidence.breakdown
             if found.columns and broken is not None and not broken.at_the_end:
-                break  # what breaks down when asked for more does not replace what ran
+                break  # a breakdown with finer settings does not replace a completed run
             found, estimate = run, run.evidence.error_estimate
             if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
                 break  # no doubt left, or the ladder ends here
@@ -79,7 +79,7 @@ def gather(
 
 
 class _Request:
-    """An engine asked for an accuracy in a scene; the evidence is held against `requested`, which is at least that."""
+    """An engine asked for an accuracy in a scene; the evidence is judged by `requested`, which is at least that."""
 
     def __init__(self, engine: AnyEngine, scene: TrialScene, requested: float, accuracy: float) -> None:
         self._engine, self._scene, self._accuracy = engine, scene, accuracy
@@ -105,7 +105,7 @@ class _Request:
         return Trial(evidence, result.settings.as_dict(), columns)
 
     def _delivered(self) -> tuple[float, Result | None, EngineFailure | None]:
-        """What a user is given of the longest stretch that there is, and why it is not the whole, where it is not."""
+        """The user's result on the longest possible stretch, and why it is not the whole duration."""
         scene, stretch = self._scene, self._scene.horizon
         first: EngineFailure | None = None
         for _ in range(1 + _CUTS):
@@ -126,7 +126,7 @@ class _Request:
         return stretch, None, first
 
     def _balanced(self, evidence: Evidence, whole: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
-        """The evidence with what finer settings and the balances say."""
+        """The evidence with finer settings and balances."""
         rows = round(evidence.stretch / evidence.row) + 1
         shown = {name: values[:rows] for name, values in whole.items()}
         difference, later, breakdown, broken = None, None, evidence.breakdown, ""
@@ -152,7 +152,7 @@ class _Request:
         )
 
     def _once(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
-        """A run over the whole duration, or what there is of it and why there is no more."""
+        """A run over the whole duration, or its rows up to a failure, and the failure."""
         scene = self._scene
         try:
             return run_once(self._engine, scene.mechanism, self._start, scene.duration, scene.output_step, settings).trajectory, None

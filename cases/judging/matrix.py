@@ -22,7 +22,7 @@ from quickreturn.engines.trajectory import Columns
 REQUESTED: Final = 0.01
 #: The engine that the converged solution comes from, and the error asked of it.
 CONVERGED: Final = ("reference", 1e-3)
-#: The error asked of the converged solution of `MODEL`'s own equations, against which it is held.
+#: The error asked of the converged solution of `MODEL`'s own equations, with which `MODEL` is compared.
 MODEL_CONVERGED: Final = 1e-4
 #: Columns of a trial that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")
@@ -38,24 +38,24 @@ class Judged:
     engine: str  # name
     verdict: Verdict  # after the comparison with the other engines
     settings: Mapping[str, Any]  # of the run judged
-    # of the tip deflection over the stretch, against the converged solution; None where nothing is claimed or known
+    # error of the tip deflection over the stretch, against the converged solution; None if nothing is claimed or known
     true_error: float | None = None
     # likewise beyond the stretch (`cases.judging.conditioning.later_differences`); None where there is no such part
     true_later: Mapping[str, float] | None = None
     # whether the claim (error, time, what is said of the part beyond the stretch) holds against the converged solution, whose own
     # claimed error is allowed for; None where nothing is claimed or the scene has no converged solution
     holds: bool | None = None
-    model_error: float | None = None  # of an engine that is held against its own equations: the distance of these to the converged solution
+    model_error: float | None = None  # for an engine that is compared with its own equations: their distance to the converged solution
 
     @property
     def kind(self) -> str:
-        """What the cell comes to for who takes its result: the verdict's kind, but only that is accurate whose model is so, too."""
+        """The verdict for a user of the result: the verdict's kind, but accurate only if the model is accurate, too."""
         good = self.verdict.kind in (ACCURATE, ENDED)
         return OWN_EQUATIONS if good and self.of_own_equations and not self.model_is_near else self.verdict.kind
 
     @property
     def of_own_equations(self) -> bool:
-        """Whether its claim is about the equations of its model alone."""
+        """Whether its claim covers only the equations of its model."""
         return self.engine == MODEL
 
     @property
@@ -65,13 +65,13 @@ class Judged:
 
     @property
     def silently_wrong(self) -> bool:
-        """Whether the cell claims what is not so."""
+        """Whether the cell's claim is wrong."""
         return self.holds is False
 
 
 @dataclass(frozen=True)
 class Matrix:
-    """All of it."""
+    """All verdicts."""
 
     cases: tuple[Case, ...]  # the scenes, in order
     engines: tuple[str, ...]  # names
@@ -81,7 +81,7 @@ class Matrix:
 
     @property
     def silently_wrong(self) -> tuple[Judged, ...]:
-        """Cells that claim what is not so: there must be none."""
+        """Cells with a wrong claim: there must be none."""
         return tuple(cell for cell in self.cells.values() if cell.silently_wrong)
 
 
@@ -127,7 +127,7 @@ def _trial_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str,
 
 
 def trial(engine: str, scene: TrialScene, requested: float) -> Trial:
-    """What is kept of an engine tried in a scene; a number that is none is infinite: it fails every test."""
+    """The stored result of an engine in a scene; NaN becomes infinity, which fails every test."""
     found = gather(engine, scene, requested)
     numbers: Any = {name: math.inf for name, value in vars(found.evidence).items() if isinstance(value, float) and math.isnan(value)}
     later = found.evidence.later and {name: math.inf if math.isnan(value) else value for name, value in found.evidence.later.items()}
@@ -136,7 +136,7 @@ def trial(engine: str, scene: TrialScene, requested: float) -> Trial:
 
 
 def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
-    """Of a process that ended without a result, that it did."""
+    """The verdict on a process that ended without a result."""
     _, scene, requested = job.arguments
     return Trial(scene.evidence(requested, breakdown=Breakdown(time=0.0, cause=outcome.explanation)), {}, {})
 
@@ -178,7 +178,7 @@ def _distance(run: Trial, truth: Trial) -> float | None:
 
 
 def _checked(verdict: Verdict, run: Trial, truth: Trial) -> dict[str, Any]:
-    """What the converged solution says about a claim; empty where there is nothing to say."""
+    """The check of a claim by the converged solution; empty if nothing can be checked."""
     right = judge(truth.evidence)
     claimed, stretch = verdict.claimed_error, verdict.stretch
     if verdict.kind not in (ACCURATE, ENDED) or claimed is None or stretch is None:

@@ -1,9 +1,9 @@
-"""What may be said of a run from what it shows itself: evidence to verdict, and verdicts against each other.
+"""Verdicts on runs from their own evidence, and from contradictions between engines.
 
-Nothing here knows the right answer. The evidence is how far the run is from the same scene at coarser and finer settings, whether
-its energy balance closes, its slider stays on the follower's centre line and its crank angle is the integral of its crank speed.
-That finds what is too coarse, unstable or broken. An engine that converges to something else (a wrong parameter, a missing term)
-passes all of it; only the comparison with other engines finds that (`contradicted`).
+Nothing here uses the right answer. The evidence is the difference from runs with coarser and finer settings, the energy balance, the
+slider's distance from the follower's centre line, and whether the crank angle is the integral of the crank speed. This finds runs that are
+too coarse, unstable or broken. An engine that converges to another solution (a wrong parameter, a missing term) passes all of it; only the
+comparison with other engines finds that (`contradicted`).
 """
 
 from collections.abc import Mapping
@@ -20,13 +20,13 @@ REFUSED: Final = "refused"
 #: Of an engine whose discretization is its model; the matrix finds it (`cases.judging.matrix.Judged.kind`), the run cannot.
 OWN_EQUATIONS: Final = "solves its own equations"
 
-#: Kind -> what it says, for people.
+#: Kind -> its meaning for a reader.
 MEANINGS: Final = {
     ACCURATE: "the run's own error estimate is within the error asked, and nothing contradicts it",
     OWN_EQUATIONS: "the run solves the equations of its model as accurately as asked, but their solution is further off than asked",
     ENDED: "the slider leaves the follower; the time does not depend on the settings, and up to shortly before it the run is accurate",
-    NOT_CONVERGED: "a result, but its own estimate says that it is not as accurate as asked: not to be relied on",
-    CONTRADICTED: "its own estimate is satisfied, but another engine differs by more than both claim, and no fewer engines bear that out",
+    NOT_CONVERGED: "a result that is not reliable: its own estimate says that it is not as accurate as asked",
+    CONTRADICTED: "its own estimate is satisfied, but another engine, confirmed by as many others, differs by more than both claim",
     DIVERGED: "the run broke down; time and cause are known",
     REFUSED: "the engine says that it cannot model this scene, and why",
 }
@@ -55,7 +55,7 @@ class Breakdown:
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """What a run shows about itself."""
+    """The evidence of a run on itself."""
 
     requested: float  # error of the tip deflection asked for
     duration: float  # s, of the scene
@@ -152,9 +152,9 @@ def _doubt(evidence: Evidence) -> str:
 
 
 def _later_doubt(evidence: Evidence) -> str:
-    """Whether the part beyond the stretch is known only in words."""
+    """The doubt about the part beyond the stretch, or ""."""
     if evidence.later is None:
-        return f"nothing bears out what it shows beyond {evidence.stretch:.4g} s"
+        return f"nothing confirms its motion beyond {evidence.stretch:.4g} s"
     name, worst = max(evidence.later.items(), key=lambda item: item[1])
     if not worst <= LATER:
         return f"beyond {evidence.stretch:.4g} s its {name} changes by {worst:.2g} with finer settings"
@@ -162,11 +162,10 @@ def _later_doubt(evidence: Evidence) -> str:
 
 
 def contradicted(verdicts: Mapping[str, Verdict], differences: Mapping[tuple[str, str], float]) -> dict[str, Verdict]:
-    """The verdicts after holding the claims of engines on one scene against each other.
+    """The verdicts after a comparison of the claims of engines on one scene.
 
     Each run claims to be within its claimed error of the same right answer, so two of them may differ by the sum of their claims.
-    Where they differ by more, one at least is wrong: it is the one that fewer others bear out. Where that does not decide, both are
-    called contradicted, because nothing is known about which of them it is.
+    If they differ by more, at least one is wrong: the one that fewer others confirm. If that does not decide, both are called contradicted.
 
     Args:
         verdicts: engine -> its own verdict; engines whose model differs on purpose are left out.

@@ -1,6 +1,6 @@
 """The case library: the thesis' 24 runs and hard scenes made from one of them, both generated, and every case file of this folder.
 
-A new case needs no code: drop `NAME.toml` here (its `name` must be NAME).
+A new case needs no code: put `NAME.toml` here (its `name` must be NAME).
 """
 
 import functools
@@ -34,7 +34,7 @@ _RUNS: Final = {run_name(run): run for run in RUNS}
 
 @dataclass(frozen=True)
 class CatalogueLine:
-    """What the catalogue tells of a case."""
+    """A line of the catalogue: name, tags and title of a case."""
 
     name: str
     tags: tuple[str, ...]
@@ -49,10 +49,10 @@ def case_names() -> tuple[str, ...]:
 
 @functools.cache
 def library_case(name: str) -> Case:
-    """A case of the library. Its notes are on published inconsistencies; its values are meant.
+    """A case of the library. Its notes are on published inconsistencies; its values are not doubted.
 
     Raises:
-        CaseError: a name that is neither in `case_names` nor in `hard.IMPOSSIBLE`, a broken file, or a scene that cannot be.
+        CaseError: a name that is neither in `case_names` nor in `hard.IMPOSSIBLE`, a broken file, or an impossible scene.
     """
     notes = tuple(found.sentence for found in inconsistencies() if _RUNS.get(name) in found.runs)
     return replace(case_of(library_document(name)), notes=notes, source="library")
@@ -86,7 +86,7 @@ def _file_text(name: str) -> str:
 
 @functools.cache
 def _line(name: str) -> CatalogueLine:
-    """Without making the case: reading units takes time."""
+    """A line of the catalogue without the case itself, because reading units takes time."""
     if name in hard.SCENES:
         return CatalogueLine(name, (hard.TAG,), hard.scene_title(name))
     if name in _RUNS:

@@ -1,8 +1,7 @@
-"""Hard scenes, each run 24 of the thesis with a few values changed: what breaks engines, or makes them wrong without a word.
+"""Hard scenes, each run 24 of the thesis with a few changed values: engines fail in them, or are wrong without a warning.
 
 Violent motion (soft follower, fast crank), stiff equations (hard follower, light follower), the ends of the follower, light and
-heavy tips, long undamped motion, and the features that a scene may have beside the thesis'. A scene in `IMPOSSIBLE` cannot be:
-loading it must be answered by the sentence given there.
+heavy tips, long undamped motion, and optional features of a scene. A scene in `IMPOSSIBLE` must be refused with the sentence given there.
 """
 
 from collections.abc import Mapping
@@ -98,12 +97,12 @@ IMPOSSIBLE: Final = MappingProxyType(
 
 
 def scene_title(name: str) -> str:
-    """What tells a hard scene from run 24, in one line."""
+    """The difference of a hard scene from run 24, in one line."""
     return f"Run {_ORIGINAL}, {SCENES[name].name}"
 
 
 def scene_document(name: str) -> Document:
-    """A hard scene as a case file would have it, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
+    """A hard scene as in a case file, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
     values = SCENES[name].values(document_of(run_case(_ORIGINAL)).at)
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
     return replace(run_document(_ORIGINAL).changed(values), source=name, header=header)

@@ -1,6 +1,6 @@
-"""Where the thesis contradicts itself or leaves a gap, found from its own tables, and what is used instead.
+"""Contradictions and gaps of the thesis, found from its own tables, and the values used instead.
 
-Nothing is mended silently: every replacement and every unusable channel is listed here, and shown with the results.
+Nothing is corrected silently: every replacement and every unusable channel is listed here, and shown with the results.
 """
 
 import functools
@@ -40,7 +40,7 @@ def inconsistencies() -> tuple[Inconsistency, ...]:
             "crank speed",
             "no speed (tables 3.1 and 5.2 say N/A)",
             f"{run.crank_speed} rad/s, torque over damping",
-            "that is where the published torque and damping settle; it is one turn a second",
+            "the published torque and damping lead to this speed; it is one turn a second",
         )
         for run in runs
         if run.measured_speed is None

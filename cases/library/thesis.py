@@ -11,7 +11,7 @@ from quickreturn.cases.reading import case_of
 
 TAG: Final = "thesis"
 
-#: Printed crank speed and torque / damping agree to 5e-7 wherever the table is right; the digits printed allow no more.
+#: Tolerance between printed crank speed and torque / damping: they agree to 5e-7, the printed digits, unless the table is wrong.
 SPEED_AGREEMENT: Final = 1e-6
 
 _COUNTS: Final = MappingProxyType({0: "no plates", 2: "two plates", 4: "four plates", 6: "six plates"})
@@ -79,13 +79,13 @@ def run_name(number: int) -> str:
 
 
 def run_title(number: int) -> str:
-    """What tells a run from the others, in one line."""
+    """The distinguishing features of a run, in one line."""
     run = RUNS[number]
     return f"Run {number}: crank {run.crank_length} in, {_COUNTS[run.plates]}, {float(run.crank_speed):.1f} rad/s"
 
 
 def run_document(number: int) -> Document:
-    """A run as a case file would have it: what all share, and its row of the tables. Raises KeyError unless 1 <= number <= 24."""
+    """A run as in a case file: the common values, and its row of the tables. Raises KeyError unless 1 <= number <= 24."""
     run = RUNS[number]
     of_run = {
         "crank.length": f"{run.crank_length} in",

@@ -1,4 +1,4 @@
-"""What the parts of a machine must bear: stress along the arm, forces in joints and bearings, torque, and the distance to resonance."""
+"""Loads on the parts of a machine: stress along the arm, forces in joints and bearings, torque, and the distance to resonance."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ __all__ = ["ErrorAt", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads
 
 Array = NDArray[np.float64]
 
-#: What is measured besides the stress -> its SI unit.
+#: Quantities besides the stress -> SI unit.
 UNITS: Final = {"pivot_force": "N", "crank_force": "N", "slider_force": "N", "crank_torque": "N m", "tip_deflection": "m"}
 
 
 @dataclass(frozen=True)
 class Loads:
-    """What an engine finds that the parts must bear; None where it does not give what that is made of."""
+    """Loads on the parts by an engine; None if it does not give the necessary columns."""
 
     stress: ArmStress | None  # along the arm
     modulus: float  # of the arm's material, Pa; infinite for a rigid one
@@ -41,12 +41,12 @@ class Loads:
 
 
 def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Loads:
-    """What the parts bear in a cycle or a trajectory.
+    """Loads on the parts in a cycle or a trajectory.
 
     Args:
         scene: the mechanism, or a follower alone.
         columns: of it.
-        claim: by how much a column may be off at a crank angle, by the engine's own estimate.
+        claim: error of a column at a crank angle, by the engine's own estimate.
     """
     follower, stress = scene.follower, arm_stress(scene, columns, claim)
     peaks = {name: of_vector(name, columns, claim) or of_column(name, columns, claim) for name in UNITS}
@@ -60,13 +60,13 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Load
 
 
 def loads_of_run(mechanism: Mechanism, run: "Run") -> Loads | None:
-    """What the parts bear in the cycle of a run; None where it has none that can be used."""
+    """Loads on the parts in the cycle of a run; None if it has no usable cycle."""
     return loads_of(mechanism, run.cycle, Claimed(run)) if run.usable else None
 
 
 @dataclass(frozen=True)
 class Claimed:
-    """What a run says of a column in the half cycle of a crank angle: its estimate, and how far its cycle may be from steady."""
+    """A run's claim for a column in the half cycle of a crank angle: its estimate, and the distance of its cycle from steady."""
 
     run: "Run"
 

@@ -1,4 +1,4 @@
-"""The bending moment along the whole arm, from the columns of a trajectory, and how far the places between leave it open.
+"""The bending moment along the whole arm, from the columns of a trajectory, and the error of its interpolation.
 
 An engine gives the moment at the interior twelfths of the length and at the slider. At the ends moment and slope follow from Newton's and
 Euler's laws for the bodies there, with q2 the angle of the base, theta that of the flexible end, n the normal, a the acceleration of the
@@ -9,8 +9,8 @@ the beam, which acts between it and the base:
     tip    M(L) = -J theta'' - m e (a + e theta'' - g n),                              dM(L)/dx = m (a + e theta'' - g n) - f n
 
 On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
-rotary inertia. Each side is interpolated apart, by polynomials through the nearest known places. What they may miss is seen where every
-other twelfth is left out.
+rotary inertia. Each side is interpolated separately, by polynomials through the nearest known places. Their error is estimated by leaving
+out every other twelfth.
 """
 
 from collections.abc import Iterator, Mapping
@@ -31,18 +31,18 @@ Numbers = NDArray[np.intp]
 TWELFTHS: Final = PLACES + 1
 #: Columns without which there is no moment along the arm.
 NEEDED: Final = frozenset((*MOMENTS, "time", "follower_angle", "tip_acceleration"))
-#: Places in each twelfth of the length at which the moment is looked at.
+#: Number of places in each twelfth of the length at which the moment is computed.
 IN_A_TWELFTH: Final = 10
-#: Of the moment at the tip, by how much it may be off because the curvature is summed up from twelfth to twelfth: the rule's error is a
-#: twelfth of the square of the spacing times the jump of the slope at the slider, 0.6 % of the sum where the slider bends the arm.
+#: Relative error of the angle at the tip because the curvature is summed from twelfth to twelfth: the rule's error is a twelfth of the
+#: square of the spacing times the jump of the slope at the slider, 0.6 % of the sum where the slider bends the arm.
 OF_ANGLE: Final = 0.01
-#: Known places that the interpolating polynomial goes through, where a side has as many.
+#: Number of known places that the interpolating polynomial passes through, if a side has as many.
 THROUGH: Final = 6
 #: Twelfths that are nearer to the slider than this part of a twelfth are left out: the slope between two such places would be noise.
 TOO_NEAR: Final = 1.0 / 3.0
 #: A known slope at an end is a further place beyond it, at this part of a twelfth: its moment is off by 5e-5 of what a parabola's is.
 BEYOND: Final = 0.01
-#: Of what the interpolation misses without every other twelfth, what it may miss with all of them. At half the spacing a polynomial of
+#: Ratio of the interpolation error with all twelfths to that without every other one. At half the spacing a polynomial of
 #: degree one misses a quarter, one of higher degree less. Half is on the safe side: in 15 combinations of one to five natural modes, in
 #: three scenes, the largest moment was met within it. Single places, most of them beyond a slider near the tip, were off by up to 6e-4
 #: of the peak beyond it.
@@ -60,7 +60,7 @@ class KnownMoments:
     outboard: Array  # on its outer side, likewise
     base_slope: Array | None  # N, shape (rows,); None where it is not known
     tip_slope: Array | None  # likewise
-    ends_open: tuple[Array, Array]  # by how much the moments at base and tip may be off, N m, shape (rows,) each
+    ends_open: tuple[Array, Array]  # errors of the moments at base and tip, N m, shape (rows,) each
 
     @property
     def spacing(self) -> float:
@@ -69,7 +69,7 @@ class KnownMoments:
 
     @property
     def places(self) -> Array:
-        """Arc lengths at which the moment is looked at, m, shape (places,)."""
+        """Arc lengths at which the moment is computed, m, shape (places,)."""
         return np.linspace(0.0, self.length, TWELFTHS * IN_A_TWELFTH + 1)
 
     @property
@@ -79,14 +79,14 @@ class KnownMoments:
         return larger if np.isfinite(self.slider).all() else None
 
     def every(self, step: int) -> "KnownMoments":
-        """The same at every so many rows."""
+        """The same at every `step`-th row."""
         of_rows: dict[str, Any] = {name: value[::step] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         base, tip = self.ends_open
         return replace(self, **of_rows, ends_open=(base[::step], tip[::step]))
 
 
 def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
-    """What the columns and the bodies at slider, base and tip say of the moment along the arm.
+    """The known moments along the arm, from the columns and the bodies at slider, base and tip.
 
     Args:
         scene: gives the bodies.
@@ -123,7 +123,7 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
 
 
 def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Moment at the base, N m, and how far off the rows leave it; shape (rows,) each."""
+    """Moment at the base, N m, and its error from the spacing of rows; shape (rows,) each."""
     base, time, angle = scene.base, columns["time"], columns["follower_angle"]
     turning = columns.get("base_torque", np.zeros(time.size))
     acceleration, off = _second_derivative(time, angle)
@@ -140,7 +140,7 @@ def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
 
 
 def _damping(scene: Scene, columns: Mapping[str, Array], power: int) -> Array:
-    """What the beam's damping pushes the base with across the arm, N, or N m with `power` 1; none where there are no shapes, (rows,)."""
+    """Force of the beam's damping on the base across the arm, N, or its moment, N m, with `power` 1; 0 without shapes, (rows,)."""
     follower, time = scene.follower, columns["time"]
     if follower.damping == 0.0 or not {*SHAPE, "tip_deflection"} <= set(columns):
         return np.zeros(time.size)
@@ -156,7 +156,7 @@ def _across(vector: Array, angle: Array) -> Array:
 
 
 def _at_tip(scene: Scene, columns: Mapping[str, Array], angle: Array, turns: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Moment at the flexible end, N m, and how far off the rows leave it; `angle` is the end's, rad; shape (rows,) each."""
+    """Moment at the flexible end, N m, and its error from the spacing of rows; `angle` is the end's, rad; shape (rows,) each."""
     tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
     about_end = tip.inertia + tip.mass * tip.center_of_mass**2
     turned, static = -about_end * turns[0], tip.mass * tip.center_of_mass * (columns["tip_acceleration"] - weight)
@@ -255,7 +255,7 @@ def _polynomials(nodes: Array, values: Array, x: Array) -> Array:
 
 
 def left_out(known: KnownMoments) -> Array:
-    """By how much the moment at each twelfth is missed where every other one is left out, N m, shape (rows, 13); 0 at the ends."""
+    """Error of the moment at each twelfth if every other one is left out, N m, shape (rows, 13); 0 at the ends."""
     missed = np.zeros(known.twelfths.shape)
     for parity in (0, 1):
         others = np.arange(1 + parity, TWELFTHS, 2)
@@ -264,9 +264,9 @@ def left_out(known: KnownMoments) -> Array:
 
 
 def between(x: Array, missed: Array, known: KnownMoments) -> Array:
-    """By how much the interpolation may miss the moment at each place, N m, shape (rows, m).
+    """Interpolation error of the moment at each place, N m, shape (rows, m).
 
-    It is the largest of what is `missed` at the four nearest twelfths, less near a known place, and no less than what an end is off by.
+    It is the largest `missed` of the four nearest twelfths, smaller near a known place, and no less than the error at an end.
     """
     twelfth, (base, tip) = known.spacing, known.ends_open
     cell = np.minimum((x / twelfth).astype(int), TWELFTHS - 1)

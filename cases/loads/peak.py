@@ -1,4 +1,4 @@
-"""The largest magnitude of a signal: how large, where, at which crank angle, and how far off it may be."""
+"""The largest magnitude of a signal: its value, place, crank angle and error."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -11,7 +11,7 @@ from quickreturn.cases.measures.extremes import extremes
 
 Array = NDArray[np.float64]
 
-#: By how much a column may be off at a crank angle (rad), in its unit, by the engine's own estimate; None where it has none.
+#: Error of a column at a crank angle (rad), in its unit, by the engine's own estimate; None if it has none.
 ErrorAt = Callable[[str, float], float | None]
 
 
@@ -22,13 +22,13 @@ class Peak:
     value: float  # not negative
     crank_angle: float | None  # where it is reached, rad, from 0 to a turn; None without a crank
     time: float  # likewise, s
-    uncertainty: float  # by how much rows, and places between those that an engine gives, leave it open
-    estimate: float | None  # of the engine's own error; None where there is none
-    place: float | None = None  # arc length from P at which it is reached, m; None where it is not the arm's
+    uncertainty: float  # uncertainty from the spacing of the rows and places that an engine gives
+    estimate: float | None  # the engine's own error estimate; None if there is none
+    place: float | None = None  # arc length from P at which it is reached, m; None if it is not a quantity of the arm
 
     @property
     def error(self) -> float | None:
-        """How far off it may be in all; None where the engine does not say what it errs by."""
+        """Its total error; None if the engine gives no estimate."""
         return None if self.estimate is None else self.uncertainty + self.estimate
 
     def times(self, factor: float) -> "Peak":

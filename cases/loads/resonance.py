@@ -1,4 +1,4 @@
-"""How far the crank's speed is from driving the first mode in resonance."""
+"""Distance of the crank's speed from a resonance of the first mode."""
 
 import math
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class Resonance:
 
     @property
     def detuning(self) -> float:
-        """By what part of itself the crank's speed would have to grow to be that one; negative where it would have to fall."""
+        """Relative change of the crank's speed to that one; negative if it would have to fall."""
         return self.ratio / self.harmonic - 1.0
 
     @property
@@ -65,7 +65,7 @@ def resonance(mechanism: Mechanism) -> Resonance | None:
 
 
 def of_motion(mechanism: Mechanism) -> float:
-    """By how much the mean first frequency differs while the crank turns, and may give way, from that with the crank held; Hz.
+    """Difference of the mean first frequency with a turning, compliant crank from that with the crank held; Hz.
 
     To first order in the coupling of the modes (`cases.measures.moving_mode`); 0 where nothing vibrates.
     """

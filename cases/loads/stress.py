@@ -1,11 +1,11 @@
-"""The largest bending stress along the whole arm, and how far it is from what the material bears.
+"""The largest bending stress along the whole arm, and its ratio to the strength of the material.
 
-The stress at the surface is M c / I, with c half the thickness and I = width thickness^3 / 12; the strain is that over the modulus which
-stiffness and section make. It is that of bending alone: the pull along the arm is left out.
+The stress at the surface is M c / I, with c half the thickness and I = width thickness^3 / 12; the strain is the stress over the modulus
+from stiffness and section. It is the stress of bending alone: the pull along the arm is left out.
 
-For fatigue the stress amplitude counts, half the range that a place of the surface goes through in a cycle. It is held against the
-strength under fully reversed stress, and the mean stress is left out of account: the usual correction for it (Goodman's) needs the ultimate
-strength (Budynas and Nisbett, Shigley's Mechanical Engineering Design, 10th edition, sections 6-7 and 6-11).
+For fatigue the stress amplitude counts, half the range of stress at a place of the surface in a cycle. It is compared with the strength
+under fully reversed stress, without the mean stress: the usual correction for it (Goodman's) needs the ultimate strength (Budynas and
+Nisbett, Shigley's Mechanical Engineering Design, 10th edition, sections 6-7 and 6-11).
 """
 
 import math
@@ -24,13 +24,13 @@ from quickreturn.reference_model.mechanism import Follower, Scene
 
 Array = NDArray[np.float64]
 
-#: Rows of a cycle in which the worst place is looked for, at least; at that place all rows count.
+#: Least number of rows of a cycle for the search of the worst place; at that place all rows count.
 SEARCHED: Final = 400
 
 
 @dataclass(frozen=True)
 class Factor:
-    """What the material bears over what it must bear, and how far off the factor may be; None where that is not known."""
+    """Strength of the material over its stress, and the error of this factor; None if it is not known."""
 
     value: float
     error: float | None
@@ -97,7 +97,7 @@ class _Field:
         return interpolated(self.known.places[[at]], self.known)[:, 0]
 
     def beyond(self, row: int, at: int) -> float:
-        """By how much the moment may be larger beside a place: what the parabola through it and its neighbours has beyond them, N m."""
+        """Excess of the moment between places: of the parabola through a place and its neighbours over these, N m."""
         before, middle, after = self.moments[row, np.clip(at, 1, self.moments.shape[1] - 2) + np.arange(-1, 2)]
         return float(abs(before - 2.0 * middle + after)) / 8.0
 
@@ -131,7 +131,7 @@ def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: ErrorA
 
 @dataclass(frozen=True)
 class _Nearest:
-    """What an engine claims of the moment at a place: the larger of its claims at the nearest places that it gives."""
+    """An engine's claim for the moment at a place: the larger of its claims at the nearest given places."""
 
     twelfth: float  # number of twelfths of the length from P to the place
     claim: ErrorAt  # of a column

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Of the errors of two channels in a half: they share the path of the frequency and much of the slow part. Measured 0.66 in the thesis'
-#: steady states, 0.4 in those of random scenes, 0.2 on synthetic halves whose path is the mechanism's own and 0.6 to 0.8 where it drifts.
+#: Correlation of the errors of two channels in a half: they share the path of the frequency and much of the slow part. Measured 0.66 in the
+#: thesis' steady states, 0.4 in those of random scenes, 0.2 on synthetic halves whose path is the mechanism's own and 0.6 to 0.8 where it
+#: drifts.
 CORRELATION = 0.5
 
 
@@ -22,7 +23,7 @@ class Consensus:
 def consensus(half: str, frequencies: Sequence[float], uncertainties: Sequence[float]) -> Consensus:
     """Mean of the channels' frequencies (Hz), weighted with their uncertainties (Hz).
 
-    What channels err alike does not average away: with weights w and correlation c the variance of the mean is
+    The common error of channels does not average out: with weights w and correlation c the variance of the mean is
     (1 - c) sum of (w u)^2 + c (sum of w u)^2, at least that of their scatter.
     """
     if not frequencies:

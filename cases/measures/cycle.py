@@ -19,12 +19,12 @@ Array = NDArray[np.float64]
 
 HALVES = ("pre", "post")
 NO_VIBRATION = (FirstMode("the model has no vibration in this channel"), None)
-END_TOLERANCE = np.radians(5.0)  # by which the first and the last sample may miss the farthest place of the slider
+END_TOLERANCE = np.radians(5.0)  # largest distance of the first and last sample from the slider's farthest place
 
 
 @dataclass(frozen=True)
 class Measure:
-    """What is measured of one channel in one half cycle; None where not resolvable: frequency and amplitude each by itself."""
+    """Measures of one channel in one half cycle; None if not resolvable: frequency and amplitude each by itself."""
 
     half: str  # "pre" (slider from farthest to nearest) or "post"
     channel: str  # name of the channel
@@ -33,11 +33,11 @@ class Measure:
     first_mode_amplitude: float | None  # RMS of the envelope over the half, in the channel's unit
     first_mode_amplitude_uncertainty: float | None  # the same unit, one standard deviation
     second_mode_frequency: float | None  # Hz, time mean over the half
-    minimum: float  # least value in the half, of the raw signal where simulated, of the low-passed where measured
-    minimum_uncertainty: float  # how far off the samples leave it, the same unit
+    minimum: float  # least value in the half, of the raw signal if simulated, of the low-passed one if measured
+    minimum_uncertainty: float  # its uncertainty from the spacing of samples, the same unit
     maximum: float  # greatest value, likewise
     maximum_uncertainty: float
-    reason: str  # why the first mode's frequency, its amplitude or both are not resolvable, empty where both are
+    reason: str  # why the first mode's frequency, its amplitude or both are not resolvable, empty if both are
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def measure_cycle(
     """Measure one full cycle.
 
     Args:
-        scale: of the mechanism; None for a rigid follower, of which only the extremes are measured.
+        scale: time scale of the mechanism; None for a rigid follower: only its extremes are measured.
         time: s, increasing, uniform or not, shape (n,).
         crank_angle: rad, shape (n,), from the slider's farthest place (180° + k 360°) to the next, in either direction.
         channels: values over the cycle, each of shape (n,); any of "tip_acceleration" (m/s²), "strain_1" to "strain_3".
@@ -113,7 +113,7 @@ def consensus_of(half: str, measures: Sequence[Measure]) -> Consensus:
 
 
 def _vibrations(halves: Sequence[Mapping[str, ChannelHalf]]) -> list[dict[str, tuple[FirstMode, float | None]]]:
-    """Of each half, per channel the first mode and the second mode's frequency."""
+    """The first mode and the second mode's frequency, by channel, in each half."""
     found = []
     for channels, first_modes in zip(halves, fit_first_modes(halves), strict=True):
         second_modes = [second_mode_frequency(channels[name], mode.fit) if mode.fit else None for name, mode in first_modes.items()]

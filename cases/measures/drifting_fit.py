@@ -5,11 +5,11 @@ The signal is modelled as  slow part + (1 + rho sigma) [a (T cos phi + Q sin phi
     phi = alpha (theta + kappa drift) + beta (sigma^2 - 1),
 
 Q the channel's response a quarter period late, the drift the part of theta by which the mechanism's frequency departs from its mean,
-and the second mode T2 {1, sigma2} {cos, sin}(alpha2 theta2). beta and kappa leave the mean frequency alone: what they multiply is zero at
+and the second mode T2 {1, sigma2} {cos, sin}(alpha2 theta2). beta and kappa do not change the mean frequency: their factors are zero at
 both ends. Linear coefficients are eliminated by orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected
-in the Jacobian (Kaufman, 1975), steps are damped (Levenberg, Marquardt) and held within bounds.
+in the Jacobian (Kaufman, 1975), steps are damped (Levenberg, Marquardt) and kept within bounds.
 
-Several fits are made side by side, which takes a third of the time: their arrays are small. Each goes its own way.
+Several fits run side by side, which takes a third of the time: their arrays are small. They do not depend on each other.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ PRIOR_STRENGTH = 0.006  # of the signal's RMS, per scale below
 PRIOR_SCALES = np.array([np.inf, 1.5, 0.15, 0.6, np.inf])  # alpha, beta, kappa, rho, alpha2
 MAXIMUM_STEPS = 25
 STEP_TOLERANCE = 1e-5  # in any parameter, a thousandth of the least uncertainty that is ever reported
-RANK: Final = 1e-10  # of the largest singular value of the columns: what is less tells nothing
+RANK: Final = 1e-10  # part of the columns' largest singular value below which a direction is ignored
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Fit:
     def covariance(self, variance: float, bounds: Bounds) -> Array:
         """Of weights and parameters, from noise of the given variance at every instant, shape (11, 11); zero where a parameter is fixed.
 
-        The priors hold the estimate back: with normal matrix N and priors P it follows noise as (N + P)^-1 N (N + P)^-1.
+        The priors reduce the response of the estimate to noise: with normal matrix N and priors P it is (N + P)^-1 N (N + P)^-1.
         """
         counted = np.concatenate([np.ones(6, dtype=bool), bounds.free])
         jacobian = self.jacobian[:, counted]
@@ -77,7 +77,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Waves:
-    """What the modes' columns are made of: of one channel in a half cycle, shape (240,), or of several, shape (m, 240).
+    """Data for the modes' columns: of one channel in a half cycle, shape (240,), or of several, shape (m, 240).
 
     Attributes:
         theta: phase of the first mode, rad.
@@ -143,13 +143,13 @@ def orthonormal(columns: Array) -> Array:
 
 
 def without(basis: Array, columns: Array) -> Array:
-    """What of the columns, shape (..., 240, k), is orthogonal to an orthonormal basis."""
+    """The part of the columns, shape (..., 240, k), that is orthogonal to an orthonormal basis."""
     return np.asarray(columns - basis @ (np.swapaxes(basis, -1, -2) @ columns))
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A fit that is to be made.
+    """The problem of one fit.
 
     Attributes:
         channel: the signal with its templates.

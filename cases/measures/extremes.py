@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: A spline rounds off a corner between two samples by at most so many times what one through every other sample misses the nearest four
-#: by: where the corner is symmetric and lies midway. A smooth signal it meets 16 times as well, which makes this too much, and tiny.
+#: Largest ratio of a spline's error at a corner between two samples to the error of a spline through every other sample at the nearest
+#: four: the corner is then symmetric and lies midway. For a smooth signal the ratio is 1/16, so this overestimates a tiny error.
 CORNER = 1.6
 
 CUT_OFF = 200.0  # Hz, of the low-pass for measured signals
@@ -37,7 +37,7 @@ def low_pass(time: Array, signal: Array) -> Array:
 
 @dataclass(frozen=True)
 class Extreme:
-    """A least or greatest value, how far off the samples leave it, and when it is reached (s)."""
+    """A least or greatest value, its uncertainty from the spacing of samples, and the time when it is reached (s)."""
 
     value: float
     uncertainty: float
@@ -47,8 +47,8 @@ class Extreme:
 def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extreme, Extreme]:
     """Minimum and maximum of the cubic spline through a signal between two instants (s), both included.
 
-    Between the samples, too, and at the ends: where a half begins on a steep flank, the nearest samples of two engines lie a good
-    percent of the peak apart.
+    The spline is evaluated between the samples and at the ends: if a half begins on a steep flank, the nearest samples of two engines
+    differ by a good percent of the peak.
 
     Args:
         time: s, increasing, shape (n,).
@@ -71,7 +71,7 @@ def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extr
 
 
 def _left_out(time: Array, signal: Array) -> Array:
-    """By how much a spline through every other sample, and the first and last, misses those between; shape (n,), zero at the ends."""
+    """Error of a spline through every other sample, and the first and last, at those between; shape (n,), zero at the ends."""
     missed = np.zeros(time.size)
     for first in (1, 2):
         between = np.arange(first, time.size - 1, 2)

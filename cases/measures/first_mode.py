@@ -20,17 +20,18 @@ FREE_DRIFT = Bounds(np.array([LOW, -2.5, -0.6, -0.95, 0.75]), np.array([HIGH, 2.
 DEGREE = 5  # of the slow part
 IGNORED_VARIANT = 3.0  # times the main fit's residual
 
-FREQUENCY_FLOOR = 0.003  # of the frequency: error of the mechanism's own path, read from pure vibrations of six of the thesis' runs
-#: How much farther than the fit that may drift the truth lies: its prior holds that fit back, to 0.54 of the drift that is there where
-#: vibration is 0.3 of the slow part, and to 0.84 where it is as large.
+FREQUENCY_FLOOR = 0.003  # of the frequency: error of the mechanism's own path, from pure vibrations of six of the thesis' runs
+#: Ratio of the true distance to that of the fit with free drift: its prior reduces the drift to 0.54 of the true one if vibration is 0.3 of
+#: the slow part, and to 0.84 if it is as large.
 DRIFT_HELD_BACK = 1.3
 SLOW_PART_LEAKAGE = 0.015  # of the slow part's peak, in the amplitude
 NEEDED_RISE = 5.0  # of the residual sum of squares without the oscillation
 NEEDED_AMPLITUDE = 3.0  # times the residual RMS
-#: Beyond it there may be no vibration at all: a slow part of another shape takes its place. On pure slow signals it is 1.03 to 1.05.
+#: Relative uncertainty of the amplitude beyond which there may be no vibration, but a slow part of another shape. On pure slow signals it
+#: is 1.03 to 1.05.
 UNCERTAIN_PRESENCE = 0.6  # of the amplitude
 GREATEST_FREQUENCY_UNCERTAINTY = 0.05  # of the frequency
-#: The same where the amplitude is not resolvable: vibration of 0.03 of the slow part would else be found twice as often.
+#: The same limit if the amplitude is not resolvable: vibration of 0.03 of the slow part would otherwise be found twice as often.
 GREATEST_WITHOUT_AMPLITUDE = 0.04
 GREATEST_AMPLITUDE_UNCERTAINTY = 1.0 / 3.0  # of the amplitude
 
@@ -39,7 +40,7 @@ GREATEST_AMPLITUDE_UNCERTAINTY = 1.0 / 3.0  # of the amplitude
 class FirstMode:
     """The first mode of one channel in one half cycle; a number that is not resolvable is None, with its uncertainty."""
 
-    reason: str  # which of the two is missing and which criteria failed, empty where both are there
+    reason: str  # which of the two is missing and which criteria failed, empty if both are there
     fit: Fit | None = None  # the main fit; None where there is no signal at all
     frequency: float | None = None  # Hz, time mean over the half
     frequency_uncertainty: float | None = None  # Hz, one standard deviation
@@ -49,24 +50,24 @@ class FirstMode:
 
 @dataclass(frozen=True)
 class _Estimate:
-    """What a channel says by itself; frequencies in units of alpha, amplitudes in units of the signal's RMS."""
+    """The estimate from one channel; frequencies in units of alpha, amplitudes in units of the signal's RMS."""
 
     alpha: float  # factor on the mechanism's own frequency
     own: float  # its relative uncertainty apart from the drift
     drifting: float  # relative distance of the fit whose drift is free
     amplitude: float  # RMS of the envelope
     amplitude_uncertainty: float  # one standard deviation
-    doubts: tuple[str, ...]  # why there is no first mode at all
+    doubts: tuple[str, ...]  # reasons why there may be no first mode
     fit: Fit  # the main one
 
 
 def fit_first_modes(halves: Sequence[Mapping[str, ChannelHalf]]) -> list[dict[str, FirstMode]]:
-    """Fit the drifting first mode in the channels of each half cycle as the definition of the measures has it.
+    """Fit the drifting first mode in the channels of each half cycle.
 
-    The main fit takes the path of the frequency from the mechanism. Were that path to drift 1.3 times as much, frequencies would
-    be 3 % off in the mean, all channels alike. A fit whose drift is free shows it, but is twice as uncertain: its distance from
-    the main fit enters the uncertainty, and since the channels of a half share the path, its root mean square over those that show a
-    first mode enters all of them.
+    The main fit takes the path of the frequency from the mechanism. If that path drifted 1.3 times as much, frequencies would be 3 % off in
+    the mean, in all channels alike. A fit with free drift shows this, but is twice as uncertain: its distance from the main fit is a part
+    of the uncertainty. As the channels of a half share the path, the root mean square of this distance over the channels with a first mode
+    is used for all of them.
     """
     vibrating = [(half, name) for half, channels in enumerate(halves) for name, channel in channels.items() if channel.unit > 0.0]
     found = dict(zip(vibrating, _estimates([halves[half][name] for half, name in vibrating]), strict=True))
@@ -76,7 +77,7 @@ def fit_first_modes(halves: Sequence[Mapping[str, ChannelHalf]]) -> list[dict[st
 
 
 def _of_half(channels: Mapping[str, ChannelHalf], estimates: Mapping[str, _Estimate]) -> dict[str, FirstMode]:
-    """What the estimates of a half's channels say together."""
+    """The first modes of a half's channels from all their estimates."""
     seen = [each for each in estimates.values() if not each.doubts]
     weights = np.array([each.own**-2.0 for each in seen])
     shared = float(np.sqrt(weights @ np.array([each.drifting**2 for each in seen]) / weights.sum())) if seen else 0.0
@@ -90,7 +91,7 @@ def _of_half(channels: Mapping[str, ChannelHalf], estimates: Mapping[str, _Estim
 
 
 def _estimates(channels: Sequence[ChannelHalf]) -> list[_Estimate]:
-    """What each channel says by itself: the best fit, one with free drift, and three with other slow parts."""
+    """The estimate of each channel: from the best fit, one with free drift, and three with other slow parts."""
     if not channels:
         return []
     slow = [orthonormal(channel.half.polynomials(DEGREE)) for channel in channels]
@@ -107,7 +108,7 @@ def _estimates(channels: Sequence[ChannelHalf]) -> list[_Estimate]:
 
 
 def _estimate(channel: ChannelHalf, slow: Array, main: Fit, others: Sequence[Fit]) -> _Estimate:
-    """What a channel says by its fits; `others`: with free drift, then with other slow parts."""
+    """The estimate of a channel from its fits; `others`: with free drift, then with other slow parts."""
     drifting, *variants = others
     alpha, amplitude = main.parameters[0], _amplitude(channel, main)
     statistical_alpha, statistical_amplitude = _statistical_uncertainty(channel, main, slow.shape[1])
@@ -211,7 +212,7 @@ def _statistical_uncertainty(channel: ChannelHalf, fit: Fit, slow_terms: int) ->
 
 
 def _correlation_factor(residual: Array) -> float:
-    """By how much correlation raises the variance of a mean: 1 + 2 sum of the autocorrelation up to its first zero."""
+    """Factor by which correlation raises the variance of a mean: 1 + 2 sum of the autocorrelation up to its first zero."""
     size = 2 * residual.size
     autocovariance = np.fft.irfft(np.abs(np.fft.rfft(residual, size)) ** 2)[: residual.size // 4]
     if not autocovariance[0] > 0.0:
@@ -222,7 +223,7 @@ def _correlation_factor(residual: Array) -> float:
 
 
 def _doubts(channel: ChannelHalf, slow: Array, main: Fit, amplitude: float, amplitude_uncertainty: float) -> tuple[str, ...]:
-    """Why there may be no first mode; none where it stands out."""
+    """Reasons why there may be no first mode; none if it stands out."""
     second = orthonormal(without(slow, Waves.of(channel).second_mode(main.parameters[4])))
     left_out = _signal_without(np.hstack([slow, second]), channel)
     failed = []

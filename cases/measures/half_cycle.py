@@ -1,4 +1,4 @@
-"""A half cycle on the mechanism's own time scale: 240 instants, the modes' rigidly dictated phases and the channel's templates."""
+"""A half cycle on the mechanism's own time scale: 240 instants, the modes' phases by the mechanism, and the channel's templates."""
 
 from dataclasses import dataclass
 
@@ -39,8 +39,8 @@ class ChannelHalf:
     """One channel in a half cycle."""
 
     half: HalfCycle  # the half cycle
-    signal: Array  # the channel less its mean, in units of `unit`, shape (240,)
-    unit: float  # RMS of the channel's deviation from its mean, in its own unit; 0 where it does not vary
+    signal: Array  # the channel minus its mean, in units of `unit`, shape (240,)
+    unit: float  # RMS of the channel's deviation from its mean, in its own unit; 0 if it does not vary
     templates: Array  # response to the modes at constant action, shape (3, 240)
     quadrature: Array  # response to the first mode a quarter period late, in the template's unit, shape (240,)
     slow_shape: Array  # quasi-static response to the crank's motion, shape (240,)

@@ -1,4 +1,4 @@
-"""Measures of a motion that repeats in statistics only: their means over many cycles, and how far the cycles leave the means uncertain."""
+"""Measures of a motion that repeats in statistics only: means over many cycles, and their uncertainty from the cycles' scatter."""
 
 import math
 from collections.abc import Sequence
@@ -8,21 +8,21 @@ import numpy as np
 
 from quickreturn.cases.measures.cycle import CycleMeasures, Measure, consensus_of
 
-#: Cycles that means are taken over where no cycle repeats.
+#: Number of cycles for means if no cycle repeats.
 AVERAGED: Final = 30
-#: Groups of successive cycles whose means tell the standard error: what is left of a disturbance after five cycles is a quarter of it or
-#: less in the thesis' runs. Motions that repeat after two, three or six turns show in full, for they fill whole groups or pairs of them.
+#: Number of groups of successive cycles whose means give the standard error: after five cycles a quarter of a disturbance or less remains
+#: in the thesis' runs. Motions that repeat after two, three or six turns fill whole groups or pairs of them.
 GROUPS: Final = 6
-#: Standard errors that a mean extreme may be off by. The uncertainty of an extreme is a bound, the others' are standard deviations.
+#: Uncertainty of a mean extreme, in standard errors. The uncertainty of an extreme is a bound, the others' are standard deviations.
 BOUND: Final = 2.0
-#: Part of the cycles that must resolve a first or second mode, so that the mean is no selection.
+#: Part of the cycles that must resolve a first or second mode, so that the mean is not biased by selection.
 RESOLVED: Final = 0.5
 
 
 def standard_error(values: Sequence[float]) -> float:
     """Standard error of a mean of successive, correlated values, from the scatter of the means of `GROUPS` groups; 0 of a single value.
 
-    Values correlated over more than a group leave it too small: with a correlation of 0.77 from one to the next by a third.
+    It is too small if values are correlated over more than a group: by a third with a correlation of 0.77 from one to the next.
     """
     groups = [group.mean() for group in np.array_split(np.asarray(values), GROUPS) if group.size]
     return float(np.std(groups, ddof=1)) / math.sqrt(len(groups)) if len(groups) > 1 else 0.0

@@ -1,4 +1,4 @@
-"""The first mode on a moving mechanism: what it drags along, and how its frequency departs from that of the crank held still.
+"""The first mode on a moving mechanism: the other modes that it excites, and its change of frequency from that with the crank held.
 
 W = sum of eta_i phi_i(x; s) with the modes of the crank held still, mass-normalised at each place s of the slider. Where s moves,
 Lagrange's equations couple them: with G_ji = <phi_j, d phi_i/ds>, skew-symmetric,
@@ -11,14 +11,14 @@ eta_j = 2 A G_j1 s' omega_1/(omega_j^2 - omega_1^2) sin(phi), and its own omega_
 - -s'^2 |d phi_1/ds|^2, the inertia of the changing shape (<phi_1, d^2 phi_1/ds^2> is minus that), and
   -s'^2 sum of 4 G_j1^2 omega_1^2/(omega_j^2 - omega_1^2), the modes dragged along;
 - q2'^2 (integral of N phi_1'^2 - <phi_1, phi_1>), N(x) the moment of mass outboard of x: the follower's rotation tightens and softens it;
-- R_1^2/(omega_1^2 m), where the crank is free: the support gives way with the inertia m = I/(s dq2/dq1)^2 of crank and slider mass,
-  in antiphase, R_1 being its force;
+- R_1^2/(omega_1^2 m), if the crank is free: the support moves in antiphase, with the inertia m = I/(s dq2/dq1)^2 of crank and slider mass
+  and with the force R_1;
 
 and a frequency that itself changes within a period shifts the rate of the phase by 3/8 omega'^2/omega^3 - omega''/(4 omega^2) (second
 order of the WKB approximation: Bender and Orszag, Advanced Mathematical Methods, 1978, section 10.1). In all that is
 -0.6 % where the slider is fastest and +1.1 % at the return on run 24, and +4.7 % at the return on run 8. Of small vibrations on the
 nonlinear model's motion the mean over a half is met to 0.4 %; at single angles the path is up to 1 % off (run 8, 20 degrees from the
-return). Left out: the slider's own rotary inertia in the coupling, and what the slow deflection does.
+return). Neglected: the slider's own rotary inertia in the coupling, and the effect of the slow deflection.
 """
 
 from collections.abc import Sequence
@@ -35,13 +35,13 @@ from quickreturn.reference_model.natural_modes import FrozenModes
 Array = NDArray[np.float64]
 
 POINTS, WEIGHTS = legendre.leggauss(12)  # per span: exact for the shapes of four modes times x
-LARGEST = 0.1  # change for which perturbation holds; a crank that is as light as the follower gives way altogether
+LARGEST = 0.1  # largest change for which perturbation holds; a crank as light as the follower yields completely
 TINY = np.finfo(np.float64).tiny
 
 
 @dataclass(frozen=True)
 class MovingMode:
-    """What happens to the first mode, at the angles of the modes it is made from."""
+    """Changes of the first mode, at the angles of the given modes."""
 
     dragged: Array  # amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); zero for itself
     free_crank: Array  # relative change of the frequency because the crank is free, shape (angles,)

@@ -1,4 +1,4 @@
-"""Frequency of the second mode in a half cycle, for the few halves that show one beyond doubt."""
+"""Frequency of the second mode in a half cycle, for the few halves that clearly show one."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,8 @@ AGREEMENT = 0.06  # between two channels
 def second_mode_frequency(channel: ChannelHalf, first_mode: Fit) -> float | None:
     """Time mean of the second mode's frequency in Hz, None where it does not stand out in this channel alone.
 
-    Slow part and first mode are fitted along with more freedom than in the first mode's own fit, so that neither passes for a
-    second mode: the first mode keeps its phase but its envelope may bend, each of its two components by itself.
+    Slow part and first mode are fitted with more freedom than in the first mode's own fit, so that neither is taken for a second mode: the
+    first mode keeps its phase but its envelope may bend, each of its two components by itself.
     """
     waves = Waves.of(channel)
     sigma = waves.sigma[:, None]

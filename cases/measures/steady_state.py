@@ -1,4 +1,4 @@
-"""Whole cycles out of a time series, and the criterion by which a sequence of cycles has settled."""
+"""Cuts a time series into whole cycles, and decides whether a sequence of cycles has settled."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,18 +12,18 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-3  # of the remaining error, relative to the signals' RMS
 GREATEST_NUMBER = 60  # of cycles
-FEWEST_CYCLES = 4  # by which a sequence can be known to have settled
+FEWEST_CYCLES = 4  # least number of cycles to decide
 GRID = 720  # crank angles per cycle on which cycles are compared
 SAME_INSTANT = 1e-3  # of a cycle, by which the end of one and the beginning of the next may differ
 AT_THE_END = 1e-9  # rad, by which a series may miss the farthest place and still begin or end there
-TREND = 20  # changes that the trend is taken from, or half of all if those are fewer
-CERTAIN = 3.0  # standard errors by which the changes' logarithms must fall to be called shrinking
-DRIFT = 0.7  # median changes by which the mean cycles of two halves may differ: scatter leaves 0.1 to 0.4, a drift 15
-#: The same where the slider rattles mildly: run 4 with a clearance of 0.2 mm wanders by 3 median changes of 0.7 %, ...
+TREND = 20  # number of changes for the trend, or half of all if that is less
+CERTAIN = 3.0  # least slope of the changes' logarithms, in standard errors, that counts as shrinking
+DRIFT = 0.7  # largest difference of the mean cycles of two halves, in median changes: scatter gives 0.1 to 0.4, a drift 15
+#: The same limit if the slider rattles mildly: run 4 with a clearance of 0.2 mm wanders by 3 median changes of 0.7 %, ...
 WANDER = 5.0
-WANDERED = 0.03  # ... and by so much of the signals' RMS at most: its means are then known to that
-BURSTS = 4.0  # times that its changes may be larger in one half than in the other: 2.4 in run 5, 3.1 in run 7
-SCATTER = 2.0  # times the median of all later ones that a change may be once they shrink no longer
+WANDERED = 0.03  # ... and its limit as a part of the signals' RMS, which is then the uncertainty of its means
+BURSTS = 4.0  # largest ratio of its changes between the halves: 2.4 in run 5, 3.1 in run 7
+SCATTER = 2.0  # largest ratio of a change to the median of all later ones, once changes no longer shrink
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def cut_cycles(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -
 
 @dataclass(frozen=True)
 class Outlook:
-    """What a sequence of cycles that has not settled showed."""
+    """The trend of a sequence of cycles that has not settled."""
 
     change: float | None = None  # RMS change of the last cycle, relative to the signals' RMS; None before the second cycle
     remaining_error: float | None = (
@@ -86,7 +86,7 @@ class Outlook:
     )
 
     def sentence(self) -> str:
-        """The same in words, with what to try."""
+        """The trend in words, with advice."""
         if self.change is None:
             return "fewer than two cycles were made"
         seen = f"the last cycle differs from the one before by {self.change:.2g} of the signals' RMS"
@@ -96,7 +96,7 @@ class Outlook:
                 " cycles would be needed; try more damping, or engine reference, which need not wait for its steady state"
             )
         if self.stalled_since is None:
-            return f"{seen}, and too few were made to tell whether this shrinks"
+            return f"{seen}, and there are too few cycles to decide whether this shrinks"
         return (
             f"{seen}, and this has not shrunk since cycle {self.stalled_since}; try finer settings (the noise of coarse ones does not die"
             " away), or more damping (the motion may have no period of one turn)"
@@ -108,13 +108,13 @@ class Settling:
     """Judges cycle after cycle whether a simulation has reached its steady state.
 
     With c the RMS change of the channels from one cycle to the next and mu the ratio of successive changes, the remaining error is
-    the geometric series c (mu + mu² + ...) = c mu/(1 - mu). The change alone understates it three- to fourfold on the thesis'
-    runs. mu is the larger of the last two ratios: a fast transient that has just died, or two decaying modes that beat, would let
-    a single ratio promise too much. Where the mechanism's largest Floquet multiplier is known it is no less than that: beside a
-    steady state a fast part of the change hides the slow one.
+    the geometric series c (mu + mu² + ...) = c mu/(1 - mu). The change alone is too small by a factor of three to four on the thesis' runs.
+    mu is the larger of the last two ratios: after a fast transient, or with two beating modes, a single ratio would be too small. If the
+    mechanism's largest Floquet multiplier is known, mu is no less than it: near a steady state a fast part of the change hides the slow
+    one.
 
-    Once the transient has died, the changes are the noise of the computation and shrink no more. Where the multiplier m is known, no
-    more can be left than what noise keeps alive: the greatest of the last three changes over 1 - m.
+    Once the transient has died out, the changes are the noise of the computation and no longer shrink. If the multiplier m is known, the
+    remaining error is then at most that of the noise: the greatest of the last three changes over 1 - m.
     """
 
     multiplier: float | None = None  # m, None where it is not known
@@ -157,13 +157,13 @@ class Settling:
 
     @property
     def errors(self) -> dict[str, float]:
-        """How far off each channel may be at any angle, in its own unit; no less than its last change, which may be noise."""
+        """The error of each channel at any angle, in its own unit; no less than its last change, which may be noise."""
         count, factor = self._left
         return {name: max(factor, 1.0) * max(change[name] for change in self._largest[-count:]) for name in self._last}
 
     @property
     def _left(self) -> tuple[int, float]:
-        """Of how many changes the greatest counts, and how many times that may be left."""
+        """The number of changes whose greatest counts, and the ratio of the remaining error to it."""
         ratio = self.ratio
         if ratio < 1.0:
             return 1, ratio / (1.0 - ratio)
@@ -177,7 +177,7 @@ class Settling:
         return self.error_estimate < TOLERANCE
 
     def keeps_changing(self, cycles: Sequence[Cycle], rattles: bool = False) -> bool:
-        """Whether the changes of the last cycles, which are given, neither shrink nor grow nor add up to a drift.
+        """Whether the changes of the given last cycles neither shrink nor grow nor add up to a drift.
 
         Where the slider `rattles` they may come and go, and the motion may wander a little.
         """
@@ -197,7 +197,7 @@ class Settling:
 
     @property
     def outlook(self) -> Outlook:
-        """What the changes seen so far promise. Their trend is a straight line through the logarithms of the last ones."""
+        """The outlook from the changes so far. Their trend is a straight line through the logarithms of the last ones."""
         if not self.changes:
             return Outlook()
         change = self.changes[-1]

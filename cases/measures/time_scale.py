@@ -1,4 +1,4 @@
-"""The time scale that the mechanism itself dictates: how its natural frequencies and modes change with the crank angle."""
+"""The mechanism's own time scale: its natural frequencies and modes as functions of the crank angle."""
 
 import functools
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 CHANNELS = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
 MODES = 3
-COUPLED = 4  # modes that a moving slider couples with the first one: those beyond add 0.01 rad to a phase at most
+COUPLED = 4  # number of modes that a moving slider couples with the first one: higher ones add at most 0.01 rad to a phase
 TEMPLATE_FLOOR = 0.15  # of its RMS, for a template that keeps its sign
 COARSER = 3  # of the angles, at which corrections for the motion are made: they err by less than 1e-4 of the frequency between
 ANGLES = 181  # per half turn: the scale is symmetric about the return
@@ -29,7 +29,7 @@ class TimeScale:
     """Periodic functions of the crank angle, the same for both directions of rotation."""
 
     frequencies: CubicSpline  # f1, f2, f3 in Hz of the crank held still, values of shape (..., 3)
-    free_crank: CubicSpline  # relative change of f1 where the crank is free to give way, values of shape (...)
+    free_crank: CubicSpline  # relative change of f1 with a free, compliant crank, values of shape (...)
     motion: CubicSpline  # the same because the crank turns, per square of its speed, s^2/rad^2, values of shape (...)
     # per channel the response to each mode at constant action, unit mean modulus over a turn, values (..., 3)
     templates: dict[str, CubicSpline]
@@ -40,7 +40,7 @@ class TimeScale:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """The channels that have templates: those in which vibration shows."""
+        """The channels with templates: those that show vibration."""
         return tuple(self.templates)
 
     def running_frequencies(self, crank_angle: Array, crank_speed: Array) -> Array:

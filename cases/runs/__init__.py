@@ -1,1 +1,1 @@
-"""Runs: an engine brought to its steady state on a scene, measured, and held against the others."""
+"""Runs: an engine is brought to its steady state on a scene, measured, and compared with the others."""

@@ -1,4 +1,4 @@
-"""Many runs: where each begins, in which order they are computed, and what became of those whose process died."""
+"""Computes many runs: their starts, their order, and the outcome of those whose process died."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,7 +14,7 @@ from quickreturn.engines.registry import engine
 
 #: The slowest first, so that the last core does not wait for one of them.
 _SLOWEST: Final = ("exudyn", "mujoco", "reference")
-#: Of a request among others: the case, and what tells it apart there.
+#: Name of a request: the case, and its name among those of the case.
 Name = TypeVar("Name", bound=tuple[str, ...])
 
 
@@ -34,8 +34,8 @@ def carry_out(
     Args:
         requests: what to run; those that shall begin in the orbit of `reference` get it.
         workshop: where.
-        title: of them all, for the person who waits.
-        beside: other jobs that are computed with them and stored, so that no core waits for the last run of either.
+        title: title of all runs, for the display of progress.
+        beside: other jobs that are computed with them and stored, so that no core is idle at the end of either.
 
     Raises:
         UnknownEngine: see there.
@@ -58,7 +58,7 @@ def carry_out(
 
 
 def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:
-    """One of each engine first: what it compiles is there for the others, which would compile the same beside it."""
+    """The order of requests: one of each engine first, so that the others load its compiled code instead of compiling the same."""
     by_engine: dict[str, list[Name]] = {}
     for name, request in requests.items():
         by_engine.setdefault(request.engine, []).append(name)
@@ -72,11 +72,11 @@ def _marches_from_orbit(request: RunRequest) -> bool:
         return False
     try:
         found.check(request.mechanism)
-    except Exception:  # it refuses the scene, or will tell in its own process what is wrong
+    except Exception:  # it refuses the scene, or will report the error in its own process
         return False
     return True
 
 
 def _without(request: RunRequest, status: str, why: str) -> Run:
-    """What is said of a request that came to nothing."""
+    """The run of a request that produced no result."""
     return replace(Run.begun(request, engine(request.engine)), status=status, remark=why, cause=why, unestimated=why)

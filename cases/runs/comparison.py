@@ -1,8 +1,9 @@
-"""Engines held against each other, case by case, with tolerances made of what they claim.
+"""Compares engines with each other, case by case, with tolerances from their claims.
 
-The tolerance of a measure is what both engines say of it: their own error estimates in the settled cycle (`cases.runs.estimates`) and
-the uncertainty of the measurement. So a coarse engine that says how coarse it is agrees, and one that claims too much departs. How good
-an engine is says its accuracy class. An engine whose estimate is not one of its whole error is not judged: its difference is a result.
+The tolerance of a measure is the sum of both engines' claims: their own error estimates in the settled cycle (`cases.runs.estimates`) and
+the uncertainty of the measurement. So a coarse engine with a right estimate agrees, and one that claims too small an error departs. The
+accuracy class says how good an engine is. An engine whose estimate does not cover its whole error is not judged: its difference is a
+result.
 """
 
 import math
@@ -28,7 +29,7 @@ from quickreturn.reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
 HALVES: Final = ("pre", "post")
-#: What is judged of each channel; the consensus of the channels' frequencies is judged besides.
+#: Quantities of each channel that are judged, besides the consensus of the channels' frequencies.
 QUANTITIES: Final = (*VIBRATION, *EXTREMES)
 CONSENSUS: Final = "consensus_frequency"
 #: Kinds of differences; "frequency" is the consensus of a half over its channels.
@@ -47,17 +48,17 @@ WORSE: Final = "worse"
 
 @dataclass(frozen=True)
 class Claim:
-    """A number, and how far off it may be: all in its own unit, nan where not known."""
+    """A number and its claimed error, all in its own unit, nan if unknown."""
 
     value: float
     estimate: float  # the engine's estimate of its error
-    # of the measurement: one standard deviation of a frequency or amplitude; of an extreme what the samples leave open, and what the
-    # channel may be off by because it has not settled
+    # of the measurement: one standard deviation of a frequency or amplitude; for an extreme the uncertainty from the spacing of samples and
+    # the channel's remaining distance from steady
     uncertainty: float
 
     @property
     def width(self) -> float:
-        """How far off it may be in all."""
+        """Its total claimed error."""
         return self.estimate + self.uncertainty
 
 
@@ -68,13 +69,13 @@ class Difference:
     Attributes:
         case: name of the scene.
         engine: the one.
-        other: the one it is held against.
+        other: the engine that it is compared with.
         quantity: one of `QUANTITIES`, or `CONSENSUS`.
         half: "pre" or "post".
         channel: trajectory column; None for the consensus.
-        mine: what the engine claims.
-        its: what the other claims.
-        scale: what differences are shown relative to: the other's value, of an extreme the channel's largest magnitude in its cycle.
+        mine: the engine's claim.
+        its: the other's claim.
+        scale: scale of relative differences: the other's value; for an extreme the channel's largest magnitude in its cycle.
     """
 
     case: str
@@ -89,7 +90,7 @@ class Difference:
 
     @property
     def difference(self) -> float:
-        """Engine less other."""
+        """Engine minus other."""
         return self.mine.value - self.its.value
 
     @property
@@ -104,12 +105,12 @@ class Difference:
 
     @property
     def tolerance(self) -> float:
-        """How much they may differ by what both claim."""
+        """Largest difference within both claims."""
         return self.mine.width + self.its.width
 
     @property
     def passed(self) -> bool:
-        """Whether they differ by no more; not if a number is none."""
+        """Whether the difference is within the tolerance; False for NaN."""
         return abs(self.difference) <= self.tolerance
 
     def as_dict(self) -> dict[str, Any]:
@@ -122,7 +123,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """All engines on one case, and what became of their claims; beside them recorded tables, of which `whole` alone speaks."""
+    """All engines on one case, and the verdict on their claims; also recorded tables, which only `whole` includes."""
 
     case: Case
     runs: Mapping[str, Run]
@@ -141,7 +142,7 @@ class CaseResult:
 
     @property
     def whole(self) -> "CaseResult":
-        """The same with recorded tables as engines behind the others."""
+        """The result with recorded tables as engines after the others."""
         return CaseResult(self.case, {**self.runs, **self.recorded}, (*self.checks, *self.table_checks))
 
     @property
@@ -163,17 +164,17 @@ class CaseResult:
 
     @property
     def failures(self) -> tuple[Run, ...]:
-        """Runs that failed, did not settle or did not reach the accuracy asked. A refusal is none: the engine says what it is."""
+        """Runs that failed, did not settle or did not reach the accuracy asked. A refusal does not count."""
         return tuple(run for run in self.runs.values() if run.ending.exit_code == ExitCode.ENGINE_TROUBLE)
 
     @property
     def missed(self) -> tuple[Difference, ...]:
-        """Where engines differ by more than they claim."""
+        """Checks in which engines differ by more than they claim."""
         return tuple(check for check in self.checks if not check.passed)
 
     @property
     def departures(self) -> dict[tuple[str, str], list[Difference]]:
-        """The same by pair of engines."""
+        """These checks by pair of engines."""
         found: dict[tuple[str, str], list[Difference]] = {}
         for check in self.missed:
             found.setdefault((check.engine, check.other), []).append(check)
@@ -183,8 +184,7 @@ class CaseResult:
         """Least class that covers an engine's own estimates and its deviation from the reference ("0.3 %"), or "worse".
 
         Over consensus frequencies and extremes, these relative to the channel's largest magnitude; of a table over every column.
-        None where that is not known: there is no estimate, or the engine estimates its integration alone and
-        there is no reference to tell the rest.
+        None if it is not known: there is no estimate, or the estimate covers the integration alone and there is no reference for the rest.
         """
         run, reference = self.runs[name], self.runs.get(REFERENCE)
         known = reference is not None and reference.usable and name != REFERENCE
@@ -200,7 +200,7 @@ class CaseResult:
     def differences(
         self, name: str, kind: Kind, other: str = REFERENCE, half: str | None = None, channel: str | None = None
     ) -> list[Difference]:
-        """Those of a kind between two engines where both have the number, in both halves and all channels unless one is given."""
+        """Differences of a kind between two engines in numbers that both have, in both halves and all channels unless one is given."""
         run, opposite = self.runs.get(name), self.runs.get(other)
         if run is None or opposite is None or not (run.usable and opposite.usable):
             return []
@@ -226,13 +226,13 @@ def cross_validate(
         workshop: where.
         engines: names.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
-        settings: of an engine, by its name: setting -> value as text.
-        tables: case -> what was recorded of it.
-        beside: what else is computed with them and stored.
+        settings: engine -> setting -> value as text.
+        tables: case -> its recorded tables.
+        beside: other jobs that are computed with them and stored.
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
-        ValueError: two of the cases or of the engines have one name.
+        ValueError: two of the cases or of the engines have the same name.
         UnknownEngine: see there.
     """
     recorded = {case.name: {table.name: recorded_run(table, case) for table in (tables or {}).get(case.name, ())} for case in cases}
@@ -252,7 +252,7 @@ def hold_against_engines(
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
 ) -> list[CaseResult]:
-    """Hold recorded tables against engines in the state that they show (`cases.runs.recorded`), and the engines against nothing else.
+    """Compare recorded tables with engines in the state that they show (`cases.runs.recorded`), but the engines not with each other.
 
     Arguments and errors are those of `cross_validate`.
 
@@ -283,7 +283,7 @@ def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[
 
 
 def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | None = None) -> CaseResult:
-    """Hold every engine against the reference, or where that cannot be judged against the first one that can, and tables against each.
+    """Compare every engine with the reference, or if that cannot be judged with the first one that can, and tables with each engine.
 
     The runs of engines are all in the steady state or all in the same turn. Where the engines are in the steady state and a recorded
     table is not, it has not settled.
@@ -298,16 +298,16 @@ def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | N
 
 
 def _unsettled(run: Run) -> Run:
-    told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` holds it against that turn"
+    told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` compares it in that turn"
     return replace(run, status=Ending.NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
 
 
 def not_judged(run: Run) -> str:
-    """Why a run cannot be held against others (a clause), "" if it can."""
+    """Why a run cannot be compared with others (a clause), "" if it can."""
     if not run.usable:
         return run.status
     if run.estimate_of == "integration":
-        return "its estimate is of the integration alone, not of its model"
+        return "its estimate covers the integration alone, not its model"
     if run.estimate_of == "unverified":
         return "its estimates are not verified"
     return f"no estimates: {run.unestimated}" if run.unestimated else ""
@@ -320,14 +320,14 @@ def _checks(case: Case, run: Run, other: Run) -> list[Difference]:
 
 
 def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
-    """A recorded table held against an engine: what both resolve of the first mode, and the extremes of every column that both have."""
+    """Checks of a recorded table against an engine: first-mode numbers that both resolve, and extremes of columns that both have."""
     found = [check for check in _checks(case, table, other) if check.quantity not in EXTREMES]
     filtered = table.recording is not None and table.recording.filtered
     time, angle = other.cycle["time"], other.cycle["crank_angle"]
     for channel in dict.fromkeys(measure.channel for measure in table.measures if measure.channel in other.extreme_estimates):
         its_extremes, scale = extremes_by_half(time, angle, other.cycle[channel], filtered), other.peak(channel)
         known = (other.settling_errors or {}).get(channel)
-        unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole where no more is known
+        unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole if no more is known
         for half in HALVES:
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
                 mine = claim(table, quantity, half, channel)
@@ -340,7 +340,7 @@ def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
 def _difference(
     case: Case, run: Run, other: Run, quantity: str, half: str, channel: str | None, claimed: bool = False
 ) -> Difference | None:
-    """A number of two runs; arguments as of `pair_of`. None also where there is no scale."""
+    """A number of two runs; arguments as for `pair_of`. None also if there is no scale."""
     pair = pair_of(run, other, quantity, half, channel, claimed)
     if pair is None:
         return None
@@ -351,7 +351,7 @@ def _difference(
 def pair_of(
     run: Run, other: Run, quantity: str, half: str, channel: str | None = None, claimed: bool = False
 ) -> tuple[Claim, Claim] | None:
-    """The same number of two runs, or None where one of them cannot resolve it.
+    """The same number of two runs, or None if one of them cannot resolve it.
 
     Args:
         run: one run.
@@ -359,7 +359,7 @@ def pair_of(
         quantity: `CONSENSUS` or a number of `cases.measures.Measure`.
         half: "pre" or "post".
         channel: a trajectory column; None for the consensus, which is over the channels that both resolve.
-        claimed: whether numbers without an estimate of their error are left out, and their channels out of the consensus.
+        claimed: whether numbers without an error estimate are left out, also from the consensus.
     """
     if channel is None:
         shared = [name for name in CHANNELS if pair_of(run, other, VIBRATION[0], half, name, claimed)]
@@ -372,7 +372,7 @@ def pair_of(
 
 
 def claim(run: Run, quantity: str, half: str, channel: str) -> Claim | None:
-    """What a run says of a number of a channel; None where it cannot resolve it."""
+    """A run's claim for a number of a channel; None if it cannot resolve it."""
     measure = run.measure(half, channel)
     value = None if measure is None else measure.number(quantity)
     if measure is None or value is None:
@@ -394,7 +394,7 @@ def _known(number: float | None) -> float:
 
 
 def _own_sizes(run: Run, half: str) -> Iterator[float]:
-    """A run's own estimates in a half: of the consensus relative to it, of extremes to the peak."""
+    """A run's own relative estimates in a half: the consensus relative to itself, extremes relative to the peak."""
     for measure in run.measures:
         peak, estimates = run.peak(measure.channel), [measure.estimate(name) for name in EXTREMES]
         if measure.half == half and peak > 0.0:

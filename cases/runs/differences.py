@@ -1,4 +1,4 @@
-"""Where two runs differ, column by column, and what would explain it: a mistake, noise, or another case."""
+"""Differences of two runs, column by column, and their explanation: a mistake, noise, or another case."""
 
 import math
 from collections.abc import Mapping
@@ -26,14 +26,15 @@ Array = NDArray[np.float64]
 NEAR: Final = 0.02
 #: What to do about a column that is late.
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
-#: In place of a column: what is told of a table as a whole.
+#: Key of an explanation of the whole table, in place of a column.
 WHOLE: Final = "case"
-#: A table with as many columns that vibrate, all off by more than this part, does not fit if fewer than half of them are explained ...
+#: A table does not fit if at least so many columns vibrate, all are off by more than this part, and fewer than half of them are explained
+#: ...
 FEWEST: Final = 3
 FAR_OFF: Final = 0.1
 #: ... by a mistake that leaves no more than this part of the column: a factor fitted to another case's column leaves half of it.
 SPECIFIC: Final = 0.3
-#: Of the noise: what else there is in a difference is told if it is more. The RMS of noise is known to 7 % from 200 rows.
+#: Part of the noise: a remaining difference is reported if it is larger. The RMS of noise is known to 7 % from 200 rows.
 BESIDES: Final = 0.5
 
 
@@ -43,10 +44,10 @@ def column_differences(run: Run, other: Run) -> dict[str, float]:
 
 
 def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
-    """What explains how a table differs from an engine: column -> a sentence that names the mistake and says what to do.
+    """Explanations of the differences of a table from an engine: column -> a sentence that names the mistake and says what to do.
 
-    Where all that vibrates is equally late it is the crank angle that is off. A table of another case is told as that, under `WHOLE`, and
-    none of its columns is explained. `run` is that of the table, `other` that of the engine on the case, in the same turn or state.
+    If all vibrating columns are equally late, the crank angle is wrong. A table of another case is reported under `WHOLE`, and none of its
+    columns is explained. `run` is that of the table, `other` that of the engine on the case, in the same turn or state.
     """
     others = other_cases(run, other, case)
     if others.names and others.sure:
@@ -82,14 +83,14 @@ def _of_another(others: OtherCases) -> str:
 
 
 def _fits_not(case: str, off_by: Mapping[str, float], told: str) -> str:
-    """A sentence on a table whose columns do not fit; `told`: what else shows that, a clause or ""."""
+    """A sentence on a table whose columns do not fit; `told`: further evidence, a clause or ""."""
     off = f"off by {100.0 * min(off_by.values()):.0f} to {100.0 * max(off_by.values()):.0f} %{told and '; '}{told}"
     question = "is it a table of another case, is a quantity of the scene another one, or is the model coarse?"
     return f"none of its {len(off_by)} columns that vibrate fits {case} ({off}), and no single mistake explains that: {question}"
 
 
 def _noise_of(name: str, run: Run, other: Run) -> str:
-    """A sentence on a column whose differences are mostly noise and are more than `NEAR`; "" of any other."""
+    """A sentence on a column whose differences are mostly noise and more than `NEAR`; "" for any other column."""
     turned, its_turned = (np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0]) for each in (run, other))
     its = CubicSpline(its_turned, other.cycle[name])(turned)
     inside = slice(1, -1)  # the first and the last row of a turn are interpolated
@@ -104,7 +105,7 @@ def _noise_of(name: str, run: Run, other: Run) -> str:
 
 
 def _lag(mine: Array, its: Array) -> int:
-    """By how many places of the grid a column is late, less than half a turn; negative if it is early."""
+    """Lateness of a column in places of the grid, less than half a turn; negative if it is early."""
     lag = int(np.argmax(np.fft.irfft(np.fft.rfft(mine) * np.conj(np.fft.rfft(its)), GRID)))
     return lag if lag <= GRID // 2 else lag - GRID
 

@@ -1,4 +1,4 @@
-"""How a run ends: the one list of its statuses."""
+"""The statuses of a run."""
 
 from collections.abc import Mapping
 from enum import StrEnum
@@ -22,12 +22,12 @@ class Ending(StrEnum):
 
     @property
     def sentence(self) -> str:
-        """What it means, to be read behind the name of the engine."""
+        """Its meaning, to follow the name of the engine."""
         return _MEANINGS[self][0]
 
     @property
     def exit_code(self) -> ExitCode:
-        """Of `run`, where nothing else ends otherwise."""
+        """Exit code of `run` if nothing else decides it."""
         return _MEANINGS[self][1]
 
     @property
@@ -37,11 +37,11 @@ class Ending(StrEnum):
 
     @property
     def incomplete(self) -> bool:
-        """Whether the engine did not complete. One that says what it cannot model has done what it should."""
+        """Whether the engine did not complete. A refusal does not count: the engine says what it cannot model."""
         return self.exit_code == ExitCode.ENGINE_TROUBLE and not self.usable
 
 
-#: What each means, and the exit code.
+#: Status -> meaning and exit code.
 _MEANINGS: Final[Mapping[Ending, tuple[str, ExitCode]]] = MappingProxyType(
     {
         Ending.SETTLED: ("reached its steady state, and by its own estimate the accuracy asked", ExitCode.GOOD),

@@ -1,16 +1,15 @@
-"""How far the engine's own settings leave each measure of the settled cycle uncertain: its error estimate, measure by measure.
+"""Error estimate of each measure of the settled cycle, from the engine's own comparisons.
 
-The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); what their differences
-show of the error is added up as for a trajectory (`engines.accurate`). Runs that march from the orbit are compared in their second cycle
-from there: what settings do to a cycle is seen in it already. Where all of the error lies in the slow mode it has not built up by then;
-in the machine of two hundred where that shows most the engines still differ by less than they claim (0.94). What the second cycle adds
-to the first, carried on by the multiplier, would make estimates two to three times as large in the thesis' runs, where they are 2 to 9
-times the error.
+The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); the parts of the error from
+their differences are added as for a trajectory (`engines.accurate`). Runs that march from the orbit are compared in their second cycle from
+there, which already shows the effect of settings on a cycle. If the whole error is in the slow mode, it has not built up by then; in the
+machine of two hundred where this matters most the engines still differ by less than they claim (0.94). An extrapolation by the multiplier
+would make estimates two to three times as large in the thesis' runs, where they are already 2 to 9 times the error.
 
-Two extremes can be alike by accident, where the one run is higher before the peak and the other behind it; they differ by at most the
-signals' largest difference in the half cycle, and that bound is what an extreme is taken to be off by.
+Two extremes can be equal by accident, if one run is higher before the peak and the other after it. They differ by at most the signals'
+largest difference in the half cycle, and this bound is the estimate for an extreme.
 
-Of cycles that repeat in statistics only, means are compared: of the measures, of the extremes, and of the signals at each crank angle.
+For cycles that repeat in statistics only, means are compared: of the measures, of the extremes, and of the signals at each crank angle.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,7 +35,7 @@ EXTREMES: Final = ("minimum", "maximum")
 
 @dataclass(frozen=True)
 class EstimatedMeasure(Measure):
-    """A measure with the estimates of its errors, each in the number's unit; None where there is none."""
+    """A measure with the estimates of its errors, each in the number's unit; None if there is none."""
 
     first_mode_frequency_estimate: float | None = None
     first_mode_amplitude_estimate: float | None = None
@@ -69,7 +68,7 @@ class MeasuredCycle:
 
     @classmethod
     def of(cls, cycles: Sequence[Columns], measures: CycleMeasures) -> "MeasuredCycle":
-        """Cycles from farthest to farthest, and what was measured of them."""
+        """Cycles from farthest to farthest, and their measures."""
         grids = [on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")])) for cycle in cycles]
         whole = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
         halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
@@ -81,12 +80,12 @@ def with_estimates(
 ) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
     """Measures and consensus with their estimates.
 
-    An estimate is None where one run resolves the first mode and another does not. Of a consensus it is the mean of those of its channels
-    that have one, with the weights that their frequencies have in it.
+    An estimate is None if one run resolves the first mode and another does not. That of a consensus is the mean over its channels with an
+    estimate, with the weights of their frequencies.
 
     Args:
-        found: of the delivered run.
-        compared: empty where nothing can be estimated; every estimate is then None.
+        found: measures of the delivered run.
+        compared: the compared runs; if empty, every estimate is None.
     """
     measures = []
     for place, measure in enumerate(found.measures):
@@ -115,7 +114,7 @@ def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Seq
 
 
 def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:
-    """By how much each column may be off in each half, by name and half: the estimate of the errors of its extremes there."""
+    """The estimate of the errors of each column's extremes, by name and half."""
     found: dict[str, dict[str, float]] = {}
     for half, name in compared[0].run.signals if compared else ():
         found.setdefault(name, {})[half] = _of_extremes(compared, half, name)

@@ -20,24 +20,24 @@ from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
 
-#: Cycles are recorded with so many samples in a period of the third mode, so that extremes are met to 1 % ...
+#: Samples in a period of the third mode, so that extremes are right to 1 % ...
 SAMPLES: Final = 12
-#: ... but so many in a turn, at least and at most: the modes of a stiff follower cannot be seen.
+#: ... and their least and largest number in a turn: the modes of a stiff follower do not show.
 ROWS: Final = (500, 2500)
-#: Without a mode and a pace, s.
+#: Step without a mode and a speed, s.
 ANY_STEP: Final = 5e-4
 
-#: Rows of a cycle: with fewer nothing can be measured; a crank that takes more for a turn has come to rest for all that can be measured.
+#: Least and largest number of rows of a cycle: with fewer it cannot be measured; a crank that takes more for a turn counts as at rest.
 FEWEST_ROWS: Final = 20
 MOST_ROWS: Final = 200_000
-#: A cycle is advanced in pieces of at most so many rows: nobody knows how long a crank that begins at rest will take.
+#: A cycle is advanced in pieces of at most so many rows: the time of a turn from rest is not known.
 LONGEST_PIECE: Final = 20_000
 
 
 def output_step(mechanism: Mechanism) -> float:
     """Step (s) at which a scene's cycles are recorded: 1, 2 or 5 times a power of ten.
 
-    A step too large for the vibrations gives cycles that never repeat, for each meets them at other instants: a chain of 12 links at
+    With too large a step for the vibrations cycles never repeat, because each samples them at other instants: a chain of 12 links at
     7 Hz with a follower of 230 Hz changes by 6e-5 from cycle to cycle for ever with 5e-4 s, by 3e-7 with 1e-4 s.
     """
     pace = crank_pace(mechanism)
@@ -57,16 +57,16 @@ def _third_frequency(mechanism: Mechanism) -> float:
 
 
 def settle(cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bool = False) -> tuple[tuple[Columns, ...], Settling]:
-    """Take cycle after cycle until settled or given up, or until there are no more.
+    """Take cycle after cycle until settled or hopeless, or until there are no more.
 
     Args:
         cycles: one after the other, with all columns of the trajectory.
-        multiplier: largest Floquet multiplier of the steady state, where it is known.
-        rattles: whether the slider's joint opens and closes, so that the cycles may come near to one another and never repeat.
+        multiplier: largest Floquet multiplier of the steady state, if it is known.
+        rattles: whether the slider's joint opens and closes, so that cycles may never repeat exactly.
 
     Returns:
-        The columns of the cycles to be measured, and what the cycles tell of settling. Where they settle that is the last one; where they
-        keep changing without an end it is the last `AVERAGED`; else the last one, or none if there is none.
+        The columns of the cycles to measure, and the settling. If the cycles settle, the last one is measured; if they keep changing, the
+        last `AVERAGED`; otherwise the last one, or none if there is none.
     """
     settling, latest = Settling(multiplier=multiplier), deque[Columns](maxlen=AVERAGED)
     for cycle in cycles:
@@ -80,7 +80,7 @@ def settle(cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bo
 
 
 class March:
-    """The whole cycles of a simulation, with all its columns, without end.
+    """An endless iterator over the whole cycles of a simulation, with all its columns.
 
     Attributes:
         solve_seconds: wall time so far.
@@ -88,12 +88,12 @@ class March:
     """
 
     def __init__(self, simulation: Simulation, crank_speed: float, step: float, begun: Trajectory | None = None) -> None:
-        """`crank_speed` (rad/s) at the beginning; `step` (s) between rows; `begun` is how the simulation came to where it stands."""
+        """`crank_speed` (rad/s) at the beginning; `step` (s) between rows; `begun`: the rows of the simulation so far."""
         self._simulation, self._crank_speed, self._step, self._begun = simulation, crank_speed, step, begun
         self.solve_seconds, self.simulated_seconds = (0.0, 0.0) if begun is None else (begun.solve_seconds, simulation.time)
 
     def __iter__(self) -> Iterator[Cycle]:
-        """Simulate on. EngineFailure: the run broke down, or the crank does not turn at a pace at which cycles can be measured."""
+        """Simulate on. EngineFailure: the run failed, or the crank is too slow or too fast for a measurement of cycles."""
         simulation, speed, step, rows = self._simulation, self._crank_speed, self._step, self._begun
         last_passage = simulation.time
         while True:
@@ -144,5 +144,5 @@ def columns_of(cycle: Cycle) -> Columns:
 
 
 def channels_of(cycle: Columns, names: Iterable[str] = CHANNELS) -> Cycle:
-    """Some columns of a cycle; unless named those in which vibration is measured."""
+    """Some columns of a cycle; by default those in which vibration is measured."""
     return Cycle(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in names})

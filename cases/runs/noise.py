@@ -1,4 +1,4 @@
-"""White noise in the difference of two signals: how much of it there is, and above which frequency nothing else is."""
+"""White noise in the difference of two signals: its RMS, and the frequency above which there is nothing else."""
 
 import math
 from typing import Final, NamedTuple
@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Rows below which a spectrum is too coarse to tell noise.
+#: Least number of rows for a spectrum that can show noise.
 FEWEST_ROWS: Final = 64
-#: Part of the mean square of a difference that noise must be to be called what it looks like.
+#: Least part of a difference's mean square for it to be called noise.
 MOST_OF_IT: Final = 0.5
-#: Factor of the level by which the power of a band may be off, and how many standard errors of the band's mean besides.
+#: Allowed departure of a band's power: a factor of the level, and a number of standard errors of the band's mean.
 _FLAT: Final = 1.5
 _ERRORS: Final = 3.0
 
@@ -25,13 +25,13 @@ class Noise(NamedTuple):
 
 
 def white_noise(time: Array, difference: Array) -> Noise | None:
-    """The noise that most of a difference is, or None.
+    """The noise that makes up most of a difference, or None.
 
     The power of white noise is the same at all frequencies. Its level is taken from the upper half of the spectrum; band by band, each
     down to half the frequency, the spectrum is followed as long as it keeps to that level.
 
     Args:
-        time: s, shape (n,), evenly spaced; of uneven rows noise is not told.
+        time: s, shape (n,); noise is found only in evenly spaced rows.
         difference: of a signal from what it should be, shape (n,).
     """
     steps, n = np.diff(time), len(time)

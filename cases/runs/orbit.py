@@ -1,8 +1,8 @@
-"""Where marching begins: the periodic steady state that `reference` finds directly, once for each scene.
+"""The start of marching: the periodic steady state that `reference` finds directly, once for each scene.
 
-The other engines' steady states lie about their own errors beside it, so that they need 4 to 9 cycles from there in the thesis' runs
-where the standard start needs 20 to 29. It also says beforehand whether marching can settle at all: what is left of a disturbance
-after a cycle is the largest Floquet multiplier.
+The other engines' steady states differ from it by about their own errors, so they need 4 to 9 cycles from there in the thesis' runs, but 20
+to 29 from the standard start. It also shows beforehand whether marching can settle at all: the largest Floquet multiplier is the part of a
+disturbance that remains after a cycle.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, change
 
 Array = NDArray[np.float64]
 
-#: What an engine errs by in a few cycles where it has no estimate.
+#: Assumed error of an engine in a few cycles, if it has no estimate.
 UNKNOWN_ERROR: Final = 1e-2
 
 
@@ -42,7 +42,7 @@ ROWS: Final = 1000
 
 @dataclass(frozen=True)
 class Curve:
-    """A piecewise polynomial of arc length; unlike scipy's it is told apart from others by its content."""
+    """A piecewise polynomial of arc length; unlike scipy's it is compared by its content."""
 
     x: Array  # ends of the pieces, m, shape (n + 1,)
     c: Array  # coefficients of each piece, highest power first, shape (4, n)
@@ -54,7 +54,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class PeriodicStart(Start):
-    """A start that can be stored and told apart from another by its content."""
+    """A start that can be stored and is compared by its content."""
 
     deflection: Curve
     deflection_rate: Curve
@@ -71,28 +71,27 @@ class PeriodicStart(Start):
 
 @dataclass(frozen=True)
 class Orbit:
-    """What the search found."""
+    """The result of the search."""
 
-    begin: PeriodicStart | None  # the periodic steady state at the slider's farthest place; None where there is none to begin in
-    multiplier: float | None  # largest modulus of its Floquet multipliers; None where no periodic state was found
+    begin: PeriodicStart | None  # the periodic steady state at the slider's farthest place; None if there is none to begin in
+    multiplier: float | None  # largest modulus of its Floquet multipliers; None if no periodic state was found
     reason: str = ""  # why there is none to begin in (a clause), "" if there is
-    period: float = 0.0  # s; 0 where there is none to begin in
+    period: float = 0.0  # s; 0 if there is none to begin in
 
     def hopeless(self, error: float) -> str:
         """Why marching from here cannot settle (a sentence); "" if it can.
 
         Args:
-            error: what the engine errs by in a few cycles, relative to the signals, by its estimate. With that
-                of the reference it is what a cycle adds to the distance of the two steady states, and what earlier cycles added is
-                carried on: error / (1 - multiplier) in all.
+            error: the engine's error in a few cycles, relative to the signals, by its estimate. A cycle adds this and the reference's error
+                to the distance of the two steady states, and earlier contributions remain: error / (1 - multiplier) in all.
         """
         error += ReferenceEngine.default_accuracy
         if self.multiplier is None:
             return ""
         if self.multiplier >= 1.0:
-            why = f"no number of cycles will do, for a disturbance grows {self.multiplier:.3f}-fold in a cycle"
+            why = f"no number of cycles suffices, because a disturbance grows {self.multiplier:.3f}-fold in a cycle"
         elif cycles_needed(self.multiplier, error) > GREATEST_NUMBER:
-            why = f"{GREATEST_NUMBER} cycles will not do, for a disturbance keeps {self.multiplier:.3f} of itself in a cycle"
+            why = f"{GREATEST_NUMBER} cycles do not suffice, because {self.multiplier:.3f} of a disturbance remains after a cycle"
         else:
             return ""
         instead = "another speed" if self.multiplier >= 1.0 else "the engine `reference`, which need not march"
@@ -109,7 +108,7 @@ def cycles_needed(multiplier: float, error: float) -> float:
 
 
 def begins_in_orbit(engine: AnyEngine) -> bool:
-    """Whether an engine shall begin in the orbit of `reference`; not if it solves other equations, whose orbit is another one."""
+    """Whether an engine shall begin in the orbit of `reference`; not if it solves other equations, which have another orbit."""
     return engine.estimates != "integration"
 
 
@@ -123,7 +122,7 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
     except (Refusal, NoSteadyState, EngineFailure) as reason:
         return Orbit(None, None, str(reason))
     if found is None:
-        return Orbit(None, None, "none is looked for with a rigid follower, or a joint that gives way or rubs")
+        return Orbit(None, None, "the search excludes a rigid follower, and a joint that is compliant or rubs")
     multiplier = abs(found.multipliers[0])
     if not found.stable:
         return Orbit(None, multiplier, "the periodic state is not stable")
@@ -132,7 +131,7 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
 
 
 def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimulation | None) -> SteadyState | None:
-    """The periodic state that `reference` finds from a neighbour's, else from the standard start; None where it searches none.
+    """The periodic state that `reference` finds from a neighbour's, or from the standard start; None if it does not search.
 
     Raises:
         NoSteadyState: it found none.
@@ -145,7 +144,7 @@ def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimul
 
 
 def simulation_in(found: SteadyState) -> OwnSimulation:
-    """A simulation of `reference` in a periodic state, beside the one that has it, so that none goes away from it."""
+    """A new simulation of `reference` in a periodic state, so that the original simulation stays in it."""
     simulation = found.simulation
     assert isinstance(simulation, OwnSimulation)
     return OwnSimulation(simulation.model, simulation.state, simulation.tolerance, simulation.setup_seconds)
@@ -154,7 +153,7 @@ def simulation_in(found: SteadyState) -> OwnSimulation:
 def other_motion(scene: Mechanism, found: SteadyState, settings: ReferenceSettings) -> str:
     """Whether the machine has another stable motion (a sentence), coming from slower or from faster ones; "" if none was found.
 
-    A motion that is reached on both ways, and from the standard start, may still have another one far away.
+    A stable motion that this search does not reach may still exist.
     """
     for way, whence in (("slower", 1.0 - NEAR), ("faster", 1.0 + NEAR)):
         other: SteadyState | None = None

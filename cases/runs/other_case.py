@@ -1,8 +1,8 @@
-"""Which case of the library a recorded table is of, where it does not fit the case that it is compared with.
+"""Finds the library case of a recorded table that does not fit the case that it is compared with.
 
-A turn of the crank has traits that follow from the scene in closed form or nearly so: how long it takes, where the slider is nearest and
-farthest, how far the arm reaches, the first natural frequency, the size of deflection and slider force. Each is a positive number, and
-a table's is compared with what a case lets expect as a ratio. An engine on the given case says how far the expectation itself is off.
+A turn of the crank has traits that follow from the scene in closed form or nearly so: its duration, the slider's nearest and farthest
+place, the reach of the arm, the first natural frequency, the size of deflection and slider force. Each is a positive number, and the ratio
+of a table's to a case's expected one is compared. An engine on the given case shows the error of the expectation itself.
 """
 
 import math
@@ -21,11 +21,11 @@ from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics, s
 
 
 class Trait(NamedTuple):
-    """A trait: how it is told, and by which factor a table may be off from what its own case lets expect."""
+    """A trait: its text, and the tolerance (a factor) of a table from the expectation of its own case."""
 
     words: str  # with places for the table's value, the given case's, and that case's name
     factor: float
-    elsewhere: float = 1.0  # times as much, of the logarithm, where the given case is not the table's own
+    elsewhere: float = 1.0  # factor of this tolerance (of its logarithm) if the given case is not the table's own
 
 
 #: The first mode is fitted with the shapes of the given case: the frequency is up to 5 % off in the thesis' runs if these are not its own.
@@ -43,13 +43,13 @@ TRAITS: Final[Mapping[str, Trait]] = {
     "deflection": Trait("the tip deflects by {:.2g} m RMS in it, by {:.2g} m in {}", 2.5),
     "force": Trait("the slider force is {:.3g} N RMS in it, {:.3g} N in {}", 1.6),
 }
-#: By so much nearer than another case's a trait of the given case may be before the other is ruled out: the scatter of measured traits.
+#: A case is ruled out if a trait of the given case fits better by more than this: the scatter of measured traits.
 _SCATTER: Final = 0.25  # of the logarithm of a trait's factor
-#: Traits that a table must show to be said to be of another case.
+#: Least number of traits in a table for a verdict that it is of another case.
 FEWEST: Final = 2
-#: Cases that are named.
+#: Largest number of cases that are named.
 MOST_NAMED: Final = 3
-#: Traits that a single wrong column may explain as well: a unit, a factor.
+#: Traits that a single wrong column may also explain: a unit, a factor.
 _WEAK: Final = frozenset(("deflection", "force"))
 _ANGLES: Final = 24  # of a turn, at which frequencies and forces of a case are taken
 
@@ -57,13 +57,13 @@ _ANGLES: Final = 24  # of a turn, at which frequencies and forces of a case are 
 class OtherCases(NamedTuple):
     """Cases of the library that fit a table which does not fit its own."""
 
-    names: tuple[str, ...] = ()  # none where the given case fits, and where no case of the library does
-    told: str = ""  # how it shows that the given case does not fit (a clause); "" where it fits
-    sure: bool = False  # whether more shows it than the size of single columns
+    names: tuple[str, ...] = ()  # empty if the given case fits, or if no case of the library does
+    told: str = ""  # evidence that the given case does not fit (a clause); "" if it fits
+    sure: bool = False  # whether the evidence is more than the size of single columns
 
 
 def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
-    """Which cases of the library fit a table better than the given one.
+    """The cases of the library that fit a table better than the given one.
 
     `run` is that of the table, `other` that of an engine on the given case, in the same turn or the same state.
     """
@@ -93,10 +93,10 @@ def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
 
 
 def cases_of_pace(turn: float, slider: tuple[float, float] | None) -> tuple[str, ...]:
-    """Cases of the library that turn at a pace, and whose slider goes as near and as far, if that is known, in either rotation.
+    """Cases of the library with a given duration of a turn and, if known, the slider's least and greatest distance, in either rotation.
 
     Args:
-        turn: how long a turn takes, s.
+        turn: duration of a turn, s.
         slider: its least and its greatest distance from P, m.
     """
     shown = {"turn": turn} | (dict(zip(("nearest", "farthest"), slider, strict=True)) if slider else {})
@@ -107,13 +107,13 @@ def cases_of_pace(turn: float, slider: tuple[float, float] | None) -> tuple[str,
 
 
 def _best(fitting: Mapping[str, float]) -> tuple[str, ...]:
-    """Those that fit about as well as the best one, in the library's order, the thesis' runs first."""
+    """The cases that fit about as well as the best one, in the library's order, the thesis' runs first."""
     least = min(fitting.values(), default=0.0)
     return tuple(name for name, worst in fitting.items() if worst <= least + _SCATTER)[:MOST_NAMED]
 
 
 def _scene(name: str) -> Mechanism | None:
-    """The mechanism of a case of the library whose crank turns; None: it has none."""
+    """The mechanism of a case of the library; None if it has none or its crank does not turn."""
     scene = library_case(name).scene
     return scene if isinstance(scene, Mechanism) and crank_pace(scene) > 0.0 else None
 
@@ -123,7 +123,7 @@ def _rotation(mechanism: Mechanism) -> bool:
 
 
 def _of_run(run: Run) -> dict[str, float]:
-    """The traits that a turn shows."""
+    """The traits of a measured turn."""
     cycle = run.cycle
     found = {"turn": float(cycle["time"][-1] - cycle["time"][0])}
     if "slider_position" in cycle:
@@ -138,7 +138,7 @@ def _of_run(run: Run) -> dict[str, float]:
 
 
 def _of_mechanism(mechanism: Mechanism, names: list[str] | None = None) -> dict[str, float]:
-    """The traits that a scene lets expect, all or those of some names."""
+    """The expected traits of a scene, all or those of some names."""
     pace, crank, angles = crank_pace(mechanism), mechanism.crank, np.linspace(0.0, 2.0 * math.pi, _ANGLES, endpoint=False)
     found = {
         "turn": 2.0 * math.pi / pace,
@@ -156,19 +156,19 @@ def _of_mechanism(mechanism: Mechanism, names: list[str] | None = None) -> dict[
 
 
 def _off(value: float, expected: float, name: str) -> float:
-    """How far a trait is off, in the factor that it may be off by."""
+    """The error of a trait, relative to its tolerance."""
     return abs(math.log(value / expected)) / math.log(TRAITS[name].factor)
 
 
 def _fits(
     shown: Mapping[str, float], expected: Mapping[str, float], own: Mapping[str, float], corrections: Mapping[str, float]
 ) -> float | None:
-    """By how much the trait is off that is farthest off, of all that are expected; None: a case with these traits does not fit.
+    """The largest error of the expected traits; None: a case with these traits does not fit.
 
     Args:
-        shown: by the table.
-        expected: of the case that is tried.
-        own: how far each trait is from the given case's; the case that is tried fits none much worse.
+        shown: traits of the table.
+        expected: traits of the tried case.
+        own: error of each trait for the given case; the tried case must not fit any much worse.
         corrections: factors by which an engine's traits on the given case differ from the expected ones; as they may be less in the case
             that is tried, the expectation may be met with or without them.
     """

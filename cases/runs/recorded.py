@@ -1,11 +1,11 @@
 """A recorded table treated like an engine: cut into turns of the crank, and one of them measured.
 
-Engines are held against it in the same state. A table that begins in the standard start and has not settled shows a transient: its last
-whole turn stands against the same turn of each engine (`RunRequest.turn`). Any other is taken as the steady state, which settles within
-it, or is what it shows of it: one turn, or turns that noise keeps from repeating.
+Engines are compared with it in the same state. A table that begins in the standard start and has not settled shows a transient: its last
+whole turn is compared with the same turn of each engine (`RunRequest.turn`). Any other table is taken as the steady state, whether it
+settles within the table, or the table has one turn, or turns that differ by noise.
 
-Nothing is claimed for the table's model. What counts is the uncertainty of the measures; an extreme's is what the rows show of it, by
-how much they depart from a smooth course (noise, rounding, sampling), and how far the last turn is from repeating the one before.
+No error is claimed for the table's model. Only the uncertainty of the measures counts; that of an extreme comes from the departure of rows
+from a smooth course (noise, rounding, sampling), and from the difference of the last turn from the one before.
 """
 
 import math
@@ -35,45 +35,47 @@ from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 
 Array = NDArray[np.float64]
 
-#: Columns of which no extremes are taken: they grow from turn to turn.
+#: Columns without extremes: they grow from turn to turn.
 GROWING: Final = ("time", "crank_angle", "dissipated_energy", "drive_work")
-#: Columns that are not compared: of a model's own, and the centre line, which the tip and the gauges speak for.
+#: Columns that are not compared: those of a model's own, and the centre line, which tip and gauges represent.
 LEFT_OUT: Final = ("constraint_gap", *SHAPE)
-#: Of a column's largest magnitude: numbers are taken to be written with five digits, no more.
+#: Rounding, as a part of a column's largest magnitude: numbers are assumed to have five digits.
 ROUNDED: Final = 1e-5
-#: Columns by which a table is told to have settled, where it has any of them.
+#: Columns that decide whether a table has settled, if it has any of them.
 VIBRATING: Final = (*CHANNELS, "tip_deflection", "slider_force")
-#: Of a turn: rows may lie so far apart, and a single turn may lack so much at its ends.
+#: Part of a turn: largest distance of rows, and largest missing part at the ends of a single turn.
 LARGEST_GAP: Final = 0.01
-#: Rows in a period of the first mode that its measurement takes.
+#: Least number of rows in a period of the first mode for its measurement.
 ROWS_PER_PERIOD: Final = 4.0
-#: The time of a turn may be off by this factor from what the drive says.
+#: Largest factor between the time of a turn and that of the drive.
 OFF: Final = 2.0
-#: rad, by which the recorded crank angle may fall back: the noise of an encoder.
+#: Largest backward step of the recorded crank angle, rad: the noise of an encoder.
 BACKLASH: Final = 0.02
-#: A row is the standard start's if no column departs from it by more than its noise and this part: of a turn in time and crank angle, of
-#: the largest magnitude in others, more of the bending: loads show in the strains of a straight beam, where equilibrium recovers them.
+#: A row counts as the standard start if no column departs from it by more than its noise and this part: of a turn for time and crank angle,
+#: of the largest magnitude for others, and more for the bending: if strains are recovered from equilibrium, a straight beam has strains
+#: under load.
 SAME: Final = 1e-3
 UNBENT: Final = 1e-2
-#: A table whose turns still approach a steady state that is farther than this part of the signals' RMS is none of it.
+#: A table does not show the steady state if its turns still approach one that is farther than this part of the signals' RMS.
 FAR: Final = 0.1
-#: Columns named in which a first row departs from the standard start.
+#: Largest number of named columns in which a first row departs from the standard start.
 MOST_ODD: Final = 3
-#: Standard deviations of a row's noise that an extreme may be off by: one row in 15,000 departs further.
+#: Uncertainty of an extreme, in standard deviations of a row's noise: one row in 15,000 departs further.
 DEVIATIONS: Final = 4.0
-#: Times the usual step of the crank angle that a step between two rows may be.
+#: Largest ratio of a step of the crank angle between two rows to the usual step.
 WRAPPED: Final = 100.0
-#: Units that may be meant where a heading has none, with their sizes: of time (s) and of angle (rad).
+#: Units that may be meant by a heading without a unit, with their sizes: of time (s) and of angle (rad).
 _TIMES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("ms", "us", "min")}
 _ANGLES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("deg", "turn")}
 NOTHING_TO_FIT: Final = "extremes alone are measured of this column"
 
 
 def recorded_run(table: RecordedTable, case: Case) -> Run:
-    """What is measured of a table on a case.
+    """The run with the measures of a table on a case.
 
     Raises:
-        CaseError: the table declares another case, has another pace than the drive, no whole turn, too few rows or a crank that turns back.
+        CaseError: the table declares another case, has another crank speed than the drive, no whole turn, too few rows or a crank that
+            turns back.
     """
     mechanism = case.mechanism
     if table.declared.get("case", case.name) != case.name:
@@ -134,7 +136,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
 
 
 def standard_row(mechanism: Mechanism) -> dict[str, float]:
-    """What is known of the first instant of the standard start without simulating: place and pace of the rigid mechanism, nothing bent."""
+    """The first row of the standard start, without a simulation: places and speeds of the rigid mechanism, without bending."""
     crank, length = mechanism.crank, mechanism.follower.length
     motion = rigid_motion(mechanism, np.array(crank.initial_angle), crank.drive.initial_speed)
     angle = float(motion.follower_angle)
@@ -151,7 +153,7 @@ def standard_row(mechanism: Mechanism) -> dict[str, float]:
 
 
 def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism, case: str) -> None:
-    """Raise unless the crank turns about as fast as its drive says, with the unit that is meant where none is given."""
+    """Raise unless the crank turns about as fast as with its drive; the message names the unit that is probably meant if none is given."""
     time, angle = columns["time"], columns["crank_angle"]
     pace = crank_pace(mechanism)
     if pace <= 0.0 or len(time) < 2:
@@ -192,10 +194,10 @@ def _turn(pace: float) -> str:
 
 
 def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> tuple[bool | None, str]:
-    """Whether its first row is that of the standard start, and what of it is not, as a list.
+    """Whether its first row is that of the standard start, and the list of departures.
 
-    It is where time and crank angle are, and most of the columns that would tell it from another turn's: a gauge's offset or another
-    origin of one column are faults of that column, not another start. None if it may be, but there is no such column.
+    It is if time and crank angle are, and most of the columns that distinguish it from another turn: an offset of a gauge, or another
+    origin of one column, is a mistake of that column, not another start. None if there is no such column to decide.
     """
     if table.declared.get("origin", "simulated") != "simulated":
         return False, ""
@@ -216,7 +218,7 @@ def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Me
 
 
 def _cycles(table: RecordedTable, columns: Mapping[str, Array]) -> list[Cycle]:
-    """All whole turns, with every column; a single turn that lacks little at its ends is closed: it is taken to repeat."""
+    """All whole turns, with every column; a single turn that lacks little at its ends is closed, as if it repeated."""
     time, angle = columns["time"], _rising(table, columns["time"], columns["crank_angle"])
     channels = {name: values for name, values in columns.items() if name not in ("time", "crank_angle", *LEFT_OUT)}
     cycles = cut_cycles(time, angle, channels)
@@ -267,12 +269,12 @@ def _settling(cycles: list[Cycle]) -> Settling:
 
 
 def _telling(cycle: Cycle) -> list[str]:
-    """Columns by which a table is told to have settled."""
+    """Columns that decide whether a table has settled."""
     return [name for name in cycle.channels if name in VIBRATING] or [name for name in cycle.channels if name not in GROWING]
 
 
 def _is_far(settling: Settling, last: Cycle) -> bool:
-    """Whether much is left to the steady state; of turns too few to tell their trend, whether they change by more than noise explains."""
+    """Whether the steady state is still far; with too few turns for a trend, whether they change by more than noise."""
     outlook = settling.outlook
     if outlook.remaining_error is not None:
         return outlook.remaining_error > FAR
@@ -284,7 +286,7 @@ def _is_far(settling: Settling, last: Cycle) -> bool:
 
 
 def _unsettled(settling: Settling, far: bool, odd: str) -> str:
-    """What a table that has not settled shows of it."""
+    """A remark on a table that has not settled."""
     if settling.cycles == 1:
         return "it holds one turn, which is taken to repeat"
     outlook = settling.outlook
@@ -295,9 +297,9 @@ def _unsettled(settling: Settling, far: bool, odd: str) -> str:
 
 
 def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
-    """How far a column may be from its steady state: its last change from turn to turn, and what the changes' ratio lets expect.
+    """Distance of a column from its steady state: its last change from turn to turn, or the extrapolation by the changes' ratio.
 
-    Of a single turn the change is what its end lacks to its beginning.
+    For a single turn the change is the difference between its end and its beginning.
     """
     now = cycles[-1].channels[name]
     if len(cycles) == 1:
@@ -308,7 +310,7 @@ def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
 
 
 def _at_cuts(cycle: Mapping[str, Array], name: str, uncertain: float) -> float:
-    """How far off a column may be where the turn is cut into halves, as the crank angle is uncertain: noise, an encoder's steps."""
+    """Uncertainty of a column where the turn is cut into halves, due to the uncertain crank angle: noise, an encoder's steps."""
     time, turned = cycle["time"], np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
     late = min(uncertain / turned[-1], LARGEST_GAP) * (time[-1] - time[0])
     cuts = np.interp([0.0, math.pi, 2.0 * math.pi], turned, time)
@@ -317,12 +319,12 @@ def _at_cuts(cycle: Mapping[str, Array], name: str, uncertain: float) -> float:
 
 
 def _noise(time: Array, values: Array) -> float:
-    """How far rows may be off a smooth course: by their scatter, and by rounding."""
+    """Departure of rows from a smooth course: by their scatter, and by rounding."""
     return _scatter(time, values) + ROUNDED * float(np.max(np.abs(values)))
 
 
 def _scatter(time: Array, values: Array) -> float:
-    """How far rows may be off a smooth course by what each differs from the cubic through its four neighbours."""
+    """Departure of rows from a smooth course, from the difference of each from the cubic through its four neighbours."""
     if len(time) < 5:
         return math.inf
     near = [slice(shift, len(time) - 4 + shift) for shift in (0, 1, 3, 4)]
@@ -336,7 +338,7 @@ def _scatter(time: Array, values: Array) -> float:
 def _measured(
     mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float
 ) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
-    """Measures of every column that does not grow; no estimates of errors, for nothing is claimed of the model."""
+    """Measures of every column that does not grow, without error estimates, because no error is claimed for the model."""
     time, angle = cycle["time"], cycle["crank_angle"]
     scale, reason = time_scale(mechanism), ""
     if scale is not None:

@@ -1,4 +1,4 @@
-"""What a run is asked to do, and what comes of it."""
+"""The request of a run, and its result."""
 
 import math
 from collections.abc import Mapping
@@ -17,16 +17,16 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: What a run depends on besides what the simulation does.
+#: Code on which a run depends besides the simulation.
 CODE: Final = ("quickreturn.cases.measures", "quickreturn.cases.runs")
 
-#: By how much an engine's cycles may be longer than those of `reference`.
+#: Allowed relative difference of an engine's period from that of `reference`.
 LONGER: Final = 1.01
 
-#: Cycles from the orbit on in which an engine's error is estimated (`cases.runs.estimates` says what of it is seen so early).
+#: Number of cycles from the orbit for an engine's error estimate (see `cases.runs.estimates`).
 ESTIMATED_CYCLES: Final = 2
 
-#: A column that is never larger, in its SI unit, is zero but for rounding.
+#: A column that never exceeds this, in its SI unit, is zero except for rounding.
 NOTHING: Final = 1e-12
 
 STANDARD: Final = "standard"  # where a run began
@@ -39,18 +39,18 @@ class RunRequest:
     """One engine on one scene, to be brought to its steady state and measured; everything in it determines the result."""
 
     mechanism: Mechanism
-    duration: float  # s, the stretch on which the error is estimated from the standard start
+    duration: float  # s, the stretch of the error estimate from the standard start
     engine: str
     accuracy: float | None = None  # error of the tip deflection; None: the engine's default
     settings: dict[str, str] = field(default_factory=dict)
-    estimated: bool = True  # whether the measures of the cycle shall have estimates, which takes some runs more
+    estimated: bool = True  # whether the measures of the cycle get estimates, which takes some more runs
     turn: int | None = None  # measure this one, counted from the standard start (1, 2, ...), which `duration` covers; None: settle
-    straight: bool = False  # march from the standard start even if there is an orbit to begin in
-    orbit: Orbit | None = None  # where to begin, as found by `carry_out`; None: the standard start
+    straight: bool = False  # march from the standard start even if there is an orbit
+    orbit: Orbit | None = None  # the orbit to begin in, as found by `carry_out`; None: the standard start
 
     @property
     def start(self) -> Start:
-        """Where the run begins."""
+        """The start of the run."""
         found = self._begun_from
         return (found and found.begin) or standard_start(self.mechanism)
 
@@ -78,37 +78,37 @@ class PeriodicOrbit:
 
 @dataclass(frozen=True)
 class Recording:
-    """What is known of the table that a run was recorded in."""
+    """The recorded table of a run."""
 
     path: str
     rows: int
-    declared: Mapping[str, str]  # what it says of itself, see `cases.recorded.DECLARATIONS`
+    declared: Mapping[str, str]  # its declarations, see `cases.recorded.DECLARATIONS`
     of_experiment: bool  # whether it lies in the folder of the experiment's recordings
 
     @property
     def filtered(self) -> bool:
-        """Whether its extremes, and those that it is held against, are taken after the low-pass of measured signals."""
+        """Whether its extremes, and the engines' beside them, are taken after the low-pass for measured signals."""
         return self.declared.get("origin", "simulated") != "simulated"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What came of a request, or is there in a recorded table; None where it did not come so far."""
+    """The result of a request, or of a recorded table; None for parts that were not reached."""
 
     engine: str
     method: str = ""
     version: str | None = None
-    estimate_of: str  # what its estimates are of, see `engines.base.Engine.estimates`
+    estimate_of: str  # what its estimates cover, see `engines.base.Engine.estimates`
     accuracy: float | None = None  # error of the tip deflection that was aimed at
     status: str = Ending.REFUSED  # the word of an `Ending`
-    remark: str = ""  # a sentence, where not all is well
+    remark: str = ""  # a sentence if something went wrong, otherwise ""
     start: str | None = None  # one of those above
     settled: bool = False
-    cycles: int = 0  # that were made, or the work of the direct search in cycles
-    averaged_cycles: int = 1  # last ones that the measures are means over; 1: of the last cycle alone, which repeats
+    cycles: int = 0  # number of simulated cycles, or the work of the direct search in cycles
+    averaged_cycles: int = 1  # number of last cycles for the means of the measures; 1: the last cycle alone, which repeats
     settling_error: float | None = None  # estimated distance of the last cycle from the steady state, relative to the signals' RMS
     settling_errors: dict[str, float] | None = None  # the same of each channel, in its own unit
-    settling: Outlook | None = None  # what the cycles promise where they did not settle
+    settling: Outlook | None = None  # outlook of the cycles if they did not settle
     periodic_orbit: PeriodicOrbit | None = None  # where it was found directly
     settings: dict[str, Any] | None = None
     reached: bool = False  # whether the error estimate is within the accuracy
@@ -120,7 +120,7 @@ class Run:
     estimate_seconds: float | None = None
     solve_seconds: float | None = None
     wall_seconds: float | None = None  # in all
-    simulated_seconds: float | None = None  # what the solve time is for
+    simulated_seconds: float | None = None  # simulated time in the solve time
     failure_time: float | None = None  # s, of a run that broke down; with cause and advice
     cause: str | None = None
     advice: str | None = None
@@ -130,12 +130,12 @@ class Run:
     consensus: tuple[EstimatedConsensus, ...] = ()
     unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
     extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> of its extremes, where there are any
-    #: The last one with every column of the trajectory, from farthest to farthest; of a failed run what there is; else empty.
+    #: The last cycle with every column of the trajectory, from farthest to farthest; the rows of a failed run; otherwise empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def begun(cls, request: RunRequest, engine: AnyEngine) -> "Run":
-        """What is known of a run before anything was done."""
+        """A run before any computation."""
         accuracy = request.accuracy or engine.default_accuracy
         return cls(engine=engine.name, method=engine.method, estimate_of=engine.estimates, accuracy=accuracy)
 
@@ -155,7 +155,7 @@ class Run:
 
     @property
     def ending(self) -> Ending:
-        """How it ended."""
+        """The status of the run."""
         return Ending(self.status)
 
     def measure(self, half: str, channel: str) -> EstimatedMeasure | None:

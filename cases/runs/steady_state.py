@@ -1,17 +1,16 @@
 """One engine on one scene, brought to its steady state, with an error estimate of its own.
 
-A run begins in the periodic state that `reference` found (`cases.runs.orbit`), or in the standard start. From the one two cycles are
-simulated, from the other the case's duration, to the accuracy asked (`engines.accurate`): that fixes the settings and their error
-estimate. Where there is an orbit the standard start would be no measure of it: a stiff follower rings for thousands of cycles if its
-load, or its weight, is there of a sudden. With these settings the simulation then runs cycle after cycle until it has settled
-(`cases.measures.steady_state`). An engine that finds its periodic steady state directly need not run there; where it finds none it
-marches like the others. If it is known beforehand that marching cannot settle, it is not begun. What is kept is the last cycle, with
-every column of the trajectory. Where the cycles keep changing, for the slider rattles between its rollers, the last thirty are measured,
-and what is compared are means over them (`cases.measures.mean_cycle`).
+A run begins in the periodic state that `reference` found (`cases.runs.orbit`), or in the standard start. From the periodic state two cycles
+are simulated, from the standard start the case's duration, to the accuracy asked (`engines.accurate`): this fixes the settings and their
+error estimate. If there is an orbit, the standard start would mislead: a stiff follower rings for thousands of cycles after a sudden load
+or weight. With these settings the simulation then runs cycle after cycle until it has settled (`cases.measures.steady_state`). An engine
+that finds its periodic steady state directly need not march; if it finds none it marches like the others. If it is known beforehand that
+marching cannot settle, it is not begun. The last cycle is kept, with every column of the trajectory. If the cycles keep changing because
+the slider rattles between its rollers, the last thirty are measured, and means over them are compared (`cases.measures.mean_cycle`).
 
 The runs by which the engine estimates its error (`Comparison`) are compared after as many cycles from the same start: from the orbit the
-last of those that the error was estimated in, for which nothing more need be simulated, else the last one. They show what the settings
-do to whatever is measured in the cycle (`cases.runs.estimates`).
+last cycle of the error estimate, which needs no further simulation, otherwise the last cycle. They show the effect of the settings on each
+measure of the cycle (`cases.runs.estimates`).
 """
 
 import contextlib
@@ -50,11 +49,10 @@ class Hopeless(Exception):
 
 
 def steady_state(request: RunRequest) -> Run:
-    """Carry out a request. What an engine does wrong becomes part of the run; nothing is raised for it.
+    """Carry out a request. A failure of an engine becomes part of the run and is not raised.
 
     Raises:
-        MemoryError, OSError: for lack of memory, disk or the like. That is the machine's doing, not the engine's, and may be otherwise
-            the next time.
+        MemoryError, OSError: lack of memory, disk or the like, which is due to the machine and not to the engine, and may not repeat.
     """
     began = time.perf_counter()
     way = _Way(engine_of_name(request.engine), request)
@@ -82,23 +80,23 @@ def _words_of(error: Exception) -> str:
 
 
 class _Way:
-    """How the steady cycle of a run is come by, so that runs with other settings can go the same way.
+    """Finds the steady cycle of a run, and those of runs with other settings in the same way.
 
     Attributes:
-        run: what is known so far.
+        run: the result so far.
     """
 
     def __init__(self, engine: AnyEngine, request: RunRequest) -> None:
         self._engine, self._request, self._mechanism = engine, request, request.mechanism
         self._step = 0.0
         self._done: Mapping[Settings, Made] = {}
-        self._cycles: tuple[Columns, ...] = ()  # that are measured
+        self._cycles: tuple[Columns, ...] = ()  # the measured cycles
         self._compared: tuple[Compared[tuple[Columns, ...]], ...] = ()
         self._early: tuple[Columns, ...] = ()  # of a march from the orbit: the cycle that is compared
         self.run = Run.begun(request, engine)
 
     def know(self, **found: Any) -> None:
-        """Add to what is known; names as in `Run`."""
+        """Set fields of the result; names as in `Run`."""
         self.run = replace(self.run, **found)
 
     def say(self, remark: str) -> None:
@@ -106,12 +104,12 @@ class _Way:
         self.know(remark=f"{self.run.remark}; {remark}" if self.run.remark else remark)
 
     def go(self) -> None:
-        """All that is simulated.
+        """Do all simulations.
 
         Raises:
             Refusal, SettingError: the engine does not take the scene.
-            Hopeless: that it will not settle is known beforehand.
-            EngineFailure: a run broke down.
+            Hopeless: it is known beforehand that it will not settle.
+            EngineFailure: a run failed.
         """
         self.know(version=self._engine.version())
         climbs = not self._mechanism.slider.has_corners or bool(self._request.settings)
@@ -126,7 +124,7 @@ class _Way:
             return
         self.know(status=Ending.TRANSIENT if self.run.turn is not None else Ending.SETTLED if self.run.reached else Ending.INACCURATE)
         if self._engine.estimates == "integration":
-            self.know(unestimated="its own estimates are of the integration alone")
+            self.know(unestimated="its own estimates cover the integration alone")
         elif not self._request.estimated:
             self.know(unestimated="none were asked for")
         else:
@@ -134,7 +132,7 @@ class _Way:
             self.know(unestimated=why)
 
     def measure(self) -> None:
-        """Measure the settled cycle, with what the runs beside it show of the errors."""
+        """Measure the settled cycle, with error estimates from the compared runs."""
         if not self.run.usable:
             return
         scale, known = time_scale(self._mechanism), dict[int, MeasuredCycle]()
@@ -150,9 +148,10 @@ class _Way:
         self.know(measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others))
 
     def _choose_settings(self, climbs: bool) -> None:
-        """The settings that reach the accuracy from where the run begins, their estimate, and all runs made for it.
+        """The settings that reach the accuracy from the run's start, their estimate, and all runs for it.
 
-        No settings reach it in a motion that rattles, where paths run apart; unless `climbs` they are those that reach it elsewhere.
+        In a rattling motion no settings reach it, because paths diverge; unless `climbs`, the settings are those that reach it without
+        rattling.
         """
         request, self._step = self._request, output_step(self._mechanism)
         self._start = request.start
@@ -177,7 +176,7 @@ class _Way:
         )
 
     def _found_cycles(self) -> tuple[Columns, ...]:
-        """The settled cycle, or the last ones where they keep changing; the turn asked for, if one is."""
+        """The settled cycle, or the last ones if they keep changing; the turn asked for, if there is one."""
         if self._request.turn is not None:
             return (self._turn(self._request.turn),)
         orbit, multiplier = None if self._request.straight else self._request.orbit, None
@@ -185,7 +184,7 @@ class _Way:
             return (cycle,)
         self.know(start=STANDARD)
         if orbit is not None and orbit.begin is None and not orbit.multiplier:
-            self.say(f"begun in the standard start, for `reference` found no periodic state: {orbit.reason}")
+            self.say(f"begun in the standard start, because `reference` found no periodic state: {orbit.reason}")
         elif orbit is not None:
             if hopeless := orbit.hopeless(_error(self.run)):
                 raise Hopeless(hopeless)
@@ -228,7 +227,7 @@ class _Way:
         return cycle
 
     def _compare(self) -> tuple[tuple[Compared[tuple[Columns, ...]], ...], str]:
-        """The same cycles in the runs by which the engine estimates its error, and why there are none."""
+        """The same cycles in the runs of the engine's error estimate, or why there are none."""
         known: dict[Settings, tuple[Columns, ...] | EngineFailure] = {self._settings: self._early or self._cycles}
         progress.tell(phase="estimating the cycle's error")
 
@@ -247,7 +246,7 @@ class _Way:
         # whether an error falls is asked of a second finer run after a blow: there is none behind a settled cycle
         pairs = tuple(replace(pair, before=None) if pair.factor < 1.0 else pair for pair in pairs)
         if any(pair.run == pair.other for pair in pairs):
-            return (), "these settings leave no others to compare with"
+            return (), "there are no other settings to compare with"
         try:
             found = tuple(compared(pair, run) for pair in pairs)
         except EngineFailure as failure:
@@ -285,7 +284,7 @@ class _Way:
         return self._engine.steady_state(self._mechanism, self._start, settings)
 
     def _found_directly(self) -> Columns:
-        """One cycle of the periodic steady state; empty where the engine must march, with the reason in the remark."""
+        """One cycle of the periodic steady state; empty if the engine must march, with the reason in the remark."""
         progress.tell(phase="searching the periodic state")
         try:
             found = self._searched(self._settings)
@@ -323,6 +322,6 @@ class _Way:
 
 
 def _error(run: Run) -> float:
-    """What the engine errs by in a few cycles, by its largest estimate over the case's duration."""
+    """The engine's error in a few cycles, by its largest estimate over the case's duration."""
     estimates = [estimate for name in CHANNELS if (estimate := run.error_estimates.get(name)) is not None]
     return max(estimates, default=UNKNOWN_ERROR)

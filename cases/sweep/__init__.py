@@ -1,1 +1,1 @@
-"""Studies over a grid of machines: what varies, what is measured, and rows of points of which each continues the one before."""
+"""Studies over a grid of machines: varied keys, measures, and rows of points; each point continues the one before."""

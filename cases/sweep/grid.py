@@ -45,7 +45,7 @@ class Axis:
 
 
 def axis(text: str) -> Axis:
-    """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. Raises CaseError."""
+    """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. CaseError: an invalid text."""
     key, sign, values = (part.strip() for part in text.partition("="))
     if not (key and sign and values):
         raise CaseError(_SOURCE, None, shown(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
@@ -82,7 +82,7 @@ def _listed(key: str, values: str) -> tuple[str, ...]:
 
 
 def _ranged(key: str, values: str) -> tuple[str, ...]:
-    """The values of a range: in its first unit if both ends have the same one, else in SI."""
+    """The values of a range: in the unit of its ends if both have the same one, otherwise in SI."""
 
     def wrong(problem: str, accepted: str) -> CaseError:
         return CaseError(_SOURCE, key, shown(values), problem, accepted)
@@ -150,14 +150,14 @@ def keeps_shapes(key: str) -> bool:
 
 
 def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanism | Impossible]:
-    """The scenes of a case with other values, as texts of a case file; where one cannot be, why."""
+    """The scenes of a case with other values, as texts of a case file; for an impossible one the reason."""
     document = as_written(case)
 
     def scene(overrides: Mapping[str, str]) -> Mechanism | Impossible:
         try:
             return case_of(document.overridden_by(overrides)).mechanism
         except CaseError as wrong:
-            impossible = wrong.__cause__  # what the parts do not fit together by
+            impossible = wrong.__cause__  # why the parts do not fit together
             open_loop = isinstance(impossible, ImpossibleMechanism) and impossible.key == "crank.length"
             return Impossible(OPEN if open_loop else Ending.REFUSED, str(wrong))
 

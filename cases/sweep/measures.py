@@ -36,7 +36,7 @@ class SettledMotion:
 
     @cached_property
     def claim(self) -> Claimed:
-        """By how much a column may be off at a crank angle, by the engine's own estimate."""
+        """Error of a column at a crank angle, by the engine's own estimate."""
         return Claimed(self.run)
 
 
@@ -47,8 +47,8 @@ class Measure:
     name: str  # as asked for
     unit: str  # SI
     meaning: str  # in words
-    of: Callable[[SettledMotion], Measured]  # takes it
-    columns: tuple[str, ...] = ()  # of the cycle that it needs
+    of: Callable[[SettledMotion], Measured]  # computes it
+    columns: tuple[str, ...] = ()  # columns of the cycle that it needs
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
 
 
@@ -74,7 +74,7 @@ def of_columns(name: str, unit: str) -> Iterator[Measure]:
 
 
 def _where_given(column: str, of: Callable[[str, SettledMotion], Measured], motion: SettledMotion) -> Measured:
-    """A measure of a column; `NOTHING` where the engine does not deliver it."""
+    """A measure of a column; `NOTHING` if the engine does not deliver it."""
     return of(column, motion) if column in motion.run.cycle else NOTHING
 
 
@@ -183,7 +183,7 @@ def _declared() -> Iterator[Measure]:
     yield Measure("period", "s", "time of a turn", _period)
     for name, meaning in (
         ("drive_work", "work of the drive, and of a force on the tip, in a turn"),
-        ("dissipated_energy", "what the dampings take in a turn"),
+        ("dissipated_energy", "energy dissipated in a turn"),
     ):
         yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), (name,))
     yield Measure("solve_seconds", "s", "wall time of the solve", lambda motion: (motion.run.solve_seconds or math.nan, math.nan))

@@ -1,8 +1,8 @@
-"""A row of a study: neighbouring scenes, one after the other, each begun in the motion that the one before it settled on.
+"""A row of a study: neighbouring scenes, one after the other, each begun in the settled motion of the one before.
 
-`reference` finds each periodic state from its neighbour's, so that a row follows one branch of motions where there are several, and what it
-finds depends on the way: hence a row is computed as a whole, and is stored under one key. The other engines, and scenes whose periodic
-state is not found directly, are computed as `run` does, from the periodic state that `reference` found.
+`reference` finds each periodic state from its neighbour's, so a row follows one branch of motions if there are several, and its results
+depend on the direction: hence a row is computed as a whole, and stored under one key. The other engines, and scenes whose periodic state is
+not found directly, are computed as `run` does, from the periodic state that `reference` found.
 """
 
 import math
@@ -39,7 +39,7 @@ UNSTABLE: Final = "unstable: {}"  # fold, period doubling or torus
 LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
 NOT_CONVERGED: Final = "not converged"
-#: Status of a run -> status of its point, where that is another.
+#: Status of a run -> status of its point, if that is a different word.
 _ENDINGS: Final = {Ending.INACCURATE: NOT_CONVERGED, Ending.NOT_SETTLED: NOT_CONVERGED, Ending.UNAVAILABLE: Ending.FAILED}
 
 
@@ -53,7 +53,7 @@ class Impossible:
 
 @dataclass(frozen=True, kw_only=True)
 class Asked:
-    """What is to be measured of each scene.
+    """The measures to take of each scene.
 
     Attributes:
         measures: names.
@@ -78,7 +78,7 @@ class Row:
 
     Attributes:
         values: of each measure, nan where unavailable, shape (points, measures).
-        errors: how far off each may be by the engine's own estimate, likewise.
+        errors: errors of the values by the engine's own estimate, likewise.
         statuses: how each point ended.
         sentences: why, "" where it settled.
     """
@@ -206,7 +206,7 @@ class _Point:
         return replace(run, measures=found_measures, consensus=consensus, extreme_estimates=extreme_estimates(compared))
 
     def _run(self, found: SteadyState | None) -> None:
-        """Measure as `run` does, from the periodic state of `reference` where there is one."""
+        """Measure as `run` does, from the periodic state of `reference` if there is one."""
         orbit, asked = None, self._asked
         if found is not None:
             begin = PeriodicStart.of(simulation_in(found).present_start()) if found.stable else None

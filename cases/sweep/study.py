@@ -1,4 +1,4 @@
-"""A study: the rows of a grid, computed and stored one by one, put together again point by point."""
+"""A study: the rows of a grid are computed and stored one by one, and combined point by point."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -16,7 +16,8 @@ from quickreturn.cases.sweep.rows import Asked, Row
 
 #: Direction in which the points of a row are computed: as given, backwards, or both.
 Path = Literal["up", "down", "both"]
-#: Two numbers are of two motions if they differ by more than `TWO` times the sum of their claims, and by more than the part `APART`.
+#: Two numbers belong to different motions if they differ by more than `TWO` times the sum of their claims, and by more than the part
+#: `APART`.
 TWO: Final = 3.0
 APART: Final = 0.02
 
@@ -28,8 +29,8 @@ class Study:
     grid: Grid  # the case and its axes
     asked: Asked  # what was measured
     ways: tuple[str, ...]  # "up", "down" or both
-    values: NDArray[np.float64]  # of each measure, shape (ways, *grid, measures); nan where it is not to be had
-    errors: NDArray[np.float64]  # how far off each may be by the engine's own estimate, likewise
+    values: NDArray[np.float64]  # values of each measure, shape (ways, *grid, measures); nan if unavailable
+    errors: NDArray[np.float64]  # errors of the values by the engine's own estimate, likewise
     statuses: NDArray[np.object_]  # how each point ended, shape (ways, *grid)
     sentences: NDArray[np.object_]  # why, "" where it settled
 
@@ -40,7 +41,7 @@ class Study:
 
     @property
     def two_motions(self) -> NDArray[np.bool_]:
-        """Whether the two ways settle on two stable motions at a point, shape (*grid)."""
+        """Whether the two directions settle on two different stable motions at a point, shape (*grid)."""
         known = [place for place, name in enumerate(self.asked.measures) if name != "solve_seconds"]
         one, other = self.values[..., known]
         claimed = np.nan_to_num(np.nansum(self.errors[..., known], axis=0))
@@ -78,7 +79,7 @@ def computed(jobs: Sequence[Job[Row]], workshop: Workshop) -> list[Row]:
 
 
 def joined(rows: Sequence[Row]) -> Row:
-    """Rows as one, each behind the one before."""
+    """Several rows joined to one."""
     values, errors = (np.concatenate([getattr(row, name) for row in rows]) for name in ("values", "errors"))
     statuses, sentences = (tuple(text for row in rows for text in getattr(row, name)) for name in ("statuses", "sentences"))
     return Row(values, errors, statuses, sentences)

@@ -1,1 +1,1 @@
-"""Parameters that are not known exactly: how they scatter a result, and what a recorded table says of them."""
+"""Parameters that are not known exactly: the scatter of results due to them, and their fit to a recorded table."""

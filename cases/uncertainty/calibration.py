@@ -1,7 +1,7 @@
 """Finds parameters of a scene from a recorded table by least squares, and says how well the table determines them.
 
-What the residuals show is in the covariance. A mistake of the model that another value of a parameter makes up for shows in no residual.
-The part of it that is the simulation's own error is estimated by finer settings and told apart.
+The covariance contains only what the residuals show. If another value of a parameter compensates for a mistake of the model, no residual
+shows this mistake. The simulation's own error is estimated by finer settings and given separately.
 """
 
 import math
@@ -30,27 +30,27 @@ from quickreturn.engines.relative import rms
 Array = NDArray[np.float64]
 
 _SOURCE: Final = "--free"  # the option that messages name
-#: Accuracy of the simulations that the result rests on. The way there, and the derivatives, take the engine's default.
+#: Accuracy of the final simulations. The search and the derivatives use the engine's default.
 ACCURACY: Final = 1e-4
-#: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of what it shows.
+#: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of their effect.
 DIFFERENCE: Final = 1e-3
-#: How strongly a parameter is held where a fit begins, relative to one that changes the table by all of its size. It keeps a parameter
-#: that a stretch of the table does not determine from running away. Each fit begins where the last one ended, so it biases no result.
+#: Strength of the prior at the start of a fit, relative to a parameter that changes the table by all of its size. It holds a parameter that
+#: a stretch of the table does not determine. Each fit begins where the last one ended, so it does not bias the result.
 HOLD: Final = 1e-2
-#: By how much a parameter without a range may change: its logarithm.
+#: Largest change of the logarithm of a parameter without a range.
 FARTHEST: Final = 3.0
-#: A column is not weighted as if it were better known than this part of its size.
+#: Least assumed error of a column, as a part of its size, in its weight.
 BEST_KNOWN: Final = 1e-4
 MOST_EVALUATIONS: Final = 30
-FITS: Final = 2  # of the whole table: weighted by the columns' sizes, then by what was left of each
+FITS: Final = 2  # of the whole table: weighted by the columns' sizes, then by their residuals
 CORRECTIONS: Final = 2  # Gauss-Newton steps with the finer simulation and the derivatives of the usual one
 ENOUGH: Final = 1e-4  # relative change of the squares at which a fit ends; the corrections do the rest
-FAILED: Final = 1e3  # residual in place of a simulation that broke down, relative to the table's size
+FAILED: Final = 1e3  # residual in place of a failed simulation, relative to the table's size
 
 
 @dataclass(frozen=True)
 class Free:
-    """A parameter to be found: in its logarithm from the case's value on, or between the ends of a range."""
+    """A parameter to find: by its logarithm from the case's value, or between the ends of a range."""
 
     parameter: Parameter
     start: float
@@ -58,7 +58,7 @@ class Free:
 
     @classmethod
     def of_text(cls, text: str, case: Case) -> "Free":
-        """From `KEY` or `KEY = A .. B`. CaseError: no such parameter, or one whose value gives no scale and that has no range."""
+        """The parameter of `KEY` or `KEY = A .. B`. CaseError: no such parameter, or one without a scale and without a range."""
         key, sign, range_ = (part.strip() for part in text.partition("="))
         parameter = Parameter.of_key(key, _SOURCE)
         start = parameter.of(case.mechanism)
@@ -91,19 +91,19 @@ class Free:
 
 
 def calibrate(case: Case, table: RecordedTable, free: Sequence[str]) -> Fit:
-    """The parameters with which `reference` comes closest to a table from the standard start, or of the steady state.
+    """The parameters with which `reference` is closest to a table from the standard start, or of the steady state.
 
     `free`: keys, each alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in").
 
     Raises:
-        CaseError: keys or table that cannot be.
+        CaseError: invalid keys or table.
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
     return _Search(case, TableModel(case, table), frees_of(free, case)).fit(table.name)
 
 
 def frees_of(texts: Sequence[str], case: Case) -> list[Free]:
-    """The parameters of some texts. CaseError: as of `Free.of_text`, or one is given twice, or none is."""
+    """The parameters of some texts. CaseError: as for `Free.of_text`; or one is given twice, or none."""
     found = [Free.of_text(text, case) for text in texts]
     keys = [each.parameter.key for each in found]
     if not found or len({*keys}) < len(keys):
@@ -226,7 +226,7 @@ class _Search:
         return (finer - fine) / abs(1.0 - pair.factor)
 
     def _words(self, direction: Array, per: Array, sensitivities: Array) -> str:
-        """A change of parameters, the largest by a tenth, that the table does not show."""
+        """A change of parameters, the largest by a tenth, that the table does not show, in words."""
         step = UNTOLD * direction / np.max(np.abs(direction))
         parts = []
         for each, part, slope in zip(self.frees, step, per, strict=True):

@@ -1,6 +1,6 @@
-"""How well a least-squares fit determines its parameters, with residuals that depend on each other.
+"""Covariance of a least-squares fit with correlated residuals.
 
-The residuals of a real table are no independent numbers: noise is coloured, and what the model lacks is smooth. So the covariance comes
+The residuals of a real table are not independent: noise is coloured, and errors of the model are smooth. So the covariance comes
 from the residuals' own spectra (the sandwich estimate: W. K. Newey, K. D. West, Econometrica 55, 1987, 703; here in the frequency domain
 and for all columns together).
 """
@@ -20,16 +20,16 @@ UNSEEN: Final = 2e-4
 
 
 def best_step(slopes: Array, left: Array, weights: Array) -> Array:
-    """The change of the coordinates, shape (p,), that takes most of what is left, shape (C, N), with a change's effect (C, N, p)."""
+    """The change of the coordinates, shape (p,), that reduces the residuals `left`, shape (C, N), most; `slopes`: its effect, (C, N, p)."""
     matrix = (slopes * weights[:, None, None]).reshape(-1, slopes.shape[2])
     return np.asarray(np.linalg.lstsq(matrix, (left * weights[:, None]).ravel(), rcond=UNSEEN)[0])
 
 
 def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
-    """Covariance of a least-squares estimate with residuals that depend on each other, and what independent ones would give.
+    """Covariance of a least-squares estimate with correlated residuals, and that with independent ones.
 
-    The residuals' spectra and cross-spectra are means over the square root of the number of frequencies, so that a correlation over up
-    to so many rows counts.
+    The residuals' spectra and cross-spectra are means over the square root of the number of frequencies, so correlations over up to so many
+    rows count.
 
     Args:
         residuals: weighted, shape (C, N).
@@ -56,13 +56,13 @@ def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
     scale = np.outer(sizes, sizes)
     independent = bread * float(np.mean(residuals**2)) * freedom / scale
     found = bread @ np.real(filling + filling.conj().T) @ bread * 0.5 * freedom / scale
-    own = np.diag(found)  # which the scatter of the spectra shall not make narrower than for independent residuals
+    own = np.diag(found)  # the scatter of the spectra must not make it narrower than for independent residuals
     wider = np.sqrt(np.maximum(1.0, np.diag(independent) / np.where(own > 0.0, own, math.inf)))
     return found * np.outer(wider, wider), independent
 
 
 def smooth_part(residuals: Array) -> float:
-    """Part of the squares of residuals, shape (C, N), that goes on smoothly from row to row: 0 of independent noise.
+    """Part of the squared residuals, shape (C, N), that is smooth from row to row: 0 for independent noise.
 
     Third differences of independent numbers of variance v have the variance 20 v; those of a smooth course are small.
     """

@@ -25,10 +25,10 @@ class Found:
     unit: str  # SI
     start: float  # where the search began
     value: float  # the best one
-    low: float  # lower end of the 95 % interval, by what the residuals show
+    low: float  # lower end of the 95 % interval, from the residuals
     high: float  # upper end
-    simulation_error: float  # by how much the simulation's own error may move the value; not part of the interval
-    determined: bool  # whether the table tells it at all
+    simulation_error: float  # change of the value by the simulation's own error; not part of the interval
+    determined: bool  # whether the table determines it
     at_end: bool  # whether it lies at the end of its range
 
     @property
@@ -46,14 +46,14 @@ class Fit(Shown):
     Attributes:
         case: where the search began.
         table: name.
-        begins: whether the simulation began in the standard start with the table; else the steady state was fitted.
+        begins: whether the simulation began in the standard start with the table; otherwise the steady state was fitted.
         rows: of the table.
         found: the parameters.
         covariance: of the estimate, SI, as nested lists, (p, p).
         correlation: likewise.
         cannot_tell: directions that the table does not determine, as clauses.
-        left: column -> RMS of what is left over RMS of the column.
-        smooth: part of the squares left that is smooth from row to row: no measuring noise, but what the model or the sensors do.
+        left: column -> RMS of the residual over RMS of the column.
+        smooth: part of the squared residuals that is smooth from row to row: it is due to the model or the sensors, not to noise.
         widened: how many times wider the intervals are than for independent residuals, geometric mean.
         simulations: how many were made.
     """
@@ -86,7 +86,7 @@ class Fit(Shown):
         return self.case.with_(overrides(self.case.mechanism, values), name=f"{self.case.name}-fitted"[-LONGEST_NAME:])
 
     def as_document(self) -> dict[str, Any]:
-        """All of it as JSON has it."""
+        """The fit as a JSON document."""
         return {**{each.name: getattr(self, each.name) for each in fields(self)}, "case": self.case.name, "found": [*map(vars, self.found)]}
 
     def _parts(self) -> Iterator[Cell]:
@@ -101,6 +101,6 @@ class Fit(Shown):
         yield f"left, RMS over the column's: {', '.join(f'{name} {100.0 * share:.2g} %' for name, share in self.left.items())}"
         if self.smooth > SMOOTH:
             yield (
-                f"note: {100.0 * self.smooth:.0f} % of the squares left go on smoothly from row to row: the model lacks something,"
+                f"note: {100.0 * self.smooth:.0f} % of the squared residuals are smooth from row to row: the model lacks something,"
                 " or the noise is coloured; the intervals allow for it only as far as no parameter makes up for it"
             )

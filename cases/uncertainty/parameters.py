@@ -28,17 +28,17 @@ _EXAMPLES: Final = (
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a scene by its key in a case file, such as `tip.mass`; of a list the place is added: `mechanism.gravity[2]`."""
+    """A number of a scene by its key in a case file, such as `tip.mass`; for a vector with its index: `mechanism.gravity[2]`."""
 
     path: str  # dotted key
-    place: int | None = None  # in the list, from 0; None of a single number
+    place: int | None = None  # index in the vector, from 0; None for a single number
 
     @classmethod
     def of_key(cls, key: str, source: str) -> "Parameter":
         """The parameter of a key as written.
 
         Raises:
-            CaseError: no such key; no place in a list, or one that is not there; a key that no motion depends on.
+            CaseError: no such key; a missing or wrong index of a vector; a key without effect on the motion.
         """
         match = _KEY.fullmatch(key)
         if match is None or match[1] not in PATHS or match[1].startswith("simulation."):
@@ -60,11 +60,11 @@ class Parameter:
 
     @property
     def quantity(self) -> Quantity:
-        """What it measures."""
+        """Its quantity."""
         return PATHS[self.path]
 
     def of(self, scene: Mechanism) -> float:
-        """Its value in a scene, SI; of an absent part the default, nan where there is none."""
+        """Its value in a scene, SI; for an absent part the default, nan if there is none."""
         section, _, name = self.path.partition(".")
         value: Any = values_of(scene).get(section, {}).get(name)
         if value is None and section == "follower":
@@ -76,7 +76,7 @@ class Parameter:
 
 
 def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, Any]:
-    """Values (SI) as what `Document.overridden_by` takes: texts by dotted key; of a list the other places keep what the scene has."""
+    """Values (SI) as texts by dotted key for `Document.overridden_by`; other components of a vector keep the scene's values."""
     found: dict[str, Any] = {}
     for parameter, value in values.items():
         text = f"{float(value):.12g} {parameter.quantity.unit}".removesuffix(" 1")
@@ -91,7 +91,7 @@ def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, 
 
 @dataclass(frozen=True)
 class Distribution:
-    """How a parameter scatters."""
+    """The distribution of a parameter."""
 
     kind: str  # "uniform", "log-uniform" or "normal"
     first: float  # SI; lower end, or the mean
@@ -99,7 +99,7 @@ class Distribution:
     text: str  # as written
 
     def quantile(self, probability: Array) -> Array:
-        """The values that are not exceeded with a probability from 0 to 1, SI, shape as the argument."""
+        """Quantiles for probabilities from 0 to 1, SI, shape as the argument."""
         if self.kind == "normal":
             return np.asarray(stats.norm(self.first, self.second).ppf(probability))
         if self.kind == "log-uniform":

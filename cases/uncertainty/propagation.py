@@ -1,8 +1,7 @@
-"""What the scatter of parameters does to measures of the settled motion: quantiles, and which parameter causes how much of it.
+"""The scatter of measures of the settled motion due to that of parameters: quantiles, and the share of each parameter.
 
-The points are quasi-random (Sobol', scrambled: A. B. Owen, Journal of Complexity 14, 1998, 466). The error of a number that comes from a
-finite number of points is found by drawing the points again from themselves (bootstrap). How far off the simulation is at a point
-is another matter, and is told apart.
+The points are quasi-random (Sobol', scrambled: A. B. Owen, Journal of Complexity 14, 1998, 466). The error of a number from a finite number
+of points is found by resampling the points (bootstrap). The simulation's error at a point is given separately.
 """
 
 import math
@@ -31,16 +30,16 @@ from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, di
 
 Array = NDArray[np.float64]
 
-#: Points that are computed one after the other; each begins its search in the motion of the one before.
+#: Number of points that are computed one after the other; each begins its search in the motion of the one before.
 ROW: Final = 16
 #: Numbers of points that keep a Sobol' sequence balanced: powers of two.
 FEWEST: Final = 8
 MOST: Final = 65536
 SEED: Final = 1
-DRAWN: Final = 200  # times that the points are drawn again
+DRAWN: Final = 200  # number of resamplings
 PROBABILITIES: Final = (0.025, 0.5, 0.975)
 HIGHEST_DEGREE: Final = 4
-#: Points for each coefficient of a surrogate, at least.
+#: Least number of points for each coefficient of a surrogate.
 PER_TERM: Final = 2.0
 #: A surrogate that explains less than this part of the variance, cross-validated, gives no indices.
 GOOD: Final = 0.8
@@ -57,7 +56,7 @@ class Quantile:
 
 @dataclass(frozen=True)
 class Share:
-    """How much of a measure's variance a parameter causes: alone, and with all that it does together with others; ± 95 %."""
+    """Share of a parameter in a measure's variance: alone, and in total with its interactions; ± 95 %."""
 
     key: str
     first: float
@@ -76,7 +75,7 @@ class Scatter(Shown):
         measures: names.
         inputs: values of the parameters, SI, shape (n, p).
         values: of the measures, SI, nan where unavailable, shape (n, measures).
-        errors: how far off each may be by the simulation's own estimate, likewise; nan without one.
+        errors: errors of the values by the simulation's own estimate, likewise; nan without one.
         statuses: how each point ended.
     """
 
@@ -94,7 +93,7 @@ class Scatter(Shown):
         return dict(Counter(self.statuses).most_common())
 
     def of(self, measure: str) -> tuple[NDArray[np.bool_], Array]:
-        """Which points have a measure, shape (n,), and its values there."""
+        """Mask of the points with a measure, shape (n,), and its values there."""
         column = self.values[:, self.measures.index(measure)]
         known = np.isfinite(column) & (np.array(self.statuses) == Ending.SETTLED)
         return known, column[known]
@@ -105,18 +104,18 @@ class Scatter(Shown):
         return quantiles(values, probabilities)
 
     def simulation_error(self, measure: str) -> float:
-        """Median over the points of how far off a measure may be by the simulation's own estimate, SI; nan without one."""
+        """Median over the points of a measure's error by the simulation's own estimate, SI; nan without one."""
         known, _ = self.of(measure)
         found = self.errors[known, self.measures.index(measure)]
         return float(np.nanmedian(found)) if np.any(np.isfinite(found)) else math.nan
 
     def surrogate(self, measure: str) -> "Surrogate":
-        """The polynomial in all parameters that foretells a measure best, by its cross-validated error."""
+        """The polynomial in all parameters that predicts a measure best, by its cross-validated error."""
         known, values = self.of(measure)
         return Surrogate.best(list(self.distributions.values()), self.inputs[known], values)
 
     def shares(self, measure: str) -> list[Share]:
-        """Sobol' indices of a measure, the largest first; none where the surrogate is no better than `GOOD`."""
+        """Sobol' indices of a measure, the largest first; none if the surrogate is worse than `GOOD`."""
         surrogate = self.surrogate(measure)
         if not surrogate.q2 >= GOOD:
             return []
@@ -124,7 +123,7 @@ class Scatter(Shown):
         return sorted((Share(key, *found) for key, found in zip(keys, surrogate.shares(), strict=True)), key=lambda each: -each.total)
 
     def _parts(self) -> Iterator[Cell]:
-        """Counts; quantiles with what the number of points leaves open of them, and the simulation's own error; shares of the variance."""
+        """Counts; quantiles with their error from the number of points, and the simulation's own error; shares of the variance."""
         counts = ", ".join(f"{count} {status}" for status, count in self.counts.items())
         yield f"{self.case.name}: {len(self.statuses)} points in {len(self.distributions)} parameters: {counts}"
         rows = []
@@ -142,7 +141,7 @@ class Scatter(Shown):
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Quasi-random points that are to be computed."""
+    """Quasi-random points to compute."""
 
     case: Case
     distributions: Mapping[Parameter, Distribution]
@@ -157,7 +156,7 @@ class Points:
         return [job(self.case, changes[first : first + ROW], self.asked) for first in range(0, len(changes), ROW)]
 
     def scatter(self, workshop: Workshop) -> Scatter:
-        """Compute what is not stored. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
+        """Compute the points that are not stored. KeyboardInterrupt: Ctrl-C; finished points are stored."""
         names, row = self.asked.measures, joined(computed(self.jobs, workshop))
         return Scatter(self.case, self.distributions, names, self.inputs, row.values, row.errors, row.statuses)
 
@@ -195,14 +194,14 @@ class Surrogate:
     """A polynomial chaos: orthonormal polynomials of the parameters, fitted by least squares."""
 
     degree: int  # largest total degree
-    powers: NDArray[np.int64]  # of each term in each parameter, shape (terms, p)
+    powers: NDArray[np.int64]  # degree of each term in each parameter, shape (terms, p)
     matrix: Array  # terms at the points, shape (n, terms)
     values: Array  # at the points, shape (n,)
-    q2: float  # part of the variance that it foretells at points left out of its fit, one at a time; nan without enough points
+    q2: float  # part of the variance that it predicts at points left out of its fit, one at a time; nan without enough points
 
     @classmethod
     def best(cls, distributions: Sequence[Distribution], inputs: Array, values: Array) -> "Surrogate":
-        """The degree with the best `q2` of those that the points suffice for."""
+        """The surrogate of the degree with the best `q2`, among degrees that have enough points."""
         found = [cls._of(degree, distributions, inputs, values) for degree in range(1, HIGHEST_DEGREE + 1)]
         return max(found, key=lambda each: each.q2 if math.isfinite(each.q2) else -math.inf)
 

@@ -26,7 +26,7 @@ from quickreturn.reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
 
-#: Columns that are compared, where a table has them: those that every engine delivers. Time and crank angle say where a row is.
+#: Columns that are compared, if a table has them: those that every engine delivers. Time and crank angle locate a row.
 COMPARED: Final = tuple(name for name, column in COLUMNS.items() if column.required and name not in ("time", "crank_angle"))
 #: Periods of the first mode in the shortest stretch that is fitted: the phase is within half a turn there if the stiffness is a third off.
 FIRST_STRETCH: Final = 3.0
@@ -36,8 +36,8 @@ FEWEST_ROWS: Final = 20
 class TableModel:
     """The rows of a table, and the same rows of a simulation.
 
-    A table that begins in the standard start is compared with a simulation from there, row by row in time. Any other is compared
-    with the periodic steady state at equal crank angles.
+    A table that begins in the standard start is compared with a simulation from there, row by row in time. Any other table is compared with
+    the periodic steady state at equal crank angles.
     """
 
     def __init__(self, case: Case, table: RecordedTable) -> None:
@@ -62,10 +62,10 @@ class TableModel:
         return len(self._time)
 
     def stretches(self, scene: Mechanism) -> list[int]:
-        """Numbers of rows from the first on that are fitted one after the other, all of them last.
+        """Numbers of rows, from the first row on, of the successive fits; the last is all rows.
 
-        A stiffness that is a little off turns the vibration's phase ever further, and beyond half a turn the best fit is not downhill any
-        more. So the first stretch is short, and each is twice the one before.
+        With a slightly wrong stiffness the vibration's phase error grows, and beyond half a turn the best fit is no longer downhill. So the
+        first stretch is short, and each is twice the one before.
         """
         found = [self.rows]
         if self.begins and not scene.follower.is_rigid:
@@ -76,7 +76,7 @@ class TableModel:
         return found
 
     def simulated(self, scene: Mechanism, settings: ReferenceSettings, rows: int) -> Array:
-        """The columns in the first `rows` rows, shape (C, rows). EngineFailure, Refusal, NoSteadyState: the simulation cannot be had."""
+        """The columns in the first `rows` rows, shape (C, rows). EngineFailure, Refusal, NoSteadyState: the simulation fails."""
         if self.begins:
             time = self._time[:rows]
             step = float(np.median(np.diff(self._time)))

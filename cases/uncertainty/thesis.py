@@ -1,4 +1,4 @@
-"""What the thesis does not print, as distributions, and what its scatter does to the 24 runs."""
+"""Quantities that the thesis does not print, as distributions, and the effect of their scatter on the 24 runs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,22 +15,23 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import Asked
 from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
 
-#: Points of each run. In run 24 its outer quantiles of the frequency are those of 512 points to 0.7 %, of the peak strain to 8 %.
+#: Number of points of each run. In run 24 the outer quantiles agree with those of 512 points to 0.7 % for the frequency, to 8 % for the
+#: peak strain.
 SAMPLES: Final = 16
-#: Runs and points of which the simulation's own error is estimated, which takes twice the time.
+#: Runs and points with an estimate of the simulation's own error, which takes twice the time.
 CLAIMED_RUNS: Final = (10, 24)
 CLAIMED_SAMPLES: Final = 8
 #: The measures of a point.
 MEASURES: Final = ("pre.frequency", "post.frequency", *(f"peak.{name}" for name in CHANNELS[1:]))
 
 
-#: Frequency of simulation over machine after the return, over that before it, from which on the words count as true.
+#: Least ratio of the frequency excess (simulation over machine) after the return to that before it for which the words count as true.
 EXCESS: Final = next(each.low for each in statements() if each.id == "post-excess")
 
 
 @dataclass(frozen=True)
 class Unprinted:
-    """A quantity that the thesis does not print: its key, its distribution, and why that one."""
+    """A quantity that the thesis does not print: its key, its distribution, and the reason for it."""
 
     key: str
     distribution: str
@@ -52,7 +53,7 @@ UNPRINTED: Final = (
     Unprinted(
         "follower.bending_stiffness",
         "normal 2128.22 lbf*in^2 +- 4 %",
-        "printed, but it goes with the cube of the strip's thickness, of which 1.3 % is a mill's tolerance",
+        "printed, but it grows with the cube of the strip's thickness, and a mill's tolerance of that is 1.3 %",
     ),
     Unprinted("follower.damping", "log-uniform 1e-5 lbf*s/in^2 .. 4e-5 lbf*s/in^2", "its unit is illegible: half to twice the value"),
 )
@@ -60,7 +61,7 @@ UNPRINTED: Final = (
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """What the scatter does to a run: quantiles of 2.5, 50 and 97.5 %, over the points that have the number."""
+    """The effect of the scatter on a run: quantiles of 2.5, 50 and 97.5 %, over the points that have the number."""
 
     run: int  # number
     points: int  # how many were computed
@@ -69,17 +70,17 @@ class Band:
     pre: tuple[float, ...]  # first-mode frequency before the return, Hz; empty where no point resolves it
     post: tuple[float, ...]  # likewise after it
     ratio: tuple[float, ...]  # frequency after the return over that before it: least, median and greatest of all points
-    apart: int  # points at which the halves differ as the words ask: the frequency after the return at most `1 / EXCESS` of that before
+    apart: int  # points at which the halves differ as the words require: the frequency after the return at most `1 / EXCESS` of that before
     strain: tuple[float, ...]  # largest of the three gauges' peak strains
     # standard errors of the outer quantiles from the number of points, relative, the larger of both: of `pre`, `post`, `strain`
     sampled: tuple[float, ...]
-    # how far off the simulation's numbers may be by its own estimate and their measurement, relative, medians over `CLAIMED_SAMPLES`
-    # points, likewise; empty but for `CLAIMED_RUNS`
+    # relative errors of the simulation's numbers by its own estimate and their measurement, medians over `CLAIMED_SAMPLES` points,
+    # likewise; only for `CLAIMED_RUNS`
     claims: tuple[float, ...]
 
 
 def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Band]:
-    """All bands of which no point is missing in the workshop. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
+    """All bands without a missing point in the workshop. KeyboardInterrupt: Ctrl-C; finished points are stored."""
     uncertain: Mapping[str, str] = {each.key: each.distribution for each in UNPRINTED}
 
     def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:

@@ -11,16 +11,14 @@ from quickreturn.commands import options
 @click.command(name="advise")
 @options.cases
 @options.tag
-@options.accuracy_of(
-    default="0.01", show_default=True, help=f"Relative error of the tip deflection that is wanted, {HIGHEST:g} to {LOWEST:g}."
-)
+@options.accuracy_of(default="0.01", show_default=True, help=f"Wanted relative error of the tip deflection, {HIGHEST:g} to {LOWEST:g}.")
 @options.case_assignments
 @options.json
 def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments: Sequence[str], as_json: bool) -> None:
     """Say where CASE lies on the map of classes, and which methods were the fastest there to an error.
 
     The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.
-    Nothing is simulated. What lies outside the map is named. With several cases the JSON document is a list.
+    Nothing is simulated. The output names each quantity that lies outside the map. With several cases the JSON document is a list.
     """
     from dataclasses import asdict
 

@@ -19,7 +19,7 @@ ENDINGS: Final = (".webp", ".html")
     "--magnify",
     metavar="N",
     read=options.number(1e-3, 1e6, 5),
-    help="How many times the deflection is magnified; default: so that it shows.",
+    help="Factor of the deflection in the picture; default: a factor that makes it visible.",
 )
 @options.accuracy
 @options.assignments
@@ -36,15 +36,15 @@ def command(
 ) -> int:
     """Simulate CASE from the standard start and draw it moving, engines over each other.
 
-    A .webp is a picture of the last turn, slowed down. A .html is a page that opens from disk, to be played, stopped and slowed down;
-    there the deflection is magnified as the reader likes.
+    A .webp is a picture of the last turn, slowed down. A .html is a page that opens from disk, with controls to play, stop and slow down
+    the motion, and to magnify the deflection.
     """
     from quickreturn.commands.trajectories import trajectories
     from quickreturn.reports.output import check_writable, write_file
 
     overrides, settings = options.read_assignments(assignments)
     if magnify is not None and output.lower().endswith(".html"):
-        raise click.UsageError("--magnify: in a page (.html) it is chosen with a slider; leave it out")
+        raise click.UsageError("--magnify: a page (.html) has a slider for it; leave it out")
     loaded = options.load(case, overrides, duration)
     check_writable(Path(output), "", *ENDINGS)
     found = {name: trajectory for (_, name), trajectory in trajectories([loaded], engines, settings, accuracy).items()}

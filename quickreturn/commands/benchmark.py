@@ -37,11 +37,11 @@ def command(
 ) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
 
-    Without a CASE: the scenes that the report compares methods on. The report shows a measurement of all nine engines in which none was
-    left out. They share one process: the time limit stands for the sum of all of them.
+    Without a CASE it measures the scenes on which the report compares methods. The report shows a measurement only if it contains all nine
+    engines. All engines share one process: the time limit is for their sum.
 
-    Exit code 3: the solution to measure against could not be computed, or an engine died, was stopped at a limit or is not installed;
-    the others are measured all the same. Settings with which an engine says that it cannot go on are listed and no error.
+    Exit code 3: the solution that defines the error could not be computed, or an engine died, was stopped at a limit or is not installed;
+    the others are still measured. Settings with which an engine reports a failure are listed, but are not an error.
     """
     from quickreturn.cases.benchmark import SCENES, compiling, measure
     from quickreturn.cases.benchmark.scenes import ENGINES
@@ -52,7 +52,7 @@ def command(
     loaded = options.load_all(cases, tag, options.read_overrides(assignments), otherwise=SCENES)
     names = engines or ENGINES
     options.refuse_missing(engines)
-    _ = [case.mechanism for case in loaded]  # a scene without crank is answered before anything runs
+    _ = [case.mechanism for case in loaded]  # a scene without crank is refused before anything runs
     workshop, tables = options.opened_workshop(loaded, names), []
     failed = False
     if not cases and not tag:
@@ -60,7 +60,7 @@ def command(
     for case in loaded:
         try:
             tables.append(measure(case, workshop, names, repetitions))
-        except EngineFailure as failure:  # of the solution to measure against; the other cases have their own
+        except EngineFailure as failure:  # of the reference solution; the other cases have their own
             options.tell(f"{case.name}: {failure}")
             failed = True
             continue
@@ -94,7 +94,7 @@ def _print(table: "Benchmark") -> None:
 
 
 def _as_document(table: "Benchmark") -> dict[str, Any]:
-    """The table; points with what was measured of them, where something was, and of the confirmation either differences or the failure."""
+    """The table as a document: points with the measured values, if any, and the differences or the failure of the confirmation."""
     points = [{**vars(point), **(vars(point.measured) if point.measured else {})} for point in table.points]
     for point in points:
         del point["measured"]

@@ -12,7 +12,7 @@ from quickreturn.commands import options
 @options.case
 @click.argument("file", metavar="FILE")
 @options.several(
-    "--free", metavar="KEY", required=True, help='Parameter to be found, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
+    "--free", metavar="KEY", required=True, help='Parameter to find, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
 )
 @options.case_assignments
 @options.single("--output", metavar="CASE_FILE", help="Write the case with the values found: .toml.")
@@ -21,11 +21,11 @@ from quickreturn.commands import options
 def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str], output: str | None, as_json: bool) -> int:
     """Find parameters of CASE from a recorded table by least squares.
 
-    FILE is a CSV table as `quickreturn compare` reads it. One that begins in the standard start is fitted row by row in time, any other in
-    the steady state at equal crank angles. The engine is reference; the search begins at the case's values, or those of --set.
+    FILE is a CSV table as `quickreturn compare` reads it. A table that begins in the standard start is fitted row by row in time, any other
+    table in the steady state at equal crank angles. The engine is reference; the search begins at the case's values, or those of --set.
 
-    The 95 % intervals come from what the residuals show, correlated as they are. The simulation's own error is given beside them, and what
-    this table cannot tell is named.
+    The 95 % intervals come from the residuals and allow for their correlation. The simulation's own error is given beside them. The output
+    names the combinations of parameters that this table cannot determine.
     """
     from quickreturn.calibration import calibrate
     from quickreturn.reference_model.errors import ExitCode

@@ -1,4 +1,4 @@
-"""`quickreturn cases`: what the library holds."""
+"""`quickreturn cases`: the cases of the library."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""`quickreturn compare`: recorded tables measured like an engine's cycle and held against engines."""
+"""`quickreturn compare`: measures recorded tables like an engine's cycle and compares them with engines."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +14,7 @@ PICTURES: Final = (".png", ".svg", ".pdf")
 @click.command(name="compare")
 @options.case
 @click.argument("files", metavar="FILE...", nargs=-1, required=True)
-@options.engines_for(help="Engine to hold against; may be given again. Default: the four main ones.")
+@options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines.")
 @options.accuracy
 @options.assignments
 @options.single("--output", metavar="PICTURE", help="Draw it: .png, .svg or .pdf.")
@@ -29,14 +29,14 @@ def command(
     output: str | None,
     as_json: bool,
 ) -> int:
-    """Measure recorded tables of CASE and hold them against engines.
+    """Measure recorded tables of CASE and compare them with engines.
 
     A FILE is a CSV table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from
-    another tool, an earlier version or a test rig; `quickreturn show CASE --for-other-tools` says what to record. One that begins in the
-    standard start and has not settled is held against the engines in the same turn of the crank, any other in the steady state.
+    another tool, an earlier version or a test rig; `quickreturn show CASE --for-other-tools` says what to record. A table that begins in
+    the standard start and has not settled is compared with the engines in the same turn of the crank, any other table in the steady state.
 
-    Nothing is claimed of a table but the uncertainty of its measures. Exit code 1: it departs from an engine by more than that and the
-    engine's own estimate. Exit codes 2 and 3 are those of `run`.
+    The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
+    the engine's own estimate. Exit codes 2 and 3 are those of `run`.
     """
     from quickreturn.cases.recorded import read_table
     from quickreturn.cases.runs.comparison import hold_against_engines

@@ -7,14 +7,14 @@ from quickreturn.commands import options
 
 @click.command(name="conform")
 @click.argument("engine", metavar="ENGINE")
-@click.option("--quick", is_flag=True, help="Do what a minute allows, and say what is left out.")
+@click.option("--quick", is_flag=True, help="Take about a minute, and name the checks that are left out.")
 @options.json
 def command(engine: str, quick: bool, as_json: bool) -> int:
-    """Try ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.
+    """Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.
 
-    The outcome is kept with the results, and the report shows it beside the engine's version; that of a quick trial is not kept.
+    The outcome is stored with the results, and the report shows it beside the engine's version; the outcome of a quick trial is not stored.
 
-    Exit code 0: it conforms; 1: it does not; 3: there was nothing to judge by. A coarse engine that says so is not accused.
+    Exit code 0: it conforms; 1: it does not; 3: nothing could be judged. An engine that is coarse and says so still conforms.
     """
     from quickreturn.cases.conformance import QUICK, conform, job
     from quickreturn.cases.jobs.fork_server import get_ready

@@ -1,4 +1,4 @@
-"""`quickreturn engines`: which engines there are, which can be used here, and what can be set."""
+"""`quickreturn engines`: the engines, whether they can be used on this machine, and their settings."""
 
 import click
 
@@ -9,7 +9,7 @@ from quickreturn.commands import options
 @click.argument("engine", required=False)
 @options.json
 def command(engine: str | None, as_json: bool) -> None:
-    """List the engines: name, version, method, available or why not; of one ENGINE also the settings and the default accuracy."""
+    """List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy."""
     if engine is None:
         _list(as_json)
     else:

@@ -45,8 +45,8 @@ def command(
 ) -> int:
     """Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
 
-    With several engines, cases or angles the JSON document is a list. Exit code 3: an engine failed, or what it returned are no natural
-    frequencies; nothing is printed then.
+    With several engines, cases or angles the JSON document is a list. Exit code 3: an engine failed, or returned something other than
+    natural frequencies; nothing is printed then.
     """
     from quickreturn import questions
     from quickreturn.cases.jobs.fork_server import get_ready
@@ -69,7 +69,7 @@ def command(
     for (case, name), outcome in zip(asked, options.answered(jobs, "natural frequencies")[0], strict=True):
         try:
             each = questions.value_of(outcome)
-        except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
+        except EngineFailure as failure:  # its own text names an instant, but there is none here
             options.tell(f"{case.name}: engine {name}: {failure.cause}; {failure.advice}")
             return ExitCode.ENGINE_TROUBLE
         about = {"case": case.name, "engine": name, "version": each.version, "settings": each.settings}

@@ -33,8 +33,8 @@ EXAMPLE: Final = "example"
 def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     """Write a case file of your own to FILE, with the meaning of every key beside it.
 
-    The name of the case is that of the file without .toml. Keys that are left out stand there as comments. A file that exists is
-    never overwritten.
+    The name of the case is that of the file without .toml. Keys that the machine does not use stand there as comments. A file that exists
+    is never overwritten.
     """
     from quickreturn.cases.case_file import load_case
     from quickreturn.cases.copies import as_written
@@ -55,7 +55,7 @@ def _header(file: str) -> dict[str, str]:
     """Name and title of the case in a new file, after the file's name.
 
     Raises:
-        CaseError: the file exists, or its name is that of no case or of one of the library.
+        CaseError: the file exists, or its name is invalid for a case or is that of a case of the library.
         UsageError: it cannot be written.
     """
     from quickreturn.cases.case_file import in_library
@@ -81,7 +81,7 @@ def _header(file: str) -> dict[str, str]:
 
 
 def _origin(case: "Case") -> Iterator[str]:
-    """What a reader of a copy must know of the case that was copied."""
+    """Comment lines in a copy that name the copied case and its notes."""
     from quickreturn.cases.doubts import doubts
 
     yield f"A copy of {case.name} ({case.title})."

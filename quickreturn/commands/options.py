@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from quickreturn.cases.jobs.workshop import Workshop
 
 T = TypeVar("T")
-#: Makes a value of an option's name and text; raises UsageError if it cannot.
+#: Converts the text of an option, given its name, to a value; raises UsageError if it cannot.
 Reader = Callable[[str, str], Any]
 
 _LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
@@ -67,9 +67,9 @@ def angles(option: str, text: str) -> list[float]:
     raise click.UsageError(f"{option} {as_written(text)}: {accepted}")
 
 
-LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
+LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
 
-#: In a context's `meta`: whether to be quiet, where results are kept, and whether none are.
+#: Keys of a context's `meta`: whether to be quiet, the folder of results, and whether none are stored.
 QUIET: Final = "quickreturn.quiet"
 STORE: Final = "quickreturn.store"
 NO_STORE: Final = "--no-store"
@@ -79,9 +79,9 @@ PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 def single(*names: str, read: Reader = lambda _, text: text, default: str | None = None, **more: Any) -> Callable[[Any], Any]:
-    """An option of which one value counts; UsageError with all that are given where there are more, of which click would take the last.
+    """An option with one value. UsageError: several are given, and the message names them all; click would take the last.
 
-    What the command does not get (`expose_value`) goes to the context's `meta`.
+    A value that is not passed to the command (`expose_value`) goes to the context's `meta`.
     """
 
     def one(context: click.Context, option: click.Parameter, given: Sequence[str]) -> Any:
@@ -167,7 +167,7 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
 
 
 def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
-    """The same for subcommands without an engine: overrides of the case. UsageError: a setting of an engine was given."""
+    """Overrides of the case, for subcommands without an engine. UsageError: a setting of an engine was given."""
     overrides, settings = read_assignments(assignments)
     for engine, texts in settings.items():
         given = "=".join(map(shortened, next(iter(texts.items()))))
@@ -200,7 +200,7 @@ def load_all(
     output_step: float | None = None,
     otherwise: Sequence[str] = (),
 ) -> "list[Case]":
-    """The cases of some names and patterns, and those with a tag; if none are given those of the names `otherwise`."""
+    """The cases of some names and patterns, and those with a tag; if none are given, those of the names `otherwise`."""
     from quickreturn.catalogue import list_cases, loaded
 
     tagged = [] if tag is None else [line.name for line in list_cases(tag)]
@@ -227,13 +227,13 @@ def load(case: str, overrides: dict[str, str], duration: float | None = None, ou
 
 
 def given_as(case: "Case", overrides: Mapping[str, str]) -> list[str]:
-    """Arguments that name a case with changes once more, for another command."""
+    """Arguments that name the same case with the same changes, for another command."""
     changes = [part for key, value in overrides.items() for part in ("--set", f"{key}={value}")]
     return [case.name if case.source == "library" else case.source, *changes]
 
 
 def tell_doubts(cases: "Sequence[Case]") -> None:
-    """Say on standard error which values of a person's own are hardly meant, each doubt once; those of the library are meant."""
+    """Name doubtful values of the user's own cases on standard error, each doubt once; values of the library are intended."""
     from quickreturn.cases.doubts import doubts
 
     concerned: dict[str, list[str]] = {}
@@ -250,14 +250,14 @@ def _option(key: str) -> str:
 
 
 def quiet() -> bool:
-    """Whether nothing shall be told of how far things are."""
+    """Whether progress is not reported."""
     return bool(click.get_current_context().meta.get(QUIET))
 
 
 def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Workshop":
-    """The store of results, which tells at once what it has to, and the processes of this machine, as `of_workshop` or `limited` say.
+    """The store of results, which prints its notices at once, and the processes of this machine, as `of_workshop` or `limited` say.
 
-    What is going to run on what is told here, before the rest is imported, which takes a while.
+    A message says here what will run on which engines, before the slow imports.
     """
     from quickreturn.cases.jobs.processes import LocalProcesses
     from quickreturn.cases.jobs.store import Store
@@ -280,7 +280,7 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
 
 
 def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()) -> "tuple[list[Outcome[T]], Store | None]":
-    """How each of the jobs ended, as `limited` and `stored` say, and the store, if there is one; what comes from there is told.
+    """The outcomes of jobs under the options of `limited` and `stored`, and the store, if there is one; a message names stored results.
 
     `meanwhile`: modules that this process imports while others get ready to compute.
     """
@@ -306,20 +306,20 @@ def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()
 
 
 def begin(what: str) -> None:
-    """Say on standard error what will take a moment, unless to be quiet."""
+    """Announce a slow step on standard error, unless quiet."""
     if not quiet():
         with contextlib.suppress(OSError):  # nobody listens
             click.echo(f"  {what}", err=True)
 
 
 def tell(sentence: str) -> None:
-    """Say something on standard error, on one line."""
-    with contextlib.suppress(OSError):  # nobody listens, or the disk is full that it goes to
+    """Print a sentence on standard error, on one line."""
+    with contextlib.suppress(OSError):  # nobody listens, or its disk is full
         click.echo(f"quickreturn: {_one_line(sentence)}", err=True)
 
 
 def _one_line(sentence: str) -> str:
-    """The sentence on one line of bearable length, without characters that would command the terminal."""
+    """The sentence on one line of limited length, without characters that control the terminal."""
     joined = re.sub(r"\s*[\r\n]\s*", " ", sentence.strip())  # blanks within a line stay: a value is shown as it was given
     text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
     half = LONGEST_MESSAGE // 2
@@ -327,7 +327,7 @@ def _one_line(sentence: str) -> str:
 
 
 def limits() -> "Limits":
-    """What an engine may take, as `limited` say; the usual where a command has no such options."""
+    """Time and memory limits of an engine from the options of `limited`; the default ones if the command has no such options."""
     from quickreturn.cases.jobs.job import Limits, default_limits
 
     meta, usual = click.get_current_context().meta, default_limits()
@@ -336,7 +336,7 @@ def limits() -> "Limits":
 
 
 def limited(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Options on what an engine may take; the command asks `limits` or `opened_workshop` for them."""
+    """Add the options for limits of time and memory; the command gets them from `limits` or `opened_workshop`."""
     time = 'Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.'
     memory = "Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less."
     command = single("--memory-limit", metavar="GIB", read=number(1e-3, 1e6, 4, of=" of GiB"), expose_value=False, help=memory)(command)
@@ -348,12 +348,12 @@ def _off(context: click.Context, option: click.Parameter, given: bool) -> None:
 
 
 stored: Final[Callable[[Any], Any]] = click.option(
-    NO_STORE, is_flag=True, expose_value=False, callback=_off, help="Compute anew what was computed before, and keep nothing."
+    NO_STORE, is_flag=True, expose_value=False, callback=_off, help="Compute everything anew, and store nothing."
 )
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
-    """These, and where it is computed, and in how many processes at a time."""
+    """Add these options, the address of a cluster and the number of processes."""
     told = "Compute on a cluster of Dask, whose scheduler has this address, e.g. tcp://host:8786."
     command = single("--cluster", metavar="ADDRESS", expose_value=False, help=told)(limited(command))
     told = "Processes at a time on this machine; default: one per core."

@@ -31,8 +31,8 @@ def command(
 ) -> int:
     """Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.
 
-    A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn, over those of
-    others.
+    A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn over those of the
+    other sources.
     """
     from quickreturn.cases.recorded import is_table
     from quickreturn.commands.trajectories import trajectories

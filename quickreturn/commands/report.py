@@ -1,4 +1,4 @@
-"""`quickreturn report`: everything on one page, with its tables as CSV files beside it."""
+"""`quickreturn report`: the whole report on one page, with its tables as CSV files beside it."""
 
 import os
 from collections.abc import Sequence
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from quickreturn.reports.report import Written
 
 
-#: Endings of files. A folder of such a name would be created where somebody expects the page.
+#: Endings of files. With such a name a user expects a page, not a folder.
 _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
 
 
 def _folder(option: str, text: str) -> str:
-    """The path as given; UsageError if it is none, or looks like that of a file and is no folder yet."""
+    """The path as given. UsageError: it is empty, or it looks like that of a file and no such folder exists."""
     if not text.strip() or (text.lower().endswith(_OF_FILES) and not os.path.isdir(text)):
         raise click.UsageError(f"{option} {as_written(text)}: give a folder, the page in it is index.html")
     return text
@@ -48,9 +48,9 @@ def command(
 
     A slow engine is quicker with coarser settings (--set my-engine.links=8) or to a lower accuracy (--accuracy 0.05).
 
-    Exit code 0 once the page is written and every engine completed: where engines disagree is shown in the page. Exit code 3: an engine
-    failed, was stopped at a limit, is not installed or did not settle; the page is written all the same and shows it. Results are kept
-    as they come: an interrupted report continues where it stopped.
+    Exit code 0: the page is written and every engine completed; the page shows where engines disagree. Exit code 3: an engine failed, was
+    stopped at a limit, is not installed or did not settle; the page is still written and shows it. Each result is stored at once: an
+    interrupted report continues where it stopped.
     """
     from quickreturn.catalogue import prepared
     from quickreturn.reference_model.errors import ExitCode
@@ -89,7 +89,7 @@ def _print(written: "Written") -> None:
 
 
 def _verdict(results: Sequence["CaseResult"]) -> str:
-    """In how many comparisons engines differ by more than they claim, or why there are none."""
+    """The number of comparisons in which engines differ by more than they claim, or why there are no comparisons."""
     checks = [check for result in results for check in result.whole.checks]
     if not checks:
         return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"

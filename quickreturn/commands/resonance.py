@@ -14,14 +14,16 @@ TABLES: Final = (".csv", ".nc", ".parquet")
 
 @click.command(name="resonance")
 @options.case
-@options.single("--speed", metavar="RANGE", help='Crank speed, prescribed: "60 rpm .. 300 rpm"; or one speed where --vary varies.')
+@options.single("--speed", metavar="RANGE", help='Prescribed crank speed: "60 rpm .. 300 rpm"; with --vary a single speed.')
 @options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".')
 @options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2.")
 @options.accuracy
-@click.option("--claims/--no-claims", default=True, help="Estimate the error of every point (default), or save a third of the time.")
+@click.option(
+    "--claims/--no-claims", default=True, help="Estimate the error of every point (default), or not, which saves a third of the time."
+)
 @options.case_assignments
 @options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
-@options.single("--plot", metavar="FILE", help="Where a picture goes besides.")
+@options.single("--plot", metavar="FILE", help="File for a picture, beside the table.")
 @options.limited
 @options.json
 def command(
@@ -40,7 +42,7 @@ def command(
 
     The curve passes through folds, where two motions meet. Its table has stable and unstable motions, the largest Floquet multiplier,
     special points (fold, period doubling, torus, slider left), peaks with the order of the harmonic that drives them, and the error claim
-    of every point. A machine that a torque drives is held at the prescribed speed.
+    of every point. A machine with a driving torque is held at the prescribed speed.
 
     Exit code 3: no periodic motion was found in the range.
     """

@@ -1,4 +1,4 @@
-"""`quickreturn run`: engines on cases in their steady state, measured, compared and held to what they claim."""
+"""`quickreturn run`: measures engines on cases in their steady state, and compares their differences with their claims."""
 
 from collections.abc import Sequence
 
@@ -25,9 +25,9 @@ def command(
 ) -> int:
     """Bring engines to their steady state on each CASE, measure and compare them.
 
-    Two engines may differ by what both claim: their own error estimates and the uncertainty of what is measured. Exit code 1: some differ
-    by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is not
-    installed, did not settle or did not reach the accuracy asked. The others are not touched by that. Results are kept as they come: an
+    Two engines may differ by the sum of their claims: their own error estimates and the uncertainty of the measures. Exit code 1: some
+    differ by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is
+    not installed, did not settle or did not reach the accuracy asked. The other engines go on. Each result is stored at once: an
     interrupted run continues.
     """
     from quickreturn.catalogue import prepared
@@ -49,6 +49,6 @@ def command(
         print_json(as_document(results, workshop.store.notices))
     else:
         for result in results:
-            if not all(each.status == Ending.REFUSED for each in result.runs.values()):  # else there is nothing to show
+            if not all(each.status == Ending.REFUSED for each in result.runs.values()):  # otherwise there is nothing to show
                 click.echo(in_lines(parts_of(result)))
     return exit_code(results, workshop, engines)

@@ -1,4 +1,4 @@
-"""`quickreturn show`: a scene in SI, and what each engine makes of it."""
+"""`quickreturn show`: a scene in SI, and the model that each engine builds of it."""
 
 import itertools
 import re
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 @options.cases
 @options.tag
 @options.case_assignments
-@click.option("--for-other-tools", "for_others", is_flag=True, help="Print what is needed to build the scene in another tool instead.")
-@click.option("--resonance", is_flag=True, help="Follow the motion over speeds about the machine's own as well, which takes a while.")
+@click.option("--for-other-tools", "for_others", is_flag=True, help="Print instead what another tool needs to build the scene.")
+@click.option("--resonance", is_flag=True, help="Also follow the motion over speeds around the machine's own, which takes a while.")
 @options.json
 def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, resonance: bool, as_json: bool) -> None:
     """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
@@ -67,7 +67,7 @@ def _document(loaded: "Case") -> dict[str, Any]:
 
 
 def _resonances(cases: "Sequence[Case]") -> list[dict[str, list[str]]]:
-    """Lines on the motion of each case over speeds about its own."""
+    """Lines on the motion of each case over speeds around its own."""
     from quickreturn.cases.resonance_curve import job_around
     from quickreturn.questions import value_of
     from quickreturn.reports.findings.resonance import Around
@@ -98,7 +98,7 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
 
 
 def _models(scene: Any) -> list[dict[str, Any]]:
-    """Per engine what it builds, or in "refused" why it does not."""
+    """What each engine builds, or in "refused" the reason why it does not."""
     from quickreturn.engines.registry import OWN
     from quickreturn.questions import asked_of_all, model
 
@@ -135,7 +135,7 @@ def _print(document: dict[str, Any]) -> None:
 
 
 def grouped(texts: Sequence[str]) -> list[str]:
-    """Neighbours that differ in their numbers alone as one line: "link 1: rod", "link 2: rod" become "link 1 to 2: rod"."""
+    """Neighbours that differ only in their numbers, as one line: "link 1: rod", "link 2: rod" become "link 1 to 2: rod"."""
     lines = []
     for _, group in itertools.groupby(texts, lambda text: re.sub(r"\d+", "#", text)):
         members = list(group)

@@ -25,7 +25,7 @@ _ADVICE: Final = "see the limits of time and memory, or report this to the autho
 #: Modules that are preloaded to show what a worker found.
 _SHOWING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
 
-#: What the JSON document holds of a simulation besides; these where a failure leaves nothing to say.
+#: Further keys of a simulation's JSON document; these values if a failure leaves none.
 _NOTHING: Final[dict[str, Any]] = {
     "version": None,
     "stored": False,
@@ -57,7 +57,7 @@ _NOTHING: Final[dict[str, Any]] = {
 @options.duration
 @options.single("--output-step", metavar="S", read=options.seconds, help='Time between rows, "1 ms" or a number of seconds.')
 @options.accuracy
-@click.option("--no-estimate", is_flag=True, help="Make the one run alone: nothing is known of its error then.")
+@click.option("--no-estimate", is_flag=True, help="Make one run without an error estimate.")
 @options.assignments
 @options.output(
     "Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name. Default: nothing is written.",
@@ -81,11 +81,10 @@ def command(
 ) -> int:
     """Simulate CASE from the standard start; with --output, write the trajectory.
 
-    Exit code 3: the engine failed, did not reach the accuracy, or cannot say that it reached the one asked for, because its error
-    estimate is unknown or not verified; the rows that it delivered are in the file. One that crashed or was stopped at a limit delivers
-    none. Of the runs that an error is estimated with, those that could outlast --time-limit are not begun. The accuracy of `thesis` is
-    that of the integration of its own equations. With several engines or cases the JSON document is a
-    list.
+    Exit code 3: the engine failed, did not reach the accuracy, or cannot say whether it did, because its error estimate is unknown or not
+    verified; the file has the rows that it delivered. An engine that crashed or was stopped at a limit delivers none. Runs for the error
+    estimate that could exceed --time-limit are not begun. The accuracy of `thesis` is that of the integration of its own equations. With
+    several engines or cases the JSON document is a list.
     """
     from quickreturn import questions
     from quickreturn.cases.jobs.fork_server import get_ready
@@ -110,7 +109,7 @@ def command(
         case, name = attempt.case, attempt.engine
         try:
             known, found = _written(attempt, places[case.name, name])
-        except Exception as error:  # the others' results are written before it is told
+        except Exception as error:  # the results of the others are written before the error is raised
             refusal = refusal or error
             continue
         if documents and not as_json:
@@ -135,7 +134,7 @@ def command(
 
 
 def _places(output: str | None, cases: "Sequence[Case]", engines: Sequence[str]) -> dict[tuple[str, str], str | None]:
-    """The file of each case and engine, if one is to be written. UsageError: two would have the same."""
+    """The file of each case and engine, if one is to be written. UsageError: two would have the same file."""
     if output is None:
         return dict.fromkeys((case.name, engine) for case in cases for engine in engines)
     for what, several in (("{engine}", engines), ("{case}", cases)):
@@ -150,7 +149,7 @@ def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:
 
 
 def _written(attempt: "Attempt", path: str | None) -> "tuple[dict[str, Any], Found]":
-    """Write the trajectory, as far as there is one and a file is named: what the JSON document says of it, and what it is made of.
+    """Write the trajectory, if there is one and a file is named; return its JSON document and the solution.
 
     Raises as `Attempt.answer`.
     """
@@ -193,6 +192,6 @@ def _print(document: Mapping[str, Any], found: "Found", notes: str) -> None:
         if document["notes"]:
             rows.append(("notes", f"{len(document['notes'])} on this case: see `{notes}`"))
     else:
-        told = found.reached or found.result.error_estimate is None  # else standard error tells why not
+        told = found.reached or found.result.error_estimate is None  # otherwise standard error says why not
         rows = [row for row in found.rows(document["output"] or "", f"`{notes}`") if told or row[0] != "remark"]
     print_table(rows)

@@ -13,7 +13,7 @@ ENDINGS: Final = (".nc", ".csv", ".parquet")
 
 
 class _WithMeasures(click.Command):
-    """Lists the measures behind its help."""
+    """A command whose help lists the measures at its end."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The measures; those of each column of a trajectory in four lines."""
@@ -33,10 +33,12 @@ class _WithMeasures(click.Command):
 @options.engines
 @options.accuracy
 @options.assignments
-@options.single("--path", metavar="WAY", default="up", help="Way through each row: up (default), down or both.")
-@click.option("--claims/--no-claims", default=True, help="Estimate the error of every number (default), or save half of the time.")
-@options.output("What came of every point: a .nc, .csv or .parquet file.")
-@options.single("--plot", metavar="FILE", help="Where a picture goes besides: lines over one key, a heat map over two.")
+@options.single("--path", metavar="WAY", default="up", help="Direction through each row: up (default), down or both.")
+@click.option(
+    "--claims/--no-claims", default=True, help="Estimate the error of every number (default), or not, which saves half of the time."
+)
+@options.output("File for the result of every point: .nc, .csv or .parquet.")
+@options.single("--plot", metavar="FILE", help="File for a picture: lines over one key, a heat map over two.")
 @options.of_workshop
 @options.json
 def command(
@@ -54,10 +56,10 @@ def command(
 ) -> int:
     """Measure the settled motion of every machine of a grid.
 
-    Any key of a case file varies, with values and units as there, and so do engines ("engine = reference; mujoco"). Each row of the grid is
-    computed as a whole, from one point to the next, and stored: an interrupted study goes on with the same command.
+    Any key of a case file can vary, with values and units as there, and so can engines ("engine = reference; mujoco"). Each row of the grid
+    is computed as a whole, from one point to the next, and stored: an interrupted study goes on with the same command.
 
-    Points that are unstable, that cannot be, or that fail are results and have a status; exit code 3 where no point has a number.
+    Points that are unstable, impossible or fail are results and have a status; exit code 3: no point has a number.
     """
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""How `simulate`, `plot` and `animate` come by trajectories."""
+"""Gets the trajectories for `simulate`, `plot` and `animate`."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Attempt:
-    """How an engine fared on a case."""
+    """The outcome of an engine on a case."""
 
     case: "Case"
     engine: str
@@ -28,11 +28,11 @@ class Attempt:
     store: "Store | None"
 
     def answer(self) -> Answer:
-        """What came of it. Raises as `questions.value_of`."""
+        """The answer. Raises as `questions.value_of`."""
         return questions.value_of(self.outcome)
 
     def solution(self) -> Solution:
-        """The trajectory and what is known of it. Raises as `answer`, and EngineFailure: the run broke down."""
+        """The solution. Raises as `answer`, and EngineFailure if the run failed."""
         return Solution.of(self.case, self.request, self.answer(), self.store if self.outcome.job.lasts else None, self.outcome.stored)
 
 
@@ -44,7 +44,7 @@ def attempts(
     estimate: bool = True,
     meanwhile: Sequence[str] = (),
 ) -> list[Attempt]:
-    """Each engine on each case, as far as that cannot be known beforehand; `meanwhile` as of `options.answered`.
+    """The outcome of each engine on each case, after all checks; `meanwhile` as for `options.answered`.
 
     Raises as `questions.check`.
     """
@@ -74,10 +74,10 @@ def attempts(
 def trajectories(
     cases: "Sequence[Case]", engines: Sequence[str], settings: Mapping[str, Mapping[str, str]], accuracy: float | None
 ) -> "dict[tuple[str, str], Trajectory]":
-    """Trajectories by case and engine; what is missed of the accuracy is told.
+    """Trajectories by case and engine; a message names each missed accuracy.
 
     Raises:
-        Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: one cannot, or failed.
+        Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: an engine cannot simulate a case, or failed.
     """
     found = {}
     for each in attempts(cases, engines, settings, accuracy):

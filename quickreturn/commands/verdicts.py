@@ -1,4 +1,4 @@
-"""What `run` and `compare` say of engines held against each other: exit code and JSON document."""
+"""Exit code and JSON document of `run` and `compare`."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Sequence[str]) -> int:
-    """Tell on standard error what did not come to a result; `engines` are those that were asked for by name."""
+    """The exit code; runs without a result are named on standard error. `engines`: those asked for by name."""
     results = [result.whole for result in results]
     for result in results:
         for each in result.failures:
@@ -35,7 +35,7 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
 
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
-    """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
+    """The JSON document of `run` and `compare`: recorded tables follow the engines."""
     results = [result.whole for result in results]
     return {
         "cases": [
@@ -71,6 +71,6 @@ def _resonance(mechanism: "Mechanism") -> dict[str, Any] | None:
 
 
 def _as_document(run: "Run") -> dict[str, Any]:
-    """All that is known of a run but its cycle."""
+    """Everything about a run except its cycle."""
     known = {name: value for name, value in vars(run).items() if name != "cycle"}
     return known | {"settling": run.settling and {**vars(run.settling), "sentence": run.settling.sentence()}}

@@ -2,8 +2,8 @@
 
     from quickreturn.derive import Model, System, turned
 
-A `System` is described by its coordinates, bodies, beams, loads and loops; a `Model` derives its equations of motion, compiles them and
-moves them. Nothing here knows a particular mechanism.
+A `System` describes coordinates, bodies, beams, loads and loops; a `Model` derives its equations of motion, compiles and integrates them.
+Nothing here knows a particular mechanism.
 """
 
 try:

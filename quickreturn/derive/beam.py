@@ -1,4 +1,4 @@
-"""A slender flexible beam in a frame that moves, as mass points at Gauss abscissae (thesis, section 4.2)."""
+"""A slender flexible beam in a moving frame, as mass points at Gauss abscissae (thesis, section 4.2)."""
 
 from collections.abc import Callable, Sequence
 from functools import partial, reduce
@@ -33,25 +33,27 @@ class Beam:
     """An Euler beam that leaves `origin` at `angle`, inextensible unless `stretch` is given.
 
     Args:
-        system: that it is part of.
+        system: the system that contains the beam.
         name: of the beam.
-        origin: place of its begin.
+        origin: place of its beginning.
         angle: of its frame from n1, rad.
-        edges: arc lengths (m) of the cells, from the begin to the end. Each has Gauss points; a moving slider's place is a frozen edge.
+        edges: arc lengths (m) of the ends of the cells, from 0 to the end. Each cell has Gauss points; a moving slider's place is a frozen
+            edge.
         mass_per_length: kg/m.
-        tangent: angle of the tangent in the frame, rad: places follow without approximation. Or
-        deflection: across the frame's first axis, m, with
+        tangent: angle of the tangent in the frame, rad; the places follow exactly. Alternatively
+        deflection: displacement across the frame's first axis, m, with
         stretch: displacement along it, m, and
-        foreshortening: whether a deflection draws the points back, by half the integral of its slope's square (thesis, section 4.2).
-        bending_stiffness: N m^2; none where the strain energy is stated otherwise.
+        foreshortening: whether a deflection moves the points towards the origin, by half the integral of its squared slope (thesis, section
+            4.2).
+        bending_stiffness: N m^2; None if the strain energy is given separately.
         axial_stiffness: N.
-        damping: per length, on the velocity in the frame, N s/m^2.
+        damping: damping per length of the velocity relative to the frame, N s/m^2.
         points: Gauss points per cell.
 
     Attributes:
         x: places of all Gauss points along the frame's first axis, m, a column.
         y: places of all Gauss points along its second axis, m, a column.
-        shares: of the length that the Gauss points stand for, m, a column.
+        shares: the length that each Gauss point represents, m, a column.
         lengths: of the cells, m.
     """
 
@@ -88,15 +90,15 @@ class Beam:
         system.damper(name, column(x, y), column(damping * dx, damping * dx))
 
     def place(self, s: Any) -> ca.SX:
-        """Place of the line at an arc length (m), which may move: then its rate is that of a load which travels on the beam."""
+        """Place of the line at an arc length (m). If the arc length moves, the rate of the place is that of a travelling load."""
         return self._end(self._line([0, s]), -1)
 
     def slope(self, s: Any) -> ca.SX:
-        """The tangent's angle from n1 at an arc length (m), which may move."""
+        """The tangent's angle from n1 at a fixed or moving arc length (m)."""
         return self.angle + self._line([0, s]).psi[-1]
 
     def end(self, cell: int = -1) -> ca.SX:
-        """Place of a cell's end, the last one's unless said otherwise."""
+        """Place of a cell's end, by default the last cell's."""
         return self._end(self._whole, cell)
 
     def end_slope(self, cell: int = -1) -> ca.SX:
@@ -104,7 +106,7 @@ class Beam:
         return self.angle + self._whole.psi[self._points :: self._points + 1][cell]
 
     def slider(self, cell: int, advance: ca.SX, curvature: Any) -> ca.SX:
-        """Place of a slider that takes a cell's end along; `advance` is its arc length less the frozen one.
+        """Place of a slider at a cell's end; `advance` is its arc length minus the frozen one.
 
         The line there is a parabola along the tangent: exact in place, velocity and acceleration where advance is zero.
         """
@@ -127,7 +129,7 @@ class Beam:
         return _Line(s, slope, x, deflection(s), lengths)
 
     def _integral(self, f: ca.SX, lengths: list[ca.SX]) -> ca.SX:
-        """From the begin to every point and end, of the polynomial through the points of each cell."""
+        """Integral from the beginning to every point and end, of the polynomial through the points of each cell."""
         n, (gauss, weights) = self._points, legendre.leggauss(self._points)
         series = (np.arange(n)[:, None] + 0.5) * (legendre.legvander(gauss, n - 1) * weights[:, None]).T
         to_points = ca.SX(0.5 * legendre.legval(np.append(gauss, 1.0), legendre.legint(series, lbnd=-1)).T)
@@ -147,7 +149,8 @@ def natural_shapes(supports: str, count: int) -> list[Field]:
     """Deflections of the first natural modes of a uniform beam as functions of x/L, by Ritz's method in polynomials.
 
     Args:
-        supports: of begin and end, each free, pinned or clamped, as in "clamped-free"; motions of the rigid beam come first.
+        supports: those of the beginning and the end, each free, pinned or clamped, as in "clamped-free"; motions of the rigid beam come
+            first.
         count: how many.
     """
     begin, end = ({"free": 0, "pinned": 1, "clamped": 2}[each] for each in supports.split("-"))

@@ -1,4 +1,4 @@
-"""Mistakes in a description, each told in one sentence: units that do not fit, coordinates without inertia."""
+"""Finds mistakes in a description, each named in one sentence: units that do not fit, coordinates without inertia."""
 
 from typing import Final
 
@@ -11,17 +11,17 @@ from quickreturn.derive.units import DescriptionError, in_si
 
 #: Other units of mass, length and time, in kg, m and s: no product of their small powers is 1.
 _OTHER: Final = (2.3, 1.7, 1.3)
-#: Largest relative difference that rounding leaves in an expression measured in other units.
+#: Largest relative difference from rounding when an expression is measured in other units.
 _ROUNDING: Final = 1e-7
-#: Smallest singular value of the normalised inertia and loops from which on an acceleration is determined.
+#: Smallest singular value of the normalised inertia and loops at which an acceleration counts as determined.
 _SINGULAR: Final = 1e-12
 
 
 def check_units(system: System) -> None:
-    """Measure the whole description in other units: an expression must change as its unit says.
+    """Measure the whole description in other units of mass, length and time: an expression must change as its unit says.
 
     Raises:
-        DescriptionError: names the first that does not.
+        DescriptionError: an expression does not; the sentence names the first.
     """
     known = [(system.time, 0.1, "s"), *system.parameters.values()]
     for k, c in enumerate(system.coordinates):
@@ -43,10 +43,10 @@ def check_units(system: System) -> None:
 
 
 def check_inertia(system: System, M: NDArray[np.float64], G: NDArray[np.float64]) -> None:
-    """Every acceleration must be determined, by the mass matrix (n, n) or the Jacobian of the loops (rows, n).
+    """Check that the mass matrix (n, n) or the Jacobian of the loops (rows, n) determines every acceleration.
 
     Raises:
-        DescriptionError: names the coordinate that is not.
+        DescriptionError: an acceleration is not determined; the sentence names its coordinate.
     """
     columns = np.vstack([M, G])
     sizes = np.linalg.norm(columns, axis=0)

@@ -7,7 +7,7 @@ Time is one more coordinate, whose rate is 1: z = (q, t), w = (v, 1). With e any
     mass matrix        M = sum m V^T V                   forces             Q = sum V^T F - sum m V^T (A - gravity)
     loops gap(z) = 0   G = d gap/dz,  G (q'', 0) = -b    equations          M (q'', 0) = Q + G^T force
 
-as in the thesis, equation 4.5. The row of time is the power that prescribed motions take.
+as in the thesis, equation 4.5. The row of time is the power of prescribed motions.
 """
 
 from typing import Any, Literal
@@ -24,9 +24,9 @@ class Equations:
     """A system's equations of motion as expressions in time, coordinates, speeds, parameters and rows of tables.
 
     Args:
-        system: as described.
-        form: "projection" on the free speeds, the loops solved for the coordinates that they give; or Lagrange "multipliers".
-        feedback: 1/s, rate at which a gap that the integration's error leaves decays; 0: none.
+        system: the description.
+        form: "projection" on the free speeds, with the loops solved for the coordinates that they give; or Lagrange "multipliers".
+        feedback: 1/s, rate at which the gap of a loop, due to integration errors, decays; 0: it does not.
 
     Attributes:
         M, Q: mass matrix and forces, with the row of time last.
@@ -61,7 +61,7 @@ class Equations:
             raise DescriptionError(f"a load of {system.name!r} depends on an acceleration or on a loop's force; only outputs may")
         gap, forces = column(*(loop.gap for loop in loops)), column(*(loop.force for loop in loops))
         found = [M, Q, gap, ca.jacobian(gap, self._z), self._bias(gap), 0.5 * ca.bilin(M, self._w, self._w), potential, work, heat]
-        # all derivatives are taken: frozen values become present ones
+        # after all derivatives: frozen values become present ones
         present = column(*system.frozen.values()), column(*(self.q[k] for k in system.frozen))
         found = _replaced([*found, *(e for e, _ in system.outputs.values())], *present)
         self.M, self.Q, self.gap, self.G, self.bias, kinetic, potential, work, heat, *results = found
@@ -87,7 +87,7 @@ class Equations:
         shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}
         energies = (kinetic, potential, lost, done, kinetic + potential + lost - done)
         shown |= {name: (e, "J") for name, e in zip(SHOWN[1:], energies, strict=True)}
-        # what is said of accelerations and forces, then of the speeds that the loops give
+        # substitute accelerations and forces, then the speeds that the loops give
         values = _replaced([self.rates, *(e for e, _ in shown.values())], column(self.a, forces), column(self.acceleration, self.force))
         self.acceleration, self.force, self.rates, *values = _replaced([self.acceleration, self.force, *values], self.v, velocity)
         self.outputs = {name: (e, unit) for (name, (_, unit)), e in zip(shown.items(), values, strict=True)}
@@ -99,7 +99,7 @@ class Equations:
         return self._rate(self._rate(expression))
 
     def _moving(self, points: Points, gravity: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Mass matrix, forces and first moment of mass points; in the components of their own frame, which are the shortest."""
+        """Mass matrix, forces and first moment of mass points, in components of their own frame: these are the shortest."""
         m, x, y, origin, angle = points
         frame = ca.horzcat(turned(angle, 1.0), turned(angle, 0.0, 1.0))
         ones, turn, spin, spin_up = ca.SX.ones(x.numel()), ca.jacobian(angle, self._z), self._rate(angle), self._bias(angle)
@@ -113,7 +113,7 @@ class Equations:
         return _symmetric(M), -Vx.T @ (m * Ax) - Vy.T @ (m * Ay), moment
 
     def _projected(self, feedback: float) -> tuple[ca.SX, ...]:
-        """On the free speeds u: v = B u + c, q'' = B u' + c0, so that B^T (M q'' - Q) = 0 contains no force of a loop."""
+        """The equations projected on the free speeds u: v = B u + c, q'' = B u' + c0, and B^T (M q'' - Q) = 0 has no force of a loop."""
         n, free, given = self.q.numel(), self.free, self._given
         inverse = ca.inv_minor(self.G[:, given]) if given else ca.SX(0, 0)
         B, c, c0, back = ca.SX(n, len(free)), ca.SX(n, 1), ca.SX(n, 1), ca.SX(n, 1)
@@ -128,13 +128,13 @@ class Equations:
         return acceleration, force, velocity, velocity + back
 
     def _with_multipliers(self, feedback: float) -> tuple[ca.SX, ca.SX]:
-        """With the loops' forces as unknowns; the mass matrix may be singular where loops hold what has no inertia."""
+        """The equations with the loops' forces as unknowns; the mass matrix may be singular if loops give coordinates without inertia."""
         n = self.q.numel()
         M, Q, G = self.M[:n, :n], self.Q[:n], self.G[:, :n]
         if not G.size1():
             return _solved(M, Q), ca.SX(0, 1)
         wanted = -self.bias - 2.0 * feedback * (self.G @ self._w) - feedback**2 * self.gap
-        # G^T G times any positive weight, with the same on the right side, changes no solution and makes the matrix positive definite
+        # adding G^T G times a positive weight on both sides changes no solution and makes the matrix positive definite
         weight = ca.trace(M) / ca.trace(G.T @ G)
         held = _solved(M + weight * (G.T @ G), ca.horzcat(Q + weight * (G.T @ wanted), G.T))
         force = _solved(G @ held[:, 1:], wanted - G @ held[:, 0])
@@ -156,7 +156,7 @@ def _solved(A: ca.SX, b: ca.SX) -> ca.SX:
 
 
 def _symmetric(M: ca.SX) -> ca.SX:
-    """The same by its lower half: equal elements are computed once."""
+    """The matrix from its lower half: equal elements are computed once."""
     return ca.tril2symm(ca.tril(M))
 
 

@@ -10,9 +10,9 @@ from quickreturn.derive.equations import Equations
 from quickreturn.derive.system import System, column
 from quickreturn.derive.units import DescriptionError
 
-#: Instructions beyond which nobody reads the equations, and sympy takes minutes.
+#: Largest number of instructions: beyond it the equations are unreadable, and sympy takes minutes.
 _LONGEST = 1500
-#: Numbers that are no fractions with less are written as decimals.
+#: Largest denominator: other numbers are written as decimals.
 _LARGEST_DENOMINATOR = 16
 
 

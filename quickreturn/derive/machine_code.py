@@ -1,4 +1,4 @@
-"""Compiled equations: CasADi's list of instructions as LLVM's, compiled by the library that numba brings; no C compiler is needed."""
+"""Translates CasADi's list of instructions to LLVM's and compiles them with numba's library; no C compiler is needed."""
 
 import ctypes
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from quickreturn.derive.units import DescriptionError
 Array = NDArray[np.float64]
 
 _COMPARED: Final = "{r}c = fcmp %s double {a}, %s\n{r} = uitofp i1 {r}c to double"
-#: LLVM's instructions for one of CasADi's, `a` and `b` its operands and `r` its result.
+#: LLVM's instructions for one of CasADi's, with operands `a` and `b` and result `r`.
 _TEMPLATES: Final = {
     "assign": "{r} = fadd double {a}, -0.0",
     "add": "{r} = fadd contract double {a}, {b}",
@@ -40,11 +40,11 @@ _ONE: Final = "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp l
 _TWO: Final = "fmin fmax atan2 pow fmod copysign hypot"
 _FUNCTIONS: Final = dict.fromkeys(_ONE.split(), "double {a}") | dict.fromkeys(_TWO.split(), "double {a}, double {b}")
 _CALLS: Final = {name: "{r} = call double @" + name + f"({arguments})" for name, arguments in _FUNCTIONS.items()}
-#: By CasADi's number of the operation.
+#: LLVM's instructions by CasADi's number of the operation.
 _LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEMPLATES | _CALLS).items()}
 
 #: Largest difference between machine code and interpreter, relative to an output, to a thousandth of the largest, or to a thousandth in SI:
-#: fused operations round otherwise, and where all forces vanish only that is left.
+#: fused operations round differently, and if all forces vanish only this difference is left.
 AGREEMENT: Final = 1e-9
 #: Effort of the compiler, 0 to 3. With none 30,000 instructions compile in half the time and run three to fifteen times as long.
 EFFORT: Final = 2
@@ -92,7 +92,7 @@ class MachineCode:
 
 
 def refuse_nan(names: Sequence[str], values: Array) -> None:
-    """Refuse values that are no numbers, by the name of the first."""
+    """Refuse values that are not numbers; the message names the first."""
     for name, value in zip(names, values, strict=True):
         if not np.isfinite(value):
             raise DescriptionError(f"{name} is {value} at the start; look for a root of a negative number or a division by zero there")

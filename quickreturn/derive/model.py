@@ -1,4 +1,4 @@
-"""Numbers from derived equations: start, simulation, named outputs."""
+"""Numerical evaluation of derived equations: start, simulation, named outputs."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
@@ -21,9 +21,10 @@ Values = Mapping[str, float]
 #: Time and state to the state's rate.
 Rates = Callable[[float, Array], Array]
 
-#: A loop counts as closed when its gap, over the size of the numbers in it, is below this after Newton's method.
+#: A loop counts as closed if its gap, relative to the size of its terms, is below this after Newton's method.
 CLOSED: Final = 1e-8
-#: A loop counts as staying closed when the rate of its gap, over the largest rate in the loops, is below this: given rates have few digits.
+#: A loop counts as staying closed if the rate of its gap, relative to the largest rate in the loops, is below this: given rates have few
+#: digits.
 OPENS: Final = 1e-5
 
 
@@ -61,9 +62,9 @@ class Model:
         return np.array([values[name] * in_si(unit)[0] for name, (_, _, unit) in self.system.parameters.items()])
 
     def start(self, values: Values, parameters: Values | None = None) -> Array:
-        """State at time 0 of given coordinates and rates, by name in their units; the others are zero, or as the loops give them.
+        """State at time 0 from given coordinates and rates, by name in their units; the others are zero, or follow from the loops.
 
-        A coordinate that a loop gives is found by Newton's method from its guess, unless a value is given: then that is kept.
+        Newton's method finds a coordinate that a loop gives, from its guess; a given value is kept.
 
         Raises:
             DescriptionError: an unknown name, or a loop that does not close.
@@ -123,7 +124,7 @@ class Model:
             parameters: changed values, in their units.
 
         Raises:
-            DescriptionError: a start that cannot be, or an integration that gets stuck; it says when.
+            DescriptionError: an impossible start, or an integration that gets stuck; the sentence says when.
         """
         y, p = self.start(start, parameters), self.values(parameters)
         self.check(y, p)
@@ -150,7 +151,7 @@ class Model:
         refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
 
     def error_sizes(self) -> Array:
-        """What the errors of a state are relative to where it is small; the integrals of power are not controlled."""
+        """Scales of the errors of a state where it is small; the integrals of power are not controlled."""
         size = np.array([c.size for c in self.system.coordinates])
         return np.concatenate([size, size[self.equations.free], [np.inf, np.inf]])
 
@@ -170,7 +171,7 @@ class Model:
         return np.concatenate([[time], y, p, *(table.at(y[table.index]) for table in self.system.tables)])
 
     def state(self, q: Array, v: Array) -> Array:
-        """State of all coordinates and rates, those that the loops give among them."""
+        """State from all coordinates and rates, including those that the loops give."""
         return np.concatenate([q, v[self.equations.free], [0.0, 0.0]])
 
     def loops(self, q: Array, p: Array) -> tuple[Array, Array, Array]:

@@ -1,4 +1,4 @@
-"""How outputs change with parameters: the equations of motion differentiated, and integrated along with the motion."""
+"""Derivatives of outputs by parameters: the differentiated equations of motion are integrated along with the motion."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from quickreturn.derive.units import DescriptionError, in_si, per
 def sensitivities(
     model: Model, to: Sequence[str], start: Values, duration: float, step: float, tolerance: float = 1e-9, parameters: Values | None = None
 ) -> pd.DataFrame:
-    """Derivatives of all outputs by parameters on a uniform grid of time, exact but for the integration.
+    """Derivatives of all outputs by parameters on a uniform grid of time, exact except for the integration error.
 
     Args:
         model: in the form "projection", without tables.

@@ -41,7 +41,7 @@ class Statics:
         self._moving = [k for k in range(n) if k not in self._held]
         force, now = ca.SX.sym("force", e.gap.numel()), ca.SX.sym("now", n)
         M, Q, G, gap = e.M[:n, :n], e.Q[:n], e.G[:, :n], e.gap
-        # what a table says changes with its coordinate
+        # values of a table change with its coordinate
         moved = column(*(t.row + t.row_slope * (e.q[t.index] - now[t.index]) for t in system.tables))
         M, Q, G, gap = ca.substitute([M, Q, G, gap], [column(*(t.row for t in system.tables))], [moved])
         balance = Q + G.T @ force
@@ -54,7 +54,7 @@ class Statics:
         """Coordinates at rest under the forces, by name in their units, found from a start by Newton's method.
 
         Raises:
-            DescriptionError: none is found.
+            DescriptionError: no equilibrium is found.
         """
         system, moving = self._model.system, self._moving
         q = self._model.start(start, self._parameters)[: len(self._names)]
@@ -65,7 +65,7 @@ class Statics:
             lacking = np.concatenate([balance[moving], gap])
             step = np.linalg.lstsq(J, -lacking, rcond=None)[0]
             if np.linalg.norm(J @ step + lacking) > 1e-6 * np.linalg.norm(lacking) + 1e-12 * np.linalg.norm(J):
-                break  # no motion balances the forces
+                break  # no displacement balances the forces
             q[moving] += step[: len(moving)]
             force += step[len(moving) :]
             rounding = 1e-14 * np.abs(J) @ np.abs(np.concatenate([q[moving], force]))
@@ -74,7 +74,7 @@ class Statics:
         raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer, or a spring")
 
     def linearised(self, at: Values) -> Linear:
-        """Small motions about a configuration at rest, whose other coordinates the loops give."""
+        """Linear equations for small motions about a configuration at rest; the loops give its other coordinates."""
         q = self._model.start(at, self._parameters)[: len(self._names)]
         nothing = np.zeros(self._model.equations.gap.numel())
         balance, _, G, _, _, _ = self._at(q, nothing)
@@ -96,7 +96,7 @@ def natural_frequencies(model: Model, at: Values, hold: Sequence[str] = (), para
 
     Args:
         model: of the system.
-        at: coordinates by name; the others are zero, or as the loops give them.
+        at: coordinates by name; the others are zero, or follow from the loops.
         hold: names of coordinates that do not move.
         parameters: changed values, in their units.
     """

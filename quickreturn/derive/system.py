@@ -9,12 +9,12 @@ import casadi as ca
 from quickreturn.derive.tables import Table
 from quickreturn.derive.units import DescriptionError, in_si
 
-#: Results that every model shows, besides coordinates, rates and forces of loops.
+#: Outputs of every model, besides coordinates, rates and forces of loops.
 SHOWN: Final = ("time", "kinetic_energy", "potential_energy", "dissipated_energy", "work", "energy_balance")
 
 
 def column(*parts: Any) -> ca.SX:
-    """All parts below each other; none: a column without rows."""
+    """All parts stacked as one column; without parts a column without rows."""
     return ca.vertcat(ca.SX(0, 1), *parts)
 
 
@@ -30,12 +30,12 @@ def turned(angle: Any, x: Any, y: Any = 0.0) -> ca.SX:
 
 
 class Coordinate(NamedTuple):
-    """A coordinate q, its speed and acceleration as symbols, and what a simulation needs to know of it, in SI."""
+    """A coordinate q, its speed and acceleration as symbols, and its data for a simulation, in SI."""
 
     name: str
     rate_name: str
     unit: str
-    size: float  # what its error is relative to
+    size: float  # scale of its error
     guess: float  # where the search for the start begins
     q: ca.SX
     v: ca.SX
@@ -53,7 +53,7 @@ class Points(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """Expressions that stay zero, the indices of the coordinates that they give, and the forces that this takes."""
+    """Expressions that stay zero, the indices of the coordinates that they give, and the forces that keep them zero."""
 
     name: str
     gap: ca.SX
@@ -63,10 +63,10 @@ class Loop(NamedTuple):
 
 
 class System:
-    """A planar mechanism as its parts, of which `Model` derives the equations of motion.
+    """A planar mechanism as its parts; `Model` derives the equations of motion.
 
-    Places are vectors along the fixed n1 and n2 (`vector`, `turned`), angles count from n1, counter-clockwise. Values are given in any
-    unit and kept in SI. `gravity` may be set, in m/s^2.
+    Places are vectors along the fixed n1 and n2 (`vector`, `turned`), angles count from n1, counter-clockwise. Values may be given in any
+    unit and are stored in SI. `gravity` may be set, in m/s^2.
     """
 
     def __init__(self, name: str) -> None:
@@ -75,24 +75,24 @@ class System:
         self.coordinates: list[Coordinate] = []
         self.points: list[Points] = []
         self.turning: list[tuple[ca.SX, ca.SX]] = []  # inertia and angle
-        self.loads: list[tuple[ca.SX, ca.SX]] = []  # what it acts on, and value
+        self.loads: list[tuple[ca.SX, ca.SX]] = []  # the place or angle that it acts on, and its value
         self.dampers: list[tuple[ca.SX, ca.SX]] = []
         self.energies: list[ca.SX] = []
         self.loops: list[Loop] = []
         self.outputs: dict[str, tuple[ca.SX, str]] = {}
         self.tables: list[Table] = []
         self.frozen: dict[int, ca.SX] = {}
-        self.stated: list[tuple[str, ca.SX, str]] = []  # what an expression is, and the unit that it must have
+        self.stated: list[tuple[str, ca.SX, str]] = []  # meaning of an expression, the expression, and its unit
 
     def constants(self, **values: tuple[float, str]) -> SimpleNamespace:
-        """Parameters by name, each as (value, unit), which simulations may change; their symbols come back as attributes."""
+        """Declare parameters by name, each as (value, unit); simulations may change them. Returns their symbols as attributes."""
         for name, (value, unit) in values.items():
             self._new(name)
             self.parameters[name] = (ca.SX.sym(name), value * in_si(unit)[0], unit)
         return SimpleNamespace(**{name: self.parameters[name][0] for name in values})
 
     def coordinate(self, name: str, unit: str, rate: str = "", size: float = 1.0, guess: float = 0.0) -> ca.SX:
-        """A coordinate; its rate is called NAME_rate, or as given. `size` and `guess` are in its unit."""
+        """A coordinate; the name of its rate is NAME_rate unless `rate` is given. `size` and `guess` are in its unit."""
         rate, factor = rate or f"{name}_rate", in_si(unit)[0]
         self._new(name, rate)
         symbols = (ca.SX.sym(name), ca.SX.sym(rate), ca.SX.sym(f"{rate}_rate"))
@@ -109,18 +109,18 @@ class System:
         return ca.jtimes(expression, column(q, v, self.time), column(v, a, 1))
 
     def freeze(self, coordinate: ca.SX) -> ca.SX:
-        """The present value of a coordinate, put in after differentiation: points move with a slider, the material does not."""
+        """The present value of a coordinate, substituted after differentiation: points move with a slider, the material does not."""
         k = self._index(coordinate)
         return self.frozen.setdefault(k, ca.SX.sym(f"{self.coordinates[k].name} now"))
 
     def table(self, coordinate: ca.SX, low: float, step: float, coefficients: Any) -> Table:
-        """Functions of a coordinate that are looked up outside the equations, see `Table`."""
+        """Functions of a coordinate from a table outside the equations, see `Table`."""
         k = self._index(coordinate)
         self.tables.append(Table(k, self.coordinates[k].unit, coordinate - self.freeze(coordinate), low, step, coefficients))
         return self.tables[-1]
 
     def body(self, name: str, mass: Any = 0.0, place: Any = None, inertia: Any = 0.0, angle: Any = None) -> None:
-        """A rigid body: mass (kg) at the place of its centre, inertia (kg m^2) about that centre, which turns by an angle."""
+        """Add a rigid body: mass (kg), place of its centre, inertia (kg m^2) about that centre, and the angle by which it turns."""
         if place is not None:
             self.mass_points(name, mass, ca.SX(0), ca.SX(0), place, 0.0)
         if angle is not None:
@@ -129,35 +129,35 @@ class System:
             self.states(f"angle of {name!r}", angle, "rad")
 
     def mass_points(self, name: str, mass: Any, x: Any, y: Any, origin: Any, angle: Any) -> None:
-        """Mass points (kg) at the places (x, y), columns, of a frame that moves."""
+        """Add mass points (kg) at the places (x, y), columns, of a moving frame."""
         self.points.append(Points(ca.SX(mass), x, y, ca.SX(origin), ca.SX(angle)))
         self.states(f"mass of {name!r}", mass, "kg")
         self.states(f"place of {name!r}", column(x, y, origin), "m")
 
     def load(self, name: str, on: Any, value: Any) -> None:
-        """A force (N) on a place or a torque (N m) on an angle; it may depend on coordinates, rates and time."""
+        """Add a force (N) on a place or a torque (N m) on an angle; it may depend on coordinates, rates and time."""
         self.loads.append((ca.SX(on), ca.SX(value)))
         self.states(f"load {name!r} times what it acts on", ca.SX(value) * on, "J")
 
     def damper(self, name: str, on: Any, coefficient: Any) -> None:
-        """A force of minus the coefficient times the rate of a place, a length or an angle."""
+        """Add a force of minus the coefficient times the rate of a place, a length or an angle."""
         self.dampers.append((ca.SX(on), ca.SX(coefficient)))
         self.states(f"coefficient of damper {name!r} times the square of what it acts on", coefficient * ca.SX(on) ** 2, "J*s")
 
     def spring(self, name: str, extension: Any, stiffness: Any) -> None:
-        """A spring of given extension (m, or a turn in rad) and stiffness."""
+        """Add a spring of given extension (m, or an angle in rad) and stiffness."""
         self.energy(name, 0.5 * ca.sum1(ca.SX(stiffness) * ca.SX(extension) ** 2))
 
     def energy(self, name: str, value: Any) -> None:
-        """A potential energy (J) of any kind."""
+        """Add a potential energy (J) of any kind."""
         self.energies.append(ca.SX(value))
         self.states(f"energy of {name!r}", value, "J")
 
     def loop(self, name: str, gap: Any, unit: str = "m", gives: Iterable[ca.SX] = ()) -> ca.SX:
-        """A closed loop, or a prescribed motion: `gap` stays zero. It determines the coordinates `gives`, as many as it has rows.
+        """Add a closed loop, or a prescribed motion: `gap` stays zero. It determines as many coordinates (`gives`) as it has rows.
 
         Returns:
-            The forces that keep it closed. They act along `gap`: on its first place, and reversed on the place subtracted.
+            The forces that keep it closed. They act along `gap`: on its first place, and reversed on the subtracted place.
         """
         gap = ca.SX(gap)
         names = [f"{name}_force"] if gap.numel() == 1 else [f"{name}_force_{k}" for k in range(1, gap.numel() + 1)]
@@ -167,7 +167,7 @@ class System:
         return self.loops[-1].force
 
     def output(self, name: str, expression: Any, unit: str) -> None:
-        """A named result: of coordinates, their rates, accelerations (`rate` of a rate), forces of loops and time."""
+        """Add a named result: an expression in coordinates, their rates, accelerations (`rate` of a rate), forces of loops and time."""
         self._new(name)
         self.outputs[name] = (ca.SX(expression), unit)
         self.states(f"output {name!r}", expression, unit)

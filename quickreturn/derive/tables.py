@@ -1,4 +1,4 @@
-"""Functions of a coordinate that are looked up outside the equations, such as shapes that follow a slider."""
+"""Functions of a coordinate from tables outside the equations, such as shapes that follow a slider."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,15 +11,15 @@ Array = NDArray[np.float64]
 
 
 class Table:
-    """Columns that are cubic in a coordinate s on intervals of equal length; the equations see their values at the present s.
+    """Columns that are cubic in a coordinate s on intervals of equal length; the equations use their values at the present s.
 
     Args:
         index: the coordinate's place among the coordinates.
         unit: of the coordinate.
-        away: s less its frozen value: 0, whose derivative by s is 1.
+        away: s minus its frozen value: its value is 0, its derivative by s is 1.
         low: smallest s, in SI.
         step: length of the intervals, in SI.
-        coefficients: shape (intervals, 4, columns), of powers of s less the interval's begin, the highest first.
+        coefficients: shape (intervals, 4, columns), of powers of s minus the beginning of the interval, the highest first.
     """
 
     def __init__(self, index: int, unit: str, away: ca.SX, low: float, step: float, coefficients: Any) -> None:
@@ -27,17 +27,17 @@ class Table:
         self.put(low, step, coefficients)
         self.row = ca.SX.sym("row", self.coefficients.shape[2])
         self.row_slope = ca.SX.sym("row slope", self.coefficients.shape[2])
-        self.units: dict[int, str] = {}  # column -> unit, of those that are used
+        self.units: dict[int, str] = {}  # column in use -> unit
         self._away = away
 
     def put(self, low: float, step: float, coefficients: Any) -> None:
-        """Other numbers, with as many columns: compiled equations serve any. The arguments are those of the class."""
+        """Replace the numbers by others with the same columns: compiled equations need no change. The arguments are those of the class."""
         self.low, self.step = low, step
         self.coefficients: Array = np.ascontiguousarray(coefficients, dtype=np.float64)
         self.high = low + step * len(self.coefficients)
 
     def function(self, unit: str, columns: Sequence[int], first: Sequence[int] = (), second: Sequence[int] = ()) -> ca.SX:
-        """f(s) = f0 + f1 d + f2 d^2 / 2 about the present s, d = 0, as a column: its derivatives by s are what the table says.
+        """f(s) = f0 + f1 d + f2 d^2 / 2 about the present s, d = 0, as a column: its derivatives by s are those of the table.
 
         Args:
             unit: of f, in SI.
@@ -53,7 +53,7 @@ class Table:
         return found
 
     def at(self, s: float, slope: bool = False) -> Array:
-        """The row at a place, or its derivative by s; outside the table no number, which makes an integrator take shorter steps."""
+        """The row at a place, or its derivative by s; NaN outside the table, which makes an integrator take shorter steps."""
         if not self.low <= s <= self.high:
             return np.full(self.row.numel(), np.nan)
         k = min(int((s - self.low) / self.step), len(self.coefficients) - 1)

@@ -1,4 +1,4 @@
-"""Units of a description, read by pint; and the mistake of a description."""
+"""Units of a description, read by pint; and the exception for a mistake in a description."""
 
 from functools import lru_cache
 from typing import Any
@@ -10,7 +10,7 @@ _BASE = ("[mass]", "[length]", "[time]")
 
 
 class DescriptionError(ValueError):
-    """A mistake in the description of a system, or a state that it cannot take, in one sentence."""
+    """A mistake in the description of a system, or an impossible state, in one sentence."""
 
 
 @lru_cache(maxsize=512)

@@ -1,6 +1,6 @@
-"""The quick-return with a flexible follower, described for `quickreturn.derive`: parts, joint, drive, and what is read off.
+"""The quick-return with a flexible follower, described for `quickreturn.derive`: parts, joint, drive and outputs.
 
-Nothing of the equations derived by hand stands here. Shared with them is the table of the follower's shapes.
+It contains no equation derived by hand. It shares only the table of the follower's shapes with them.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from quickreturn.reference_model.motion.layout import ShapeRow, Tables
 
 Array = NDArray[np.float64]
 
-#: Of a system with its follower to place, angle from n1 (rad) and curvature (1/m), at the slider, of the line that it rides on.
+#: A function of a system with its follower that gives place, angle from n1 (rad) and curvature (1/m) of the slider's line at the slider.
 Line = Callable[[System, "Follower"], tuple[ca.SX, ca.SX, ca.SX]]
 #: Units of the constants; all are SI, so that a scene's values need no conversion.
 UNITS: Final = {
@@ -38,7 +38,7 @@ UNITS: Final = {
 
 
 def constants(scene: Mechanism) -> dict[str, float]:
-    """The scene's values by the names of `UNITS`; those of a joint that gives way are zero where it is rigid."""
+    """The scene's values by the names of `UNITS`; those of a compliant joint are zero if the joint is rigid."""
     crank, drive, base, follower, tip, slider = scene.crank, scene.crank.drive, scene.base, scene.follower, scene.tip_body, scene.slider
     torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)
     return dict.fromkeys(UNITS, 0.0) | {
@@ -58,7 +58,7 @@ def constants(scene: Mechanism) -> dict[str, float]:
 
 
 class Follower(NamedTuple):
-    """The described follower: its places, where it ends, and what it stores; at the slider its place, tangent's angle and curvature."""
+    """The described follower: its places, its end and its outputs; at the slider its place, tangent's angle and curvature."""
 
     beam: Beam
     end: ca.SX
@@ -75,9 +75,9 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     Args:
         tables: shapes of the follower, at Gauss points of cells that move with the slider.
         shapes: their number.
-        rigid: whether the slider stays on its line; else it leaves it by a gap, across which joint and friction act.
-        prescribed: whether the crank turns at a known speed; else a torque drives it.
-        line: on which the slider rides; else the follower itself.
+        rigid: whether the slider stays on its line; otherwise it has a gap from it, and joint and friction act across the gap.
+        prescribed: whether the crank turns at a known speed; otherwise a torque drives it.
+        line: the line on which the slider rides; None: the follower itself.
     """
     system = System("quick-return")
     p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
@@ -119,7 +119,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     beside = 1 - gap * curvature
     moment = -p.slider_inertia * system.rate(system.rate(slope)) / beside
     along, tangent, lever = -moment * curvature, turned(slope, 1), foot - pivot
-    if rigid:  # what few shapes leave along the tangent counts for nothing: the moment about P alone
+    if rigid:  # the residual of few shapes along the tangent is ignored: only the moment about P counts
         across = (_cross(lever, held) - along * _cross(lever, tangent)) / ca.dot(lever, tangent)
     else:
         across = p.joint_stiffness * gap + p.joint_damping * system.rate(gap) + p.joint_force
@@ -128,7 +128,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     on_follower = across * normal + along * tangent
     of_crank = p.crank_mass * (_acceleration(system, center) - system.gravity)
     of_slider = p.slider_mass * (_acceleration(system, crank_tip) - system.gravity) + on_follower
-    if prescribed:  # what the force on the follower asks for; the drive's own force differs by what few shapes leave of equilibrium
+    if prescribed:  # the torque that balances the force on the follower; the drive's own force differs by the residual of few shapes
         torque = p.crank_inertia * system.rate(system.rate(q1)) + _cross(center, of_crank) + _cross(crank_tip, of_slider)
     _show(
         system,
@@ -139,7 +139,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
 
 
 def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes: int) -> Follower:
-    """Follower, tip body and base at an angle q2, with the slider at s, and what is read off them; else as for `quick_return`."""
+    """Follower, tip body and base at an angle q2, with the slider at s, and their outputs; otherwise as for `quick_return`."""
     eta = system.amplitudes("eta", shapes, "kg**0.5*m")
     pivot = vector(p.pivot_distance, 0)
 
@@ -168,7 +168,7 @@ def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes
     system.body("base", inertia=p.base_inertia, angle=q2)
     system.body("tip", p.tip_mass, tip, p.tip_inertia, turn)
     system.damper("pivot", q2, p.base_damping)
-    # friction as a damper, so that its work counts as lost: tanh(u)/u, where a rate of zero leaves 1
+    # friction as a damper, so that its work counts as dissipated: tanh(u)/u, which is 1 at a rate of zero
     u = ca.sqrt((system.rate(q2) / p.pivot_friction_rate) ** 2 + 1e-24)
     system.damper("friction of the pivot", q2, p.pivot_friction / p.pivot_friction_rate * ca.tanh(u) / u)
 
@@ -198,7 +198,7 @@ def _show(system: System, *outputs: tuple[str, Any, str]) -> None:
 
 
 def _share_of_turn(crank_angle: ca.SX, p: Any) -> ca.SX:
-    """Share of the force on the tip that acts at a crank angle: it comes and goes by a polynomial of the fifth degree."""
+    """Part of the force on the tip that acts at a crank angle: it rises and falls as a polynomial of the fifth degree."""
     whole = 2.0 * pi
     turned_by = crank_angle - p.force_from
     turned_by -= whole * ca.floor(turned_by / whole)
@@ -214,7 +214,7 @@ def _curvatures(psi: ca.SX, lengths: list[ca.SX], points: int) -> ca.SX:
 
 @cache
 def _slopes(points: int) -> ca.DM:
-    """From values at Gauss points of (-1, 1) to slopes there."""
+    """The matrix from values at Gauss points of (-1, 1) to slopes there."""
     gauss, weights = legendre.leggauss(points)
     series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
     return ca.DM(legendre.legval(gauss, legendre.legder(series)).T)
@@ -229,7 +229,7 @@ def _acceleration(system: System, place: ca.SX) -> ca.SX:
 
 
 def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
-    """Where a row of the table holds the shapes' angles and what goes with them, each with its derivatives by s.
+    """Columns of the table for the shapes' angles and related quantities, each with its derivatives by s.
 
     Points are those of a cell and its end, cell by cell.
     """

@@ -1,7 +1,7 @@
 """The engine `derived`: a witness of `reference`, whose equations of motion the computer derives from a description.
 
-It shares with `reference` the shapes that follow the slider and their tables, and what is known of their error; nothing else. The ladder's
-errors are those of the shapes, which `engines/LADDERS.md`, section 1, measures.
+It shares with `reference` the shapes that follow the slider, their tables and their known errors; nothing else. The ladder's errors are
+those of the shapes (`engines/LADDERS.md`, section 1).
 """
 
 import time
@@ -77,13 +77,13 @@ class DerivedEngine(Engine[DerivedSettings]):
         return None if find_spec("casadi") else "CasADi is not installed; pip install 'quickreturn[derive]'"
 
     def check(self, scene: Scene) -> None:
-        """Refuse also a rigid follower, and with a joint that gives way parts that it leaves without inertia."""
+        """Also refuse a rigid follower and, with a compliant joint, parts without inertia."""
         super().check(scene)
-        assert isinstance(scene, Mechanism)  # a follower alone has quantities that are not named here
+        assert isinstance(scene, Mechanism)  # `quantities` does not name those of a follower alone
         if scene.follower.is_rigid:
             raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
         if not scene.slider.is_rigid:
-            refusals.of_massless_parts(self.name, scene, " with a joint that gives way, which leaves the follower to itself")
+            refusals.of_massless_parts(self.name, scene, " with a compliant joint, which does not hold the follower")
 
     def describe(self, mechanism: Mechanism, settings: DerivedSettings) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
@@ -120,7 +120,7 @@ class DerivedEngine(Engine[DerivedSettings]):
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: DerivedSettings) -> Array:
         """Of the discretized model with two modes more than asked for, linearised by differentiation.
 
-        The shapes know neither the slider's rotary inertia nor a joint that gives way: both cost the third frequency per cents.
+        The shapes contain neither the slider's rotary inertia nor a compliant joint: each changes the third frequency by some per cent.
         """
         from quickreturn.derive import natural_frequencies
         from quickreturn.witness.description import constants
@@ -221,7 +221,7 @@ _MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
 
 
 def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
-    """The equations of a structure, compiled once; the scene's values are inputs, its shapes are put into the table."""
+    """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
     from quickreturn.derive import Model
     from quickreturn.witness.description import quick_return
 

@@ -1,6 +1,6 @@
-"""What is read off a motion by equilibrium: the bending moment of all that lies outboard, and from it curvature and shape.
+"""Recovery from equilibrium: the bending moment of all loads outboard of a place, and from it curvature and shape.
 
-Few shapes give the motion well and its curvature badly, so that moments come from the forces and the accelerations of the points instead
+Few shapes give the motion well but its curvature badly, so moments come from the forces and the accelerations of the points instead
 (reference_model/DERIVATION.md, section 6). Vectors are complex numbers, x + i y, from P along n1 and n2; arrays have a row per instant.
 """
 
@@ -39,7 +39,7 @@ class _Span(NamedTuple):
         return np.einsum("rp,rkp->rk", values @ self.series.T, legendre.legvander(t, len(self.series) - 1))
 
     def integral(self, values: Any, t: Any) -> Any:
-        """Of the polynomial through values (rows, points), from the span's begin to places t (k,) of (-1, 1)."""
+        """Integral of the polynomial through values (rows, points), from the beginning of the span to places t (k,) of (-1, 1)."""
         return 0.5 * self.length * (values @ legendre.legval(t, legendre.legint(self.series, lbnd=-1)))
 
 
@@ -72,7 +72,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     parts = [slice(k * points, (k + 1) * points) for k in range(cells)]
     slider_cell = int(np.argmin(np.abs(begins + lengths - s)[0]))  # ends at the slider
 
-    # forces outboard of a place, and their moment about P: what inertia, weight, damping, tip body, tool and slider do
+    # forces outboard of a place, and their moment about P: from inertia, weight, damping, tip body, tool and slider
     force = -beam.mass_per_length * weight - beam.damping * drift
     tip, center, on_follower, foot = vector("tip"), vector("tip_center"), vector("slider_on_follower"), vector("foot")
     body = -scene.tip_body.mass * (vector("tip_center_acceleration") - gravity)
@@ -90,7 +90,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
         moments[k] = (end_moment + inboard_moment[:, -1])[:, None] - inboard_moment[:, :-1] - _cross(z, outboard)
         end_force, end_moment = end_force + inboard_force[:, -1], end_moment + inboard_moment[:, -1]
 
-    # curvature, and with it the tangent's angle, the line, and where it meets the crank tip
+    # curvature, from it the tangent's angle, the line, and the place where it meets the crank tip
     rate = along("bending_rate")
     bent = [m / beam.bending_stiffness - damping_time * rate[:, part] for m, part in zip(moments, parts, strict=True)]
     angle, line = np.zeros((len(s), 1)), np.zeros((len(s), 1), dtype=complex)

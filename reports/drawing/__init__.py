@@ -1,1 +1,1 @@
-"""Pictures: of the documents, and of recorded tables."""
+"""Pictures for the documents and of recorded tables."""

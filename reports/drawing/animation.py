@@ -17,22 +17,22 @@ from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, new_figure
 
 FRAMES: Final = 72
 WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
-SLOWED: Final = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # how many times slower it may be shown
-TURN: Final = 4.0  # s that a turn is shown for, at least
-COLOURS: Final = 64  # lines and their smoothed edges need no more, and every further one makes the file larger
+SLOWED: Final = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # possible factors of slow motion
+TURN: Final = 4.0  # s, least duration of a turn in the picture
+COLOURS: Final = 64  # enough for lines and their smoothed edges; more colours make the file larger
 
 
 def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magnify: float | None = None) -> bytes:
-    """A file's content: the moving picture, or a page with it that opens from disk.
+    """The content of a file: the moving picture, or a page that shows it and opens from disk.
 
     Args:
         case: what was simulated.
         trajectories: of the engines by name, on one output grid.
         ending: ".webp" or ".html".
-        magnify: factor of the deflection in a picture; None: a round one that shows it.
+        magnify: factor of the deflection in a picture; None: a round factor that makes the deflection visible.
 
     Raises:
-        UnknownColumn, CaseError: an engine does not tell the follower's shape; a page needs a crank.
+        UnknownColumn: an engine does not give the follower's shape. CaseError: a page needs a crank.
     """
     if ending == ".html":
         from quickreturn.reports.page.render import animation_page
@@ -51,7 +51,7 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
 
 
 def last_turn(trajectory: Trajectory) -> NDArray[np.float64]:
-    """Even times (s) of the last whole turn of the crank, or of everything where there is none, one more than `FRAMES`."""
+    """Even times (s) over the last whole turn of the crank, or over the trajectory if it has none; one more than `FRAMES`."""
     time, end = trajectory["time"], float(trajectory["time"][-1])
     angle = trajectory.columns.get("crank_angle")
     begin = float(time[0])

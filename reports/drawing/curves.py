@@ -12,12 +12,12 @@ from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Drawing, look, new_figure, tidy
 
-#: Shown where no columns are asked for.
+#: Columns that are drawn if the caller names none.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 
 WIDE: Final = 8.0  # in, of several panels
 PANEL: Final = 1.9  # in, height
-#: Unit -> what is shown in its place, and by how much a value is divided for that.
+#: Unit -> the unit in a picture, and the divisor that converts a value to it.
 _SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
-    """Columns over time, one panel for each; without any `USUAL`, as far as they are there. UnknownColumn: no trajectory has it.
+    """Draw columns over time, a panel for each; without any, those of `USUAL` that exist. UnknownColumn: no trajectory has it.
 
     `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
     """
@@ -43,7 +43,7 @@ def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[st
 
 
 def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
-    """The last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
+    """Draw the last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
     figure = new_figure(0.8 + PANEL * len(cycles), max(WIDE, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
     for row, (case, runs) in zip(grid, cycles.items(), strict=True):

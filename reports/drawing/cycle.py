@@ -1,6 +1,6 @@
 """The cycle as the axis of pictures: from the slider's farthest place (0) over the quick return (0.5) to the next (1).
 
-On it tip acceleration and the three surface strains, as in the thesis' figures A.1 to A.24.
+Over it are drawn tip acceleration and the three surface strains, as in the thesis' figures A.1 to A.24.
 """
 
 from collections.abc import Sequence
@@ -22,13 +22,13 @@ from quickreturn.reports.words import angle_text, number
 
 ACCELERATION: Final = "tip_acceleration"
 PERCENT: Final = 100.0  # strain is shown in percent of surface strain, as the thesis prints it
-WIDEST: Final = 2.0  # times the curves' own range: an axis is not widened further to show the printed labels, or curves would lie flat
+WIDEST: Final = 2.0  # times the curves' own range: limit of an axis that shows the printed labels, so that curves stay readable
 TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 BEND_IN: Final = 1e-9  # a strain below this in a whole cycle is round-off of a follower that does not bend
 
 
 def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels] = ()) -> Figure:
-    """All engines over one cycle, with the range of the printed axis labels where there are any.
+    """Draw all engines over one cycle, with the range of the printed axis labels if there are any.
 
     Args:
         result: of a case, at least one of its runs with a cycle.
@@ -87,9 +87,9 @@ def direction(run: Run) -> int:
 
 
 def stacked_panels(panels: Sequence[Axes], labels: Sequence[str], turning: int) -> None:
-    """Quantities stacked over a common axis, each with its label and unit.
+    """Arrange quantities over a common axis, each with its label and unit.
 
-    The fraction of the cycle stands below the lowest, the crank angle above the uppermost; the quick return is marked in all.
+    The fraction of the cycle is below the lowest, the crank angle above the uppermost; the quick return is marked in all.
     """
     for axes, label in zip(panels, labels, strict=True):
         tidy(axes, label)

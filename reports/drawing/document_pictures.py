@@ -1,6 +1,6 @@
-"""The pictures of the documents that do not move: `python -m quickreturn.reports.drawing.document_pictures docs/pictures`.
+"""Draws the still pictures of the documents: `python -m quickreturn.reports.drawing.document_pictures docs/pictures`.
 
-Run 24's steady state and the studies are computed where they are not stored, which takes some minutes; the methods are those of the
+It computes run 24's steady state and the studies unless they are stored, which takes some minutes; the picture of methods shows the
 recorded benchmark.
 """
 
@@ -30,10 +30,10 @@ from quickreturn.reports.long_studies import benchmarks
 
 RUN = 24
 CASE = f"thesis-{RUN}"
-COLOURS = 48  # of the palette: the most frequent ones, so that lines keep theirs exactly; their smoothed edges take the nearest
+COLOURS = 48  # in the palette: the most frequent ones, so that lines keep their colours; smoothed edges get the nearest
 
 
-#: The studies of the documents, as their commands there write them.
+#: The studies of the documents, as in the commands there.
 CURVE: Final = "180 rpm .. 260 rpm"
 MAPS: Final = {
     "peak.tip_acceleration": ("crank.prescribed_speed = 90 rpm .. 240 rpm : 101", "tip.mass = 0 g .. 50 g : 26"),
@@ -42,7 +42,7 @@ MAPS: Final = {
 
 
 def main(folder: Path) -> None:
-    """Write them into a folder."""
+    """Write the pictures into a folder."""
     case, workshop = load_case(CASE), Workshop(Store())
     (result,) = cross_validate([case], workshop)
     folder.mkdir(parents=True, exist_ok=True)
@@ -65,7 +65,7 @@ def curve(case: Case, workshop: Workshop) -> Figure:
 
 
 def png(figure: Figure) -> bytes:
-    """A small file of few colours."""
+    """A figure as a small PNG file of few colours."""
     file = io.BytesIO()
     pixels = np.asarray(Image.open(io.BytesIO(picture(figure, ".png"))).convert("RGB"), dtype=int)
     colours, which, counts = np.unique(pixels.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)

@@ -1,4 +1,4 @@
-"""The mechanism as a person would draw it: O, P, crank, slider, follower bent, tip; any number of engines over each other."""
+"""Draws the mechanism: O, P, crank, slider, bent follower, tip; any number of engines over each other."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -23,23 +23,24 @@ from quickreturn.reports.words import angle_text
 
 Array = NDArray[np.float64]
 
-SHOWN: Final = 0.15  # of the follower's length: the magnified deflection is at most that
-STRAIGHT: Final = 1e-6  # of the follower's length: less is no bending
+SHOWN: Final = 0.15  # of the follower's length: limit of the magnified deflection
+STRAIGHT: Final = 1e-6  # of the follower's length: a smaller deflection counts as none
 STEPS: Final = (1.0, 2.0, 5.0)  # of the factor, times powers of ten
 POINTS: Final = 61  # along the follower
-BESIDE: Final = np.array([18.0, 11.0])  # points: how far a name is from what it names, to the side and up
-CLEAR: Final = math.radians(120.0)  # a crank angle at which nothing covers anything
+BESIDE: Final = np.array([18.0, 11.0])  # points: distance of a name from the point that it names, to the side and up
+CLEAR: Final = math.radians(120.0)  # rad, a crank angle at which no part covers another
 MARGIN: Final = 0.07  # of the follower's length, around everything
 
 
 @dataclass(frozen=True)
 class Positions:
-    """Where everything is at n instants, in the frame of O, m.
+    """Places of all parts at n instants, in the frame of O, m.
 
     Attributes:
         time: s, shape (n,).
         crank_angle: rad, shape (n,); None where there is no crank.
-        follower: along the line from the pivot through the slider and across it, shape (n, POINTS, 2); of a follower alone along its base.
+        follower: coordinates along the line from the pivot through the slider and across it, shape (n, POINTS, 2); for a follower alone
+            along its base tangent.
         direction: of that line, rad, shape (n,).
     """
 
@@ -56,7 +57,7 @@ class Positions:
 
 
 def positions_of(scene: Scene, trajectory: Trajectory, times: Array) -> Positions:
-    """What a trajectory says of the places, at some of its times (s, shape (n,)). UnknownColumn: it does not tell the follower's shape."""
+    """The places from a trajectory, at some of its times (s, shape (n,)). UnknownColumn: it does not give the follower's shape."""
     if missing := [name for name in SHAPE if name not in trajectory.columns]:
         raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
     found = {name: np.interp(times, trajectory["time"], values) for name, values in trajectory.columns.items()}
@@ -93,7 +94,7 @@ def factor_for(motions: Sequence[Positions], length: float) -> float:
 
 
 class Scenery:
-    """A drawing of one case on some axes, whose moving parts can be put to any instant; deflections are magnified by `factor`."""
+    """A drawing of one case on some axes; `show` moves its parts to an instant. Deflections are magnified by `factor`."""
 
     def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Positions], factor: float) -> None:
         scene = case.scene
@@ -115,7 +116,7 @@ class Scenery:
         self._names = {name: _beside(axes, name, 10.0, fontsize=SMALL, color="#333333", zorder=7.0, va="center") for name in named}
 
     def _frame(self, axes: Axes, length: float) -> None:
-        """Equal scales, and limits that hold everything at every instant."""
+        """Set equal scales, and limits that contain all parts at every instant."""
         points = np.concatenate([placed.reshape(-1, 2) for placed in self._placed.values()])
         turn = self._crank_length * np.array([[-1.0, -1.0], [1.0, 1.0]])
         everything = np.concatenate([points, turn, self._pivot[None], np.zeros((1, 2))])
@@ -126,12 +127,12 @@ class Scenery:
         axes.set_axis_off()
 
     def _fixed(self, axes: Axes, case: Case) -> None:
-        """What does not move: the pivots with their names, the crank's circle with the quick return marked."""
+        """Draw the fixed parts: the pivots with their names, the crank's circle with the quick return marked."""
         LA, d = self._crank_length, self._pivot[0]
         if LA:
             turn = np.linspace(0.0, 2.0 * np.pi, 181)
             axes.plot(LA * np.cos(turn), LA * np.sin(turn), color="#BBBBBB", linewidth=0.8, zorder=1.0)
-            # the follower swings back while the crank passes between the places where it stands across the follower
+            # the follower swings back while the crank passes between the two places where it is perpendicular to the follower
             limit = math.acos(min(LA / d, 1.0))
             back = np.linspace(-limit, limit, 61)
             axes.plot(LA * np.cos(back), LA * np.sin(back), color=QUICK, linewidth=2.0, alpha=0.6, zorder=1.1)
@@ -141,7 +142,7 @@ class Scenery:
         _beside(axes, "P", -16.0, x=d, fontsize=FONT_SIZE)
 
     def show(self, instant: int, said: str) -> None:
-        """Put everything to an instant; `said` stands below."""
+        """Move all parts to an instant, with the text `said` below."""
         first = next(iter(self._motions.values()))
         along = np.array([math.cos(first.direction[instant]), math.sin(first.direction[instant])])
         end = self._pivot + first.follower[instant, -1, 0] * along
@@ -157,7 +158,7 @@ class Scenery:
             self._crank.set_data([0.0, slider[0]], [0.0, slider[1]])
             self._slider.set_data(slider[:1], slider[1:])
             where |= {"crank": 0.5 * slider, "slider": slider}
-            # the crank's name on the side that is away from the follower, the slider's on the other side of that
+            # the crank's name on the side away from the follower, the slider's on the other side
             across = np.array([-along[1], along[0]])
             away = across if slider @ across < 0.0 else -across  # from the follower to O
             beside_crank = np.array([-slider[1], slider[0]]) / self._crank_length
@@ -170,12 +171,12 @@ class Scenery:
 
 
 def _beside(axes: Axes, name: str, up: float, x: float = 0.0, **look: Any) -> Any:
-    """A name so many points above a place on the axis of x."""
+    """Write a name `up` points above a place on the x axis."""
     return axes.annotate(name, (x, 0.0), (0.0, up), textcoords="offset points", ha="center", **look)
 
 
 def legend(motions: Mapping[str, Positions], factor: float) -> list[Line2D]:
-    """Samples of the engines' lines and of the quick return, and by how much the deflection is magnified."""
+    """Samples of the engines' lines and of the quick return, and the factor of the deflection."""
     said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
     samples = [Line2D([], [], label=label, **look(label)) for label in motions]
     samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}"))
@@ -185,7 +186,7 @@ def legend(motions: Mapping[str, Positions], factor: float) -> list[Line2D]:
 
 
 def mechanisms(cases: Sequence[Case]) -> Drawing:
-    """Cases with their followers straight, one below the other."""
+    """Draw cases with straight followers, one below the other."""
     motions = [unbent(case) for case in cases]
     figure = new_figure(0.3 + 3.2 * len(cases), WIDE)
     for axes, case, motion in zip(figure.subplots(len(cases), 1, squeeze=False)[:, 0], cases, motions, strict=True):

@@ -1,4 +1,4 @@
-"""Recorded tables over the turn that is compared, with the engines that they are held against."""
+"""Draws recorded tables over the turn that is compared, with the engines that they are compared with."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -14,7 +14,7 @@ from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.cycle import direction, fraction, stacked_panels
 from quickreturn.reports.drawing.style import all_looks, legend_above, new_figure, note, picture
 
-#: Columns drawn of a table.
+#: Columns of a table that are drawn.
 MOST_PANELS: Final = 8
 
 
@@ -24,7 +24,7 @@ def drawn(results: Sequence[CaseResult], ending: str) -> bytes:
 
 
 def draw_recorded(results: Sequence[CaseResult]) -> Figure:
-    """The columns of the tables of each result over the turn that is compared."""
+    """Draw the columns of the tables of each result over the turn that is compared."""
     names = [_names(result) for result in results]
     figure = new_figure(1.2 + 1.25 * sum(map(len, names)))
     panels = list(np.ravel(figure.subplots(sum(map(len, names)), 1, sharex=True, squeeze=False)))
@@ -48,11 +48,11 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
 
 
 def _names(result: CaseResult) -> list[str]:
-    """The columns drawn of a result: those that tell of vibration first."""
+    """The columns of a result that are drawn: those with vibration first."""
     names = [name for name in (*VIBRATING, *COLUMNS) if name not in GROWING and any(name in run.cycle for run in result.recorded.values())]
     return list(dict.fromkeys(names))[:MOST_PANELS]
 
 
 def _plain(name: str) -> str:
-    """The name as plain text: matplotlib would take what stands between two dollar signs for a formula, and hide what begins with _."""
+    """The name as plain text: matplotlib would read text between dollar signs as a formula, and hide names that begin with _."""
     return name.replace("$", r"\$").lstrip("_")

@@ -1,4 +1,4 @@
-"""A resonance curve as a picture: stable parts as lines, unstable ones dashed, special points as marks, peaks with their orders."""
+"""Draws a resonance curve: stable parts as lines, unstable ones dashed, special points as marks, peaks with their orders."""
 
 from matplotlib.figure import Figure
 
@@ -9,12 +9,12 @@ from quickreturn.reports.looks import looks
 
 
 def draw(figure: Figure, curve: ResonanceCurve, mark: float | None = None) -> None:
-    """Draw a panel for each measure over what varies.
+    """Draw a panel for each measure over the varied quantity.
 
     Args:
-        figure: an empty one.
+        figure: an empty figure.
         curve: the curve.
-        mark: a value of what varies (SI) at which a machine runs; None: none.
+        mark: value of the varied quantity (SI) at which the machine runs; None: no mark.
     """
     panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
     shown = curve.values / curve.range.size

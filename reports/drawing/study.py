@@ -1,4 +1,4 @@
-"""A study over one or two keys as a picture: lines, or heat maps. Points that did not settle are marked by how they ended."""
+"""Draws a study over one or two keys: lines, or heat maps. Marks show the status of points that did not settle."""
 
 import itertools
 from collections.abc import Iterator, Sequence
@@ -25,11 +25,11 @@ from quickreturn.cases.sweep.study import Study
 from quickreturn.cases.units import unit_size
 from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
-#: Largest number of values of a second key that are drawn as lines; more make a map.
+#: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
 LINES: Final = 6
 #: Ratio of the largest to the smallest value above which their axis is logarithmic.
 DECADE: Final = 10.0
-#: Colours of a map, about: a logarithmic scale has at least so many.
+#: Approximate number of colours of a map: a logarithmic scale has at least so many.
 COLOURS: Final = 10
 #: Steps of a logarithmic scale within a decade, from coarse to fine.
 STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
@@ -50,14 +50,14 @@ _DARK: Final = "#222222"
 
 
 def drawable(axes: Sequence[Axis]) -> bool:
-    """Whether a study has a picture: it needs a key with finite numbers in order, and at most one more, with such numbers or few values."""
+    """Whether a study can be drawn: it needs a key with finite numbers in order, and at most one more, with such numbers or few values."""
     numbers = [np.array(each.values, dtype=float) for each in axes if each.unit]
     ordered = all(np.isfinite(each).all() and len(set(np.sign(np.diff(each)))) == 1 for each in numbers)
     return bool(numbers) and ordered and len(axes) <= 2 and all(bool(each.unit) or len(each.texts) <= LINES for each in axes)
 
 
 def draw(found: Study) -> Figure:
-    """A panel for each measure; of maps also for each way through them. The study must be `drawable`."""
+    """Draw a panel for each measure; for maps also for each direction of the rows. The study must be `drawable`."""
     axes = found.grid.axes
     along = max((place for place, each in enumerate(axes) if each.unit), key=lambda place: len(axes[place].texts))
     mapped = len(axes) == 2 and len(axes[1 - along].texts) > LINES
@@ -83,7 +83,7 @@ def draw(found: Study) -> Figure:
 
 
 def _scaled(axis: Axis) -> tuple[Array, str]:
-    """The values in the unit in which they were given, or in SI where that are several, and the label with it."""
+    """The values in the unit in which they were given, or in SI if there are several units, and the label with the unit."""
     units = {text.partition(" ")[2] for text in axis.texts}
     unit = units.pop() if len(units) == 1 else axis.unit
     size = unit_size(unit, dimension_of(axis.key)) if unit and unit != "1" else 1.0
@@ -96,7 +96,7 @@ def _wide(values: Array) -> bool:
 
 
 def _lines(panel: Axes, found: Study, along: int, measure: int, statuses: Sequence[str]) -> list[Artist]:
-    """A measure over a key, a line for each way and each value of the other key; what the legend says."""
+    """Draw a measure over a key, a line for each direction and each value of the other key; return the entries of the legend."""
     x, lines = _scaled(found.grid.axes[along])[0], list(_each_line(found, along))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.75, len(lines)))
     handles: list[Artist] = []
@@ -118,7 +118,7 @@ def _lines(panel: Axes, found: Study, along: int, measure: int, statuses: Sequen
 
 
 def _each_line(found: Study, along: int) -> Iterator[tuple[str, tuple[int | slice, ...]]]:
-    """Label and place in the study's arrays of each line."""
+    """Label and index in the study's arrays of each line."""
     others = [(axis, range(len(axis.texts))) for place, axis in enumerate(found.grid.axes) if place != along]
     for way, *at in itertools.product(range(len(found.ways)), *(places for _, places in others)):
         place: list[int | slice] = list(at)
@@ -130,7 +130,7 @@ def _each_line(found: Study, along: int) -> Iterator[tuple[str, tuple[int | slic
 def _map(
     panel: Axes, across: Axis, up: Axis, values: Array, endings: NDArray[np.object_], statuses: Sequence[str], label: str
 ) -> list[Artist]:
-    """A measure, shape (up, across), in steps of colour, with cells hatched that did not settle; what the legend says."""
+    """Draw a measure, shape (up, across), in steps of colour, with cells hatched that did not settle; return the legend's entries."""
     (x, _), (y, y_label) = _scaled(across), _scaled(up)
     columns, rows = _edges(x), _edges(y)
     if np.isfinite(values).any():
@@ -177,7 +177,7 @@ def _is_geometric(values: Array) -> bool:
 
 
 def _edges(values: Array) -> Array:
-    """Bounds of the cells about some values, half-way between them."""
+    """Bounds of the cells around some values, half-way between them."""
     if _is_geometric(values):
         return np.exp(_edges(np.log(values)))
     middle = 0.5 * (values[1:] + values[:-1])

@@ -1,7 +1,7 @@
-"""What all pictures have in common: sizes, colours and lines of the engines, axes.
+"""Common style of all pictures: sizes, colours and lines of the engines, axes.
 
-Pictures are 480 CSS pixels wide: two stand side by side on a screen, one fills a telephone's without its 12 pixel letters shrinking
-below 10, and printed it is 127 mm wide. Engines look as on the page.
+Pictures are 480 CSS pixels wide: two fit side by side on a screen, one fills the width of a telephone with its 12 pixel letters no smaller
+than 10, and in print it is 127 mm wide. Engines look as on the page.
 """
 
 import io
@@ -27,7 +27,7 @@ PER_INCH: Final = 192  # dots of a picture file: two to a CSS pixel, sharp on fi
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
 
-SAMPLE: Final = 4.0  # sizes of the letters, length of a legend's sample: a period of the dashes and more
+SAMPLE: Final = 4.0  # in letter sizes, length of a legend's sample: more than a period of the dashes
 POINTS_PER_INCH: Final = 72.0
 
 QUICK: Final = "#E0A21B"  # the quick return, as on the page
@@ -46,12 +46,12 @@ SCALE: Final = 0.5
 
 
 def look(engine: str) -> dict[str, Any]:
-    """Keywords of the line of an engine that stands alone or among the project's: as on the page."""
+    """Keywords of the line of an engine, alone or among the project's, as on the page."""
     return all_looks([engine])[engine]
 
 
 def all_looks(engines: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Keywords of the line of each of some engines or recorded tables: as on the page."""
+    """Keywords of the lines of some engines or recorded tables, as on the page."""
     return {name: _of_line(found) for name, found in looks(engines).items()}
 
 
@@ -83,7 +83,7 @@ def new_figure(height: float, width: float = WIDTH) -> Drawing:
 
 
 def tidy(axes: Axes, y_label: str = "") -> None:
-    """A label, ticks and a faint grid."""
+    """Add a label, ticks and a faint grid."""
     axes.set_ylabel(y_label, fontsize=FONT_SIZE)
     axes.tick_params(labelsize=SMALL, length=2.5, width=0.6)
     for spine in axes.spines.values():
@@ -93,7 +93,7 @@ def tidy(axes: Axes, y_label: str = "") -> None:
 
 
 def logarithmic(axes: Axes) -> None:
-    """A logarithmic ordinate with plain numbers at 1, 2 and 5 of each decade."""
+    """Make the ordinate logarithmic, with plain numbers at 1, 2 and 5 of each decade."""
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FormatStrFormatter("%g"))
@@ -101,14 +101,14 @@ def logarithmic(axes: Axes) -> None:
 
 
 def note(axes: Axes, x: float, y: float, text: str, **keywords: Any) -> None:
-    """A small remark inside the axes, in fractions of them, on a white ground that keeps it legible over lines."""
+    """Write a small remark inside the axes, at x and y in fractions of them, on a white ground that keeps it legible over lines."""
     chosen = {"fontsize": SMALL, "color": "#333333", "va": "top", "transform": axes.transAxes, "zorder": 5.0, **keywords}
     ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
     axes.text(x, y, text, bbox=ground, **chosen)
 
 
 def legend_above(figure: Figure, handles: Sequence[Artist], most_columns: int) -> None:
-    """A legend above all axes, where it covers nothing, in as many columns as fit."""
+    """Put a legend above all axes, where it covers nothing, in as many columns as fit."""
     fitting = [count for count in range(most_columns, 1, -1) if _legend_width(handles, count) < POINTS_PER_INCH * WIDTH]
     figure.legend(
         handles=list(handles),
@@ -122,7 +122,7 @@ def legend_above(figure: Figure, handles: Sequence[Artist], most_columns: int) -
 
 
 def _legend_width(handles: Sequence[Artist], columns: int) -> float:
-    """Estimate in points: letters are about 0.58 of the size wide, a sample and its gaps take a few sizes."""
+    """Estimated width in points: letters are about 0.58 of the font size wide, a sample and its gaps take a few font sizes."""
     longest = [max((len(str(handle.get_label())) for handle in column), default=0) for column in np.array_split(np.array(handles), columns)]
     return SMALL * sum(0.58 * letters + SAMPLE + 2.0 for letters in longest)
 

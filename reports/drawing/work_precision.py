@@ -1,4 +1,4 @@
-"""Error against solve time, all methods of a benchmark."""
+"""Draws error against solve time for all methods of a benchmark."""
 
 from collections.abc import Sequence
 from typing import Any, Final
@@ -20,15 +20,15 @@ PANELS: Final = {
     "strain": "worst strain",
     "slider_force": "slider force",
 }
-#: Errors beyond these (in percent) say nothing more.
+#: Largest errors that are shown, in percent.
 LOWEST, HIGHEST = 1e-3, 300.0
 FRONT_WIDTH: Final = 5.0
 
 
 def draw(table: Benchmark) -> Figure:
-    """Error of four observables against solve time, with the Pareto front of each.
+    """Draw the error of four observables against solve time, with the Pareto front of each.
 
-    In the hatched range errors are less than what the two solutions that stand for the truth differ by.
+    In the hatched range errors are less than the difference of the two reference solutions.
     """
     methods: dict[str, list[Point]] = {}
     for point, _ in completed(table.points):

@@ -1,1 +1,1 @@
-"""What the results say: numbers and verdicts computed from them, without a word of layout."""
+"""Numbers and verdicts computed from results, without layout."""

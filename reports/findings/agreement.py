@@ -1,4 +1,4 @@
-"""How far engines lie apart, case by case and in short."""
+"""Differences between engines, case by case and summarised."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult, Dif
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """A set of numbers in short."""
+    """Summary of a set of numbers."""
 
     median: float
     lowest: float
@@ -20,33 +20,33 @@ class Summary:
 
 @dataclass(frozen=True, kw_only=True)
 class Spread(Summary):
-    """A set of differences in short; all relative."""
+    """Summary of a set of relative differences."""
 
     worst: Difference
 
 
 def summary_of(values: Sequence[float]) -> Summary | None:
-    """Numbers in short; None if there are none."""
+    """The summary of some numbers; None if there are none."""
     return Summary(median=float(np.median(values)), lowest=min(values), highest=max(values), count=len(values)) if values else None
 
 
 def differences(
     results: Sequence[CaseResult], name: str, kind: Kind, other: str = REFERENCE, half: str | None = None, channel: str | None = None
 ) -> list[Difference]:
-    """Of all cases; see `CaseResult.differences`."""
+    """The differences of all cases; see `CaseResult.differences`."""
     return [found for result in results for found in result.differences(name, kind, other, half, channel)]
 
 
 def outward(quantity: str, difference: float) -> float:
-    """A difference (engine less other) with the sign that a reader expects: positive where the engine's number is the larger one.
+    """A difference (engine minus other) with the sign that a reader expects: positive where the engine's number is larger.
 
-    A minimum is the larger one where it is lower, for then the signal swings further; every other number where it is higher.
+    A minimum counts as larger where it is lower, because the signal then swings further; every other number where it is higher.
     """
     return -difference if quantity == "minimum" else difference
 
 
 def spread(found: Sequence[Difference]) -> Spread | None:
-    """Differences in short; None if there are none."""
+    """The summary of some differences; None if there are none."""
     short = summary_of([difference.relative for difference in found])
     return Spread(**vars(short), worst=max(found, key=lambda difference: abs(difference.relative))) if short else None
 
@@ -57,7 +57,7 @@ def engines_of(results: Sequence[CaseResult]) -> list[str]:
 
 
 def resolvable(results: Sequence[CaseResult], engine: str) -> tuple[int, int]:
-    """In how many halves of settled cycles the consensus frequency is resolvable, and of how many."""
+    """The number of halves of settled cycles with a resolvable consensus frequency, and the number of all halves."""
     usable = [result.runs[engine] for result in results if engine in result.runs and result.runs[engine].usable]
     found = [run.consensus_frequency(half) is not None for run in usable for half in HALVES]
     return sum(found), len(found)

@@ -1,4 +1,4 @@
-"""Simulated peaks against the axes of the thesis' figures: the largest label that can be read bounds what was plotted from below."""
+"""Compares simulated peaks with the axes of the thesis' figures: the largest legible label is a lower bound of the plotted curves."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ COLUMNS = {"tip_acceleration": ("tip_acceleration",), "strain": ("strain_1", "st
 
 @dataclass(frozen=True)
 class AxisComparison:
-    """One axis of a figure: the largest magnitude among its labels, SI, and of each engine the peak over the cycle as a part of it."""
+    """One axis of a figure: the largest magnitude among its labels, SI, and each engine's peak over the cycle relative to it."""
 
     figure: str
     run: int
@@ -26,17 +26,17 @@ class AxisComparison:
 
 
 def axis_comparisons(results: Sequence[CaseResult]) -> list[AxisComparison]:
-    """The appendix' figure of each run shown, where its labels are legible. All but that of run 1 show simulated and measured curves."""
+    """The appendix' figure of each run shown, if its labels are legible. All except that of run 1 show simulated and measured curves."""
     return _compared(results, lambda labels: labels.figure.startswith("A."))
 
 
 def measured_alone(results: Sequence[CaseResult]) -> list[AxisComparison]:
-    """Figures that show measured curves and no simulated ones."""
+    """Figures that show measured curves but no simulated ones."""
     return _compared(results, lambda labels: labels.has_experiment and not labels.has_simulation)
 
 
 def misfit(ratios: Sequence[float]) -> float:
-    """How far simulated peaks lie from the labels in the median, as a factor of at least 1: a ratio of 1/2 counts as one of 2."""
+    """Median factor, at least 1, between simulated peaks and labels: a ratio of 1/2 counts as one of 2."""
     return float(np.exp(np.median(np.abs(np.log(ratios)))))
 
 

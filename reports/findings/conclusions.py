@@ -1,4 +1,4 @@
-"""What becomes of each of the thesis' statements: it holds, it cannot follow from the model, or it cannot be checked."""
+"""The verdict on each of the thesis' statements: it holds, it cannot follow from the model, or it cannot be checked."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,21 +22,21 @@ CANNOT_FOLLOW: Final = "cannot follow from the model"
 UNCHECKABLE: Final = "cannot be checked"
 OUTCOMES: Final = (HOLDS, IN_PART, NOT, CANNOT_FOLLOW, UNCHECKABLE)
 
-#: "Accurate", said of a frequency, is read as: within these ratios to the converged one.
+#: Ratios to the converged frequency within which a frequency counts as "accurate".
 ACCURATE: Final = (0.97, 1.05)
-#: An effect that differs between the halves by less than this part of itself is the same in both.
+#: An effect counts as the same in both halves if it differs between them by less than this part of itself.
 ALIKE: Final = 0.1
-#: Another element helps if it brings the error below this part of what it was.
+#: Another element helps if it reduces the error below this part of the previous one.
 FALLS: Final = 0.5
-#: A mode has a pattern of signs if it shows it at this share of the crank angles.
+#: A mode has a pattern of signs if it shows the pattern at this share of the crank angles.
 MOSTLY: Final = 0.9
-#: Frequencies that differ by more than this depend on what was changed; three times what the measure itself may be off by in a strong run.
+#: Frequencies depend on a changed quantity if they differ by more than this; three times the error of the measure in a strong run.
 DEPENDS: Final = 0.015
 
 
 @dataclass(frozen=True)
 class Conclusion:
-    """A statement, what becomes of it, and the numbers that decide; `inference` marks a reading that the numbers allow but do not prove."""
+    """A statement, its verdict, and the numbers that decide; `inference` marks a reading that the numbers allow but do not prove."""
 
     statement: Statement
     outcome: str
@@ -46,13 +46,13 @@ class Conclusion:
 
 @dataclass(frozen=True)
 class Basis:
-    """What conclusions are drawn from."""
+    """The data from which conclusions are drawn."""
 
     results: Sequence[CaseResult]  # cases shown
-    thesis_modes: ThesisModes | None  # on the run that the thesis shows as its example; None if that run is not among the cases
+    thesis_modes: ThesisModes | None  # of the thesis' example run; None if that run is not among the cases
     # quantity of a statement -> run -> ratio simulation / experiment; empty as long as no measured waveform exists
     measured: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
-    finding: Sequence[Row] = ()  # the recorded study of what each effect changes; empty where there is none
+    finding: Sequence[Row] = ()  # the recorded study of each effect; empty if there is none
 
 
 def conclusions(basis: Basis) -> list[Conclusion]:
@@ -84,13 +84,13 @@ def _sentences() -> Any:
 
 
 def _told(words: str, statement: Statement, outcome: str, inference: bool = False, **facts: Any) -> Conclusion:
-    """A conclusion whose numbers are told by a macro of `templates/conclusions.jinja`."""
+    """A conclusion; a macro of `templates/conclusions.jinja` writes its numbers."""
     text = getattr(_sentences(), words)(facts | {"statement": statement})
     return Conclusion(statement, outcome, text.strip().replace("\n", " "), inference)
 
 
 def _relation(statement: Statement, basis: Basis) -> Conclusion:
-    """A ratio simulation / experiment, which takes a measured waveform."""
+    """A statement on the ratio simulation / experiment, which needs a measured waveform."""
     values = basis.measured.get(statement.quantity, {})
     share = statement.share_of(values)
     outcome = UNCHECKABLE if share is None else HOLDS if statement.holds(values) else NOT
@@ -138,7 +138,7 @@ def _depends(statement: Statement, basis: Basis) -> Conclusion:
 
 
 def _largest_change(groups: Mapping[float, list[tuple[float, float]]]) -> float | None:
-    """Largest ratio less one of frequencies within a group, whose members differ in the first of each pair."""
+    """Largest ratio minus one of frequencies within a group; its members differ in the first of each pair."""
     spreads = [max(f for _, f in pairs) / min(f for _, f in pairs) - 1.0 for pairs in groups.values() if len({x for x, _ in pairs}) > 1]
     return max(spreads) if spreads else None
 
@@ -166,7 +166,7 @@ def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
 
 
 def _joint(statement: Statement, basis: Basis) -> Conclusion:
-    """What is softer than expected, by the study: a spring, which acts on both halves, or the one roller that carries after the return."""
+    """What is softer than expected, by the study: a spring, which affects both halves, or the one roller that carries after the return."""
     own = [row for row in basis.finding if row.engine == REFERENCE]
     linear, one_sided = ([row for row in own if row.effect == effect] for effect in ("linear", "post-side"))
     if not linear or not one_sided:
@@ -197,7 +197,7 @@ _RULES: Final[Mapping[str, Callable[[Statement, Basis], Conclusion]]] = {
     "post-excess": _post_excess,
     "two-modes": _two_modes,
 }
-#: What takes the run that the thesis shows as its example, with its crank held.
+#: Statements that need the thesis' example run with its crank held.
 _CRANK_HELD: Final[Mapping[str, Callable[[Statement, ThesisModes, Basis], Conclusion]]] = {
     "first-mode-range": _first_mode,
     "second-mode": _second_mode,

@@ -1,4 +1,4 @@
-"""What the parts of a machine bear, by each engine on each case, and by the one whose numbers lead."""
+"""Loads on the parts of a machine, by each engine on each case, and by the leading engine."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CaseLoads:
-    """What engines find on a case."""
+    """The loads of a case by each engine."""
 
     case: Case
-    loads: dict[str, Loads]  # by engine, of those with a cycle that can be used
-    models: frozenset[str] = frozenset()  # engines whose discretization is their model, so that a difference is no error of theirs
+    loads: dict[str, Loads]  # by engine, for those with a usable cycle
+    models: frozenset[str] = frozenset()  # engines whose discretization is their model: a difference is not an error of theirs
 
     @property
     def lead(self) -> str:
-        """The engine whose numbers are told: `reference`, else the first that gives a stress; "" where none does, or it is zero."""
-        from quickreturn.cases.runs.comparison import REFERENCE  # what a single trajectory bears needs no comparison
+        """The engine whose numbers are shown: `reference`, or else the first that gives a stress; "" if none does, or if it is zero."""
+        from quickreturn.cases.runs.comparison import REFERENCE  # the loads of a single trajectory need no comparison
 
         stressed = [name for name, found in self.loads.items() if found.stress is not None and found.stress.largest.value > 0.0]
         return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
@@ -41,11 +41,11 @@ class CaseLoads:
 
     @cached_property
     def of_motion(self) -> float:
-        """By how much turning changes the mean first frequency, Hz, which the crank held does not tell."""
+        """Change of the mean first frequency, Hz, by the rotation of the crank, which frequencies with the crank held do not contain."""
         return abs(of_motion(self.case.mechanism))
 
     def departures(self) -> dict[str, float]:
-        """Largest stress of the other engines that simulate the same model, over that of the one that leads, less one."""
+        """Largest stress by the other engines with the same model, over that by the leading engine, minus one."""
         same = {name: found for name, found in self.loads.items() if name not in self.models}
         stress = {name: found.stress.largest.value for name, found in same.items() if found.stress is not None}
         lead = stress.pop(self.lead, 0.0)
@@ -53,14 +53,14 @@ class CaseLoads:
 
 
 def loads_of_case(result: "CaseResult") -> CaseLoads:
-    """What engines find on a case; recorded tables are left out, for they need not have the moments."""
+    """The loads of a case by each engine; recorded tables are left out, because they may lack the moments."""
     mechanism = result.case.mechanism
     found = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
     return CaseLoads(result.case, found, frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration"))
 
 
 def leading_loads(result: "CaseResult") -> CaseLoads:
-    """The same of the engine alone whose numbers are told."""
+    """The loads of a case by the leading engine alone."""
     from quickreturn.cases.runs.comparison import REFERENCE
 
     mechanism, names = result.case.mechanism, sorted(result.runs, key=lambda name: name != REFERENCE)
@@ -72,7 +72,7 @@ def leading_loads(result: "CaseResult") -> CaseLoads:
 
 
 def loads_of_cases(results: "Sequence[CaseResult]") -> list[CaseLoads]:
-    """The same of several cases."""
+    """The loads of several cases."""
     return [loads_of_case(result) for result in results]
 
 

@@ -1,4 +1,4 @@
-"""Recorded tables against the engines, number by number; and what recordings of the experiment say to the thesis' statements."""
+"""Compares recorded tables with the engines, number by number; and evaluates the thesis' statements from recordings of its experiment."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ class MeasuredHalf:
     case: str
     run: int | None  # number of the thesis' run that the case is; None for any other
     table: Run  # the recorded table
-    measure: Measure  # of it
-    engines: Mapping[str, Measure]  # engine -> the same of its cycle
+    measure: Measure  # of the table
+    engines: Mapping[str, Measure]  # engine -> the same measure of its cycle
 
     @property
     def counts(self) -> bool:
-        """Whether it is a recording of the experiment, not made up, and of a channel that section 3.5 calls valid."""
+        """Whether it is a genuine recording of the experiment, in a channel that section 3.5 calls valid."""
         recording = self.table.recording
         if recording is None or self.run is None or not recording.of_experiment or recording.declared.get("origin") == "synthetic":
             return False
@@ -33,7 +33,7 @@ class MeasuredHalf:
 
 
 def measured_halves(results: Sequence[CaseResult]) -> list[MeasuredHalf]:
-    """All recorded tables that can be held against the engines, both halves of each channel."""
+    """All recorded tables that can be compared with the engines, both halves of each channel."""
     found = []
     for result in results:
         number = run_number(result.case.name) if result.case.source == "library" else None
@@ -48,7 +48,7 @@ def measured_halves(results: Sequence[CaseResult]) -> list[MeasuredHalf]:
 def statement_values(comparisons: Sequence[MeasuredHalf], engine: str) -> dict[str, dict[int, float]]:
     """Ratios simulation / experiment for the thesis' relations: quantity of a statement -> run -> ratio.
 
-    What is no recording of the experiment, made-up curves and channels that the thesis calls unusable do not count.
+    Only recordings of the experiment count; made-up curves and channels that the thesis calls unusable do not.
     """
     values: dict[str, dict[int, float]] = {}
     valid = [item for item in comparisons if item.counts and engine in item.engines]
@@ -67,7 +67,7 @@ def statement_values(comparisons: Sequence[MeasuredHalf], engine: str) -> dict[s
 
 
 def _frequency_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None:
-    """Of the consensus over the measured channels, and over the same channels of the engine."""
+    """Ratio of the consensus over the engine's channels to that over the same measured channels."""
     pairs = [(item.engines[engine], item.measure) for item in items]
     both = [pair for pair in pairs if all(measure.first_mode_frequency is not None for measure in pair)]
     simulated, measured = (consensus_of("", [pair[side] for pair in both]).first_mode_frequency for side in (0, 1))
@@ -75,7 +75,7 @@ def _frequency_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None
 
 
 def _amplitude_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None:
-    """Geometric mean over the channels."""
+    """Ratio of amplitudes, as the geometric mean over the channels."""
     pairs = [(item.engines[engine].first_mode_amplitude, item.measure.first_mode_amplitude) for item in items]
     known = [mine / its for mine, its in pairs if mine is not None and its]
     return float(np.exp(np.mean(np.log(known)))) if known else None

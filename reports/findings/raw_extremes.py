@@ -1,8 +1,8 @@
-"""The frequency that a reader counts off a plot: half oscillations between the extremes that the eye sees.
+"""The frequency that a reader counts off a plot: half oscillations between visible extremes.
 
-This is not how anything is measured here. It is done because it is the obvious way to take a frequency from a printed curve: where a
-slow part rises and falls about the return, its hump is counted among the peaks, and what is counted differs from the first mode. How
-much depends on the smallest extreme that is counted, so several are tried.
+Nothing is measured in this way here. It is computed because it is the obvious way to take a frequency from a printed curve: where a slow
+part rises and falls about the return, the count takes its hump for a peak, and the counted frequency differs from the first mode. The
+difference depends on the smallest extreme that is counted, so several thresholds are tried.
 """
 
 from collections.abc import Sequence
@@ -21,15 +21,15 @@ from quickreturn.reports.findings.agreement import Summary, summary_of
 
 Array = NDArray[np.float64]
 
-#: Prominences from which on an extreme is counted, as parts of the signal's range over the cycle: a line's width to what nobody misses.
+#: Least prominences of counted extremes, as parts of the signal's range over the cycle: from a line's width to an obvious extreme.
 VISIBLE: Final = (0.005, 0.01, 0.02, 0.03)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Excess(Summary):
-    """By how much the counted frequency of one engine exceeds another's in a half and channel, over the cases.
+    """Excess of the counted frequency of one engine over another's in a half and channel, over the cases.
 
-    `visible` is the prominence from which on an extreme was counted.
+    `visible` is the least prominence of a counted extreme.
     """
 
     visible: float
@@ -40,7 +40,7 @@ class Excess(Summary):
 def counted_frequency(run: Run, half: str, channel: str, visible: float) -> float | None:
     """Frequency counted off the plot of a half, Hz: half the number of intervals between its extremes over their time.
 
-    None where fewer than three extremes are seen.
+    None if fewer than three extremes are visible.
     """
     times = _extremes(run.cycle["time"], run.cycle[channel], visible)
     turned = np.abs(run.cycle["crank_angle"] - run.cycle["crank_angle"][0])
@@ -57,7 +57,7 @@ def _extremes(time: Array, signal: Array, visible: float) -> Array:
 
 
 def counted_excess(results: Sequence[CaseResult]) -> list[Excess]:
-    """Per threshold, half and channel the excess of the thesis' model over the reference, where both resolve the first mode at all."""
+    """Per threshold, half and channel the excess of the thesis' model over the reference, in halves where both resolve the first mode."""
     pairs = [(result.runs[MODEL], result.runs[REFERENCE]) for result in results if {MODEL, REFERENCE} <= set(result.runs)]
     found = []
     for visible in VISIBLE:

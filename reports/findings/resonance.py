@@ -1,4 +1,4 @@
-"""The resonance curve around the speed of one's own machine: what it says of the machine, or why there is none."""
+"""The resonance curve around the speed of the user's own machine: the machine's place on it, or why there is no curve."""
 
 import math
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ from quickreturn.reference_model.rigid import crank_pace
 
 @dataclass(frozen=True)
 class Around:
-    """A machine and the curve over speeds about its own.
+    """A machine and its curve over speeds around its own.
 
     Attributes:
         case: the machine.
-        curve: over the crank's speed; None where there is none.
-        reason: why there is none (a clause).
+        curve: the curve over the crank's speed; None if there is none.
+        reason: why there is no curve (a clause).
     """
 
     case: Case
@@ -35,7 +35,7 @@ class Around:
 
     @cached_property
     def pace(self) -> float:
-        """The machine's own speed, of one that a torque drives its mean speed, rad/s."""
+        """The machine's own speed, rad/s; its mean speed if a torque drives it."""
         return crank_pace(self.case.mechanism)
 
     @property
@@ -45,7 +45,7 @@ class Around:
 
     @property
     def known(self) -> ResonanceCurve:
-        """The curve, where there is one."""
+        """The curve, if there is one."""
         assert self.curve is not None
         return self.curve
 
@@ -69,7 +69,7 @@ class Around:
         return min(self.known.special, key=lambda each: abs(each.value - self.pace), default=None)
 
     def faster(self, value: float) -> float:
-        """By what part of its speed the machine would have to turn faster to reach another one; negative where slower."""
+        """Relative difference of another speed from the machine's own; negative if the other one is slower."""
         return value / self.pace - 1.0
 
     def order_at(self, speed: float) -> int | None:
@@ -79,7 +79,7 @@ class Around:
 
     @property
     def lines(self) -> list[str]:
-        """The machine's own motion, and what is nearest, in lines for a terminal."""
+        """The machine's own motion, and the nearest peak and special point, as lines for a terminal."""
         curve, name = self.known, next(iter(self.known.measures))
         rpm, unit = curve.range.size, COLUMNS[PEAKS[name]].unit
         low, high = sorted((curve.range.low, curve.range.high))
@@ -99,7 +99,7 @@ class Around:
 
 
 def jobs_around(cases: Sequence[Case]) -> dict[str, Job[ResonanceCurve] | str]:
-    """The job of each case's curve by the case's name; of a machine that can have none, why (a clause)."""
+    """Jobs of the cases' curves by case; for a machine that cannot have a curve, the reason (a clause)."""
     found: dict[str, Job[ResonanceCurve] | str] = {}
     for case in cases:
         try:
@@ -110,7 +110,7 @@ def jobs_around(cases: Sequence[Case]) -> dict[str, Job[ResonanceCurve] | str]:
 
 
 def curves_around(cases: Sequence[Case], workshop: Workshop) -> list[Around]:
-    """The curve of each case, from the store where it is there, or why there is none.
+    """The curve of each case, from the store if it is there, or the reason why there is none.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.

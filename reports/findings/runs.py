@@ -16,7 +16,7 @@ def run_number(case_name: str) -> int | None:
 
 
 def of_library(results: "Sequence[CaseResult]", name: str) -> "CaseResult | None":
-    """The result of a case of the library, if it is among the cases shown. A case file of the same name is no run of the thesis."""
+    """The result of a case of the library, if it is among the cases shown. A user's case file of the same name does not count."""
     return next((result for result in results if result.case.name == name and result.case.source == "library"), None)
 
 
@@ -27,6 +27,6 @@ def thesis_runs(results: "Sequence[CaseResult]") -> "dict[int, CaseResult]":
 
 
 def mean_crank_speed(run: "Run") -> float:
-    """Of a run's cycle, rad/s."""
+    """Mean crank speed over a run's cycle, rad/s."""
     angle, time = run.cycle["crank_angle"], run.cycle["time"]
     return float(angle[-1] - angle[0]) / float(time[-1] - time[0])

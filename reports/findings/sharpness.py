@@ -1,7 +1,7 @@
-"""How small an error the comparison of engines would have found: errors are planted in what was measured, and judged as before.
+"""The smallest error that the comparison of engines would have found: errors are planted in the measured numbers, and judged as before.
 
-An error is planted by scaling a number of one engine, in every case alike, as an engine would show that is wrong by a factor. What both
-engines claim stays as it is. The judgement is `cases.runs.comparison.Difference.passed`.
+A planted error scales a number of one engine in every case alike, as in an engine that is wrong by a factor. The claims of both engines
+stay the same. The judgement is `cases.runs.comparison.Difference.passed`.
 """
 
 from collections.abc import Sequence
@@ -12,27 +12,27 @@ import numpy as np
 
 from quickreturn.cases.runs.comparison import KINDS, CaseResult, Difference, Kind
 
-#: Relative errors between which the smallest that is found is searched, and the precision of the search.
+#: Bounds of the search for the smallest relative error that is found, and its precision.
 SEARCHED: Final = (1e-9, 1e9)
 PRECISION: Final = 1e-3
 
 
 @dataclass(frozen=True)
 class Sharpness:
-    """What the comparisons of one kind between two engines can find; errors and tolerances are relative."""
+    """Errors that the comparisons of one kind between two engines can find; errors and tolerances are relative."""
 
-    engine: str  # the one in whose numbers errors are planted
-    other: str  # the one that it is held against
+    engine: str  # errors are planted in its numbers
+    other: str  # the engine that it is compared with
     kind: Kind  # of numbers
     compared: int  # how many
     tolerance: float  # median of the tolerances, over the number itself; of an extreme over the channel's largest magnitude
-    used: float  # largest part of a tolerance that the difference, as measured, takes up
+    used: float  # largest ratio of a measured difference to its tolerance
     found_somewhere: float  # smallest planted error, of either sign, that at least one comparison finds
     found_mostly: float  # smallest planted error, of either sign, that at least half of the comparisons find
 
 
 def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
-    """Of every pair of engines that was compared, and every kind of numbers."""
+    """The sharpness of every compared pair of engines and every kind of numbers."""
     groups: dict[tuple[str, str, Kind], list[Difference]] = {}
     kinds = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
     for check in (check for result in results for check in result.checks if check.quantity in kinds):
@@ -42,7 +42,7 @@ def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
 
 
 def smallest_found(check: Difference, sign: int) -> float:
-    """The smallest relative error of one sign (1 or -1) in the engine's number that the comparison finds; infinite where it finds none."""
+    """The smallest relative error of one sign (1 or -1) in the engine's number that the comparison finds; infinite if it finds none."""
 
     def found(error: float) -> bool:
         return not replace(check, mine=replace(check.mine, value=(1.0 + sign * error) * check.mine.value)).passed

@@ -1,8 +1,8 @@
 """Which effect would suffice for each statement of the thesis: its published model is the simulation, a changed machine the experiment.
 
 A statement compares simulation and experiment, and the experiment is lost. So each effect of the study (`cases.finding`) takes its place:
-it is held against the single cubic as published, by the readings of the statements that stand in `cases/data/thesis_statements.toml`.
-Nothing is adjusted to the words; every set is counted with the choices that it takes.
+it is compared with the single cubic as published, by the readings of the statements in `cases/data/thesis_statements.toml`. Nothing is
+adjusted to the words; every set is given with its number of choices.
 """
 
 import math
@@ -19,13 +19,13 @@ from quickreturn.reports.findings.conclusions import ACCURATE
 
 #: The row of the thesis' own model, which is the simulation.
 SIMULATION: Final = ("cubic", "1 element")
-#: Part of an axis' range from which on a vibration is seen in a printed figure.
+#: Least amplitude of a visible vibration in a printed figure, as a part of the axis' range.
 VISIBLE: Final = 0.01
-#: Hz by which a frequency may be off that is read at the return: half the resolution of a sixth of a turn of run 24, 63 ms.
+#: Error of a frequency that is read at the return, Hz: half the resolution of a sixth of a turn of run 24, 63 ms.
 RESOLUTION: Final = 8.0
-#: Statements that no joint bears on: with any, the one follows from the geometry and the other from the cubic elements alone.
+#: Statements that do not depend on the joint: one follows from the geometry, the other from the cubic elements alone.
 OF_NO_JOINT: Final = ("frequency-depends-on-crank", "more-elements")
-#: Share of the half cycles in which a frequency must be accurate to be called so ("typically").
+#: Share of the half cycles in which a frequency must be accurate for the word "typically".
 TYPICALLY: Final = 0.75
 
 Share = Callable[[Statement, Row, Row], float | None]
@@ -33,7 +33,7 @@ Share = Callable[[Statement, Row, Row], float | None]
 
 @dataclass(frozen=True)
 class Tried:
-    """A row of the study in the experiment's place: per statement the share of runs (or of what else is counted) that shows it."""
+    """A row of the study in the experiment's place: for each statement the share of runs (or of other counted items) that shows it."""
 
     row: Row
     choices: tuple[str, ...]
@@ -48,7 +48,7 @@ class Tried:
 
 @dataclass(frozen=True)
 class Split:
-    """An effect that makes the halves differ as the words ask, at the weakest strength that does: medians of the changes, as parts."""
+    """An effect that makes the halves differ as the words require, at its weakest such strength: relative changes, medians."""
 
     effect: Effect
     strength: str
@@ -57,13 +57,13 @@ class Split:
 
     @property
     def one_sided(self) -> bool:
-        """Whether it makes one roller softer than the other, the one that carries after the return."""
+        """Whether it makes the roller that carries after the return softer than the other."""
         return "slider.joint_stiffness_plus" in (self.effect.set, *self.effect.also)
 
 
 @dataclass(frozen=True)
 class Sufficiency:
-    """What becomes of a statement: with which of the sets it is shown, the least number of choices among these, the greatest share."""
+    """The verdict on a statement: the sets that show it, the least number of choices among these, the greatest share."""
 
     statement: Statement
     sets: Sequence[Tried]
@@ -84,7 +84,7 @@ def splits(rows: Sequence[Row]) -> list[Split]:
 
 
 def tried(rows: Sequence[Row]) -> list[Tried]:
-    """Every row but those of the simulation's own elements and of a second formulation; none without a study."""
+    """Every row except those of the simulation's own elements and of a second formulation; none without a study."""
     simulation = next((row for row in rows if (row.effect, row.strength) == SIMULATION), None)
     choices = {effect.id: effect.choices for effect in effects()}
     own = [row for row in rows if row.engine == REFERENCE]
@@ -103,7 +103,7 @@ def sufficiency(sets: Sequence[Tried]) -> list[Sufficiency]:
 
 
 def conflicting(found: Sequence[Sufficiency], id: str) -> list[str]:
-    """Words of the statements that some sets show, but none of those that show the one named; empty if no set shows that."""
+    """Words of the statements that some sets show, but no set that also shows the statement `id`; empty if no set shows that one."""
     mine = next(each.sets for each in found if each.statement.id == id)
     return [each.statement.words for each in found if mine and each.sets and not any(one is other for one in mine for other in each.sets)]
 
@@ -117,12 +117,12 @@ def _tried(row: Row, simulation: Row, choices: tuple[str, ...]) -> Tried:
 
 def _relation(statement: Statement, simulation: Row, row: Row) -> float | None:
     if statement.quantity == "post_over_pre_frequency" and not row.tells_halves_apart:
-        return 0.0  # an excess that the measurement cannot tell from none
+        return 0.0  # an excess within the uncertainty of the measurement
     return statement.share_of(ratios(statement.quantity, simulation, row))
 
 
 def ratios(quantity: str, simulation: Row, row: Row) -> dict[int, float]:
-    """Run -> simulation over experiment, of a quantity that statements name."""
+    """Run -> ratio simulation / experiment of a quantity that statements name."""
     if quantity == "post_over_pre_frequency":
         before, after = (ratios(f"{half}_frequency", simulation, row) for half in HALVES)
         return {run: after[run] / before[run] for run in before if run in after}

@@ -1,8 +1,7 @@
-"""Results of the long studies as small tables beside this file, which the page shows where the user's own are missing.
+"""Recorded results of the long studies as small tables beside this file; the page shows them if the user's own are missing.
 
 A row is a dataclass: fields of fields and numbers of mappings have names with a dot, other mappings are JSON, numbers have five digits.
-`python -m quickreturn.reports.long_studies` writes them; `about.csv` says of each study when, with which versions and with which code
-it was made.
+`python -m quickreturn.reports.long_studies` writes them; `about.csv` gives the date, versions and code of each study.
 """
 
 import csv
@@ -57,13 +56,13 @@ CODE: Final[Mapping[str, tuple[str, ...]]] = {
 }
 #: Significant digits of recorded numbers.
 DIGITS: Final = 5
-#: Mappings that have a column for each key; a number that is not there is left out of the first, and None in the second.
+#: Mappings with a column for each key; a missing number is left out of the first, and is None in the second.
 _NUMBERS: Final = (dict[str, float], dict[str, float | None])
 
 
 @dataclass(frozen=True)
 class About:
-    """When and with what a study was recorded."""
+    """Date, versions and code of a recorded study."""
 
     study: str
     date: str
@@ -72,7 +71,7 @@ class About:
 
     @property
     def current(self) -> bool:
-        """Whether the code is still what it was."""
+        """Whether the code is unchanged since then."""
         return self.code == code_fingerprint(CODE[self.study])
 
 
@@ -95,7 +94,7 @@ class ConditioningRow:
 
 @dataclass(frozen=True)
 class ConformanceRow:
-    """Whether an engine does what it says, and in how many checks that was found out."""
+    """Whether an engine does what it says, and the number of checks behind this."""
 
     engine: str
     version: str
@@ -112,20 +111,20 @@ class ConformanceRow:
 
     @property
     def words(self) -> str:
-        """The verdict, and what it rests on."""
+        """The verdict and the number of checks behind it."""
         unjudged = f", {self.not_judged} could not be judged" if self.not_judged else ""
         return f"{self.verdict}; {self.passed} checks passed{unjudged}"
 
 
 @cache
 def about(study: str) -> About | None:
-    """When and with what a study was recorded; None if it was not."""
+    """Date, versions and code of a recorded study; None if it was not recorded."""
     return next((found for found in table("about", About) if found.study == study), None)
 
 
 @cache
 def benchmarks() -> Mapping[str, Benchmark]:
-    """Scene -> what was measured of it."""
+    """Scene -> its measured benchmark."""
     points: dict[str, list[Point]] = {}
     for each in table("benchmark", PointRow):
         points.setdefault(each.case, []).append(each.point)
@@ -134,12 +133,12 @@ def benchmarks() -> Mapping[str, Benchmark]:
 
 @cache
 def compiling() -> list[Compiling]:
-    """What it takes to compile engines."""
+    """Times to compile engines."""
     return table("compiling", Compiling)
 
 
 def conformance() -> dict[str, str]:
-    """Engine -> verdict on whether it does what it says, with when and with which code that was found."""
+    """Engine -> verdict on whether it does what it says, with its date and code."""
     made = about("conformance")
     if made is None:
         return {}
@@ -149,22 +148,22 @@ def conformance() -> dict[str, str]:
 
 
 def confirming() -> list[Confirmation]:
-    """Solutions that confirm the converged one of the studies."""
+    """Solutions that confirm the converged solution of the studies."""
     return table("confirmation", Confirmation)
 
 
 def finding() -> list[finding_study.Row]:
-    """What each effect changes in the thesis' runs."""
+    """The changes by each effect in the thesis' runs."""
     return table("finding", finding_study.Row)
 
 
 def bands() -> list[Band]:
-    """What the scatter of quantities that the thesis does not print does to its runs."""
+    """The bands of the thesis' runs over the scatter of unprinted quantities."""
     return table("unprinted", Band)
 
 
 def class_map() -> Map:
-    """What each method takes in each class; empty if it was not recorded."""
+    """Times of each method in each class; empty if they were not recorded."""
     return Map(tuple(table("classes_scenes", classes.ClassScene)), tuple(table("classes", Reach)))
 
 
@@ -179,7 +178,7 @@ def matrix(cases: Iterable[Case]) -> Matrix | None:
 
 
 def table(name: str, kind: type[T]) -> list[T]:
-    """The rows of a table; none if it is not there."""
+    """The rows of a table; none if there is no such file."""
     path = FOLDER / f"{name}.csv"
     if not path.exists():
         return []
@@ -208,7 +207,7 @@ def _flat(item: Any, prefix: str = "") -> dict[str, str]:
 
 
 def _short(value: Any) -> Any:
-    """The same with numbers of `DIGITS` digits."""
+    """The value with numbers of `DIGITS` digits."""
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}")
     if isinstance(value, dict):

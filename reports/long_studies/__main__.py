@@ -1,6 +1,6 @@
 """Write the tables: `python -m quickreturn.reports.long_studies`.
 
-What is not stored is computed, which takes hours; `--stored` takes what is stored.
+Missing results are computed, which takes hours; `--stored` takes only stored results.
 Names of studies, as in `CODE`, choose among them: `python -m quickreturn.reports.long_studies classes`.
 """
 
@@ -29,12 +29,12 @@ from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reports.long_studies import CODE, FOLDER, About, ConditioningRow, ConformanceRow, PointRow, about, text_of
 from quickreturn.reports.machine import version
 
-#: What the page shows of a solver's statistics.
+#: Statistics of a solver that the page shows.
 STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the tables of all studies, or of those that are named; exit code 2 for an argument that is none."""
+    """Write the tables of all studies, or of the named ones; exit code 2 for an unknown argument."""
     names = [each for each in arguments if each != "--stored"]
     if unknown := sorted(set(names) - set(CODE)):
         print(f"python -m quickreturn.reports.long_studies: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
@@ -74,7 +74,7 @@ def _classes(workshop: Workshop) -> str:
     return _write("classes", reaches, f"cells of {len(scenes)} classes")
 
 
-#: Study -> what writes its tables; what it tells is "" where there is nothing.
+#: Study -> the function that writes its tables and returns a line on them, "" if there is nothing.
 _RECORDERS: Final[Mapping[str, Callable[[Workshop], str]]] = {
     "benchmark": _benchmark,
     "hard scenes": _hard_scenes,
@@ -87,7 +87,7 @@ _RECORDERS: Final[Mapping[str, Callable[[Workshop], str]]] = {
 
 
 def _conforming(workshop: Workshop) -> list[ConformanceRow]:
-    """The outcomes of all engines, from the store where they are there, those that are missing computed unless nothing shall be."""
+    """The outcomes of all engines from the store; missing ones are computed unless only stored results are asked for."""
     found = []
     for name in ENGINES:
         job = conformance.job(name)
@@ -123,7 +123,7 @@ def _write_matrix(matrix: Matrix) -> None:
 
 
 def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:
-    """Write a table, unless it would be empty; how many rows it has, in words."""
+    """Write a table, unless it would be empty; return its number of rows in words."""
     if not rows:
         return ""
     write_atomically(FOLDER / f"{name}.csv", text_of(rows).encode())

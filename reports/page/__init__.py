@@ -1,1 +1,1 @@
-"""The page: what moves on its first screen, its chapters, and how they become one file."""
+"""The page: the moving first screen, the chapters, and the file that contains them."""

@@ -1,4 +1,4 @@
-"""The answer on the first screen: what three sentences and four numbers follow from."""
+"""The answer on the first screen: the numbers behind its three sentences and four figures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ from quickreturn.reports.findings.agreement import Spread, differences, engines_
 from quickreturn.reports.findings.sufficiency import Split, splits
 from quickreturn.reports.page.content import Content
 
-#: An engine tells the same story where at most this part of its numbers differ by more than claimed.
+#: An engine counts as agreeing if at most this part of its numbers differ by more than claimed.
 FEW: Final = 0.05
-#: Engines that are packages of others, in this project's adapters.
+#: Engines that are packages of other authors, in this project's adapters.
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
@@ -31,9 +31,9 @@ class Cubic:
 
 @dataclass(frozen=True)
 class Contest:
-    """Solve times, s, to an error of the tip deflection: of the fastest method, of the next of another engine, and of the packages.
+    """Solve times, s, to an error of the tip deflection: of the fastest method, the next of another engine, and the packages.
 
-    `setup_seconds`: of the fastest. `own`: whether it is code of this project, compiled for the one mechanism.
+    `setup_seconds`: set-up time of the fastest method. `own`: whether it is code of this project, compiled for the one mechanism.
     """
 
     case: str
@@ -45,21 +45,21 @@ class Contest:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the first screen says."""
+    """The content of the first screen."""
 
-    cases: int  # how many, and `compared` of them in which anything could be judged
+    cases: int  # number of cases; in `compared` of them something could be judged
     compared: int
     engines: Sequence[str]  # names of all
-    simulations: int  # how many, and `settled` of them in their steady state at the accuracy asked
+    simulations: int  # number of simulations; `settled` of them are in their steady state at the accuracy asked
     settled: int
-    alike: Sequence[str]  # engines whose numbers agree within what is claimed, the reference first; empty where nothing could be judged
+    alike: Sequence[str]  # engines whose numbers agree within their claims, the reference first; empty if nothing could be judged
     departing: Sequence[str]  # engines that were judged and are not alike
-    frequency: Spread | None  # differences of the alike from the reference in the consensus first-mode frequency
+    frequency: Spread | None  # differences of these engines from the reference in the consensus first-mode frequency
     amplitude: Spread | None  # likewise in the first-mode amplitudes
     extreme: Spread | None  # likewise in the extremes
-    cubic: Cubic | None  # None where the thesis' model or the reference is missing
-    fastest: Contest | None  # to the second of the errors at which methods are compared; None where nothing was measured
-    splits: Sequence[Split] = ()  # what makes the halves differ as the thesis says, where that was recorded and its runs are shown
+    cubic: Cubic | None  # None if the thesis' model or the reference is missing
+    fastest: Contest | None  # to the second of the errors at which methods are compared; None if nothing was measured
+    splits: Sequence[Split] = ()  # effects that make the halves differ as the thesis says, if these were recorded and its runs are shown
 
 
 def answer_of(content: Content) -> Answer:
@@ -100,7 +100,7 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
 
 
 def contest(table: Benchmark, level: float) -> Contest:
-    """Who is fastest in a scene to an error of the tip deflection."""
+    """The fastest methods in a scene to an error of the tip deflection."""
     best = fastest_at(table.points, level)
     if not best:
         return Contest(table.case, level, [])

@@ -1,7 +1,7 @@
-"""The chapters of a report: which there are, from which facts. Their words are in `templates/chapters/`.
+"""The chapters of a report and the facts behind them. Their texts are in `templates/chapters/`.
 
-A chapter is a template with two macros, `finding` for its heading and `body`, both made from the chapter's facts. Tables and plots stand
-among the facts; whatever table is there is written as a CSV file beside the page.
+A chapter is a template with two macros, `finding` for its heading and `body`, both made from the chapter's facts. Tables and plots are
+among the facts; each table is also written as a CSV file beside the page.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -44,7 +44,7 @@ def tables_in(values: Any) -> Iterator[Table]:
             yield from tables_in(value)
 
 
-#: Chapter, its name, and what makes its facts: None where a report has nothing for it.
+#: Chapter, its name, and the function that returns its facts, None if a report has none.
 _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
     ("strength", "Will it hold?", strength.strength),
     ("resonance", "How near is a resonance?", resonance.resonance),
@@ -64,12 +64,12 @@ _CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
 )
 
 
-#: What is told first of one's own machine: itself, and what can be done next. Who agrees with whom comes after it.
+#: First chapters of a report on the user's own machine: the machine itself, and the next steps. Agreement comes after them.
 _OWN_FIRST: Final = ("strength", "resonance", "each", "runs", "recorded", "next")
 
 
 def chapters_of(content: Content) -> list[Chapter]:
-    """Those for which there is something to say, in their order; the last lists all files."""
+    """The chapters with facts, in their order; the last one lists all files."""
     order = sorted(_CHAPTERS, key=lambda chapter: _OWN_FIRST.index(chapter[0]) if chapter[0] in _OWN_FIRST else len(_OWN_FIRST))
     made = ((name, title, make(content)) for name, title, make in (order if content.is_own else _CHAPTERS))
     chapters = [Chapter(name, title, facts) for name, title, facts in made if facts is not None]

@@ -1,4 +1,4 @@
-"""Everything that the chapters speak of."""
+"""The data of all chapters."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,25 +26,25 @@ from quickreturn.reports.verification import Verification
 
 @dataclass(frozen=True, kw_only=True)
 class Content:
-    """What is known when the page is written.
+    """The data of a page.
 
     Attributes:
         results: the cases, at least one.
-        studies: None where the cases that they are about are not all among the results.
-        benchmarks: of the scenes on which methods are compared, those that there are.
-        compiling: what it takes to compile engines, where that was measured.
-        thesis_modes: on the thesis' example run; None where that is not among the results.
+        studies: results of the studies; None if their cases are not all among the results.
+        benchmarks: those of the scenes on which methods are compared, as far as they exist.
+        compiling: times to compile engines, if they were measured.
+        thesis_modes: frequencies of the thesis' example run; None if that run is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
-        finding: the recorded study of what the thesis' finding comes from.
-        bands: recorded: what the scatter of quantities that the thesis does not print does to its runs.
+        finding: the recorded study of the causes of the thesis' finding.
+        bands: recorded bands of the thesis' runs over the scatter of unprinted quantities.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
-        verification: of the long verification, if there are results.
-        conformance: engine -> verdict on whether it does what it says, where that was tried.
-        facts: about the machine.
+        verification: results of the long verification, if there are any.
+        conformance: engine -> verdict on whether it does what it says, if that was tested.
+        facts: facts about the machine.
         code: fingerprint of the code that computed the results.
         notices: sentences of the store on damaged entries.
-        around: the resonance curves of one's own machines, around their speeds.
+        around: the resonance curves of the user's own machines, around their speeds.
     """
 
     results: Sequence[CaseResult]
@@ -66,27 +66,27 @@ class Content:
 
     @property
     def thesis_results(self) -> list[CaseResult]:
-        """Those of the runs of the thesis, which is all that its statements are about."""
+        """Results of the runs of the thesis; its statements are about these only."""
         return list(thesis_runs(self.results).values())
 
     @property
     def is_own(self) -> bool:
-        """Whether it is about somebody's own machines, and no run of the thesis."""
+        """Whether the report is about the user's own machines, without a run of the thesis."""
         return not self.thesis_results
 
     @cached_property
     def loads(self) -> list[CaseLoads]:
-        """What the parts of one's own machines bear."""
+        """Loads on the parts of the user's own machines."""
         return loads_of_cases(self.results) if self.is_own else []
 
     @property
     def comparisons(self) -> list[MeasuredHalf]:
-        """Recorded tables against engines, per half and channel."""
+        """Comparisons of recorded tables with engines, per half and channel."""
         return measured_halves(self.results)
 
     @property
     def conclusions(self) -> list[Conclusion]:
-        """On the thesis' statements."""
+        """Conclusions on the thesis' statements."""
         return conclusions(Basis(self.thesis_results, self.thesis_modes, statement_values(self.comparisons, MODEL), self.finding))
 
     @property

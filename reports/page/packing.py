@@ -1,8 +1,8 @@
 """Signals as numbers that a browser unpacks: whole numbers over a column's range, third differences, bytes apart, deflate.
 
-A column of n values becomes `planes` bytes a value: 2 for what is only drawn (its range in 65,535 steps), 3 for what is read off
-(16,777,215). Differences are taken modulo 2^(8 planes), zigzag (0, -1, 1, -2 ... as 0, 1, 2, 3 ...), and the low bytes of all values stand
-before the next higher ones. `templates/script/unpack.js` undoes it.
+A column of n values becomes `planes` bytes a value: 2 for columns that are only drawn (their range in 65,535 steps), 3 for columns whose
+values are shown (16,777,215). Differences are taken modulo 2^(8 planes), zigzag (0, -1, 1, -2 ... as 0, 1, 2, 3 ...), and the low bytes of
+all values precede the next higher ones. `templates/script/unpack.js` undoes it.
 """
 
 import base64
@@ -15,21 +15,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Bytes a value of what is read off, and of what is drawn alone.
+#: Bytes for a value that is shown, and for one that is only drawn.
 READ: Final = 3
 DRAWN: Final = 2
 
 
 def packed(tables: Mapping[str, Mapping[str, Array]], drawn: frozenset[str]) -> tuple[str, dict[str, Any]]:
-    """Tables one behind the other.
+    """Pack tables one after the other.
 
     Args:
         tables: name -> column -> values, shape (n,) in each table, finite.
-        drawn: columns that are drawn alone.
+        drawn: columns that are only drawn.
 
     Returns:
-        The blob in base64, and per table its rows and how its columns lie in the blob, in their order: name, low, step, planes; values are
-        low + step * whole number.
+        The blob in base64, and for each table its number of rows and its columns in the order of the blob: name, low, step, planes; values
+        are low + step * whole number.
     """
     content, layouts = bytearray(), {}
     for name, columns in tables.items():

@@ -1,4 +1,4 @@
-"""A plot as data, which the script draws. Its numbers are those of the table whose file stands beside it."""
+"""A plot as data for the script. Its numbers are those of the table in its file."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -10,17 +10,17 @@ class Series:
     """Points of one source.
 
     Attributes:
-        name: in the legend.
-        of: engine, signal or other name whose look it has; a series of an engine is switched on and off with it.
+        name: name in the legend.
+        of: engine, signal or other name whose look it has; the engine's checkbox shows and hides its series.
         x: values on the horizontal axis.
         y: values on the vertical axis, as many; None in both: a gap in the line.
-        text: what is told of each point when it is pointed at or touched, besides the name; one per point, or nothing.
+        text: remark on each point, shown after the name when the point is touched; one per point, or nothing.
         hollow: whether its marks are hollow, as those of variants.
         line: whether the points are joined.
         broad: whether it is the broad band behind the others.
-        bars: spread of each point: from and to on the horizontal axis, from and to on the vertical one; or nothing.
+        bars: spread of each point: low and high on the horizontal axis, low and high on the vertical one; or nothing.
         marked: whether each point has a mark.
-        labels: what is written at each mark; or nothing.
+        labels: text at each mark; or nothing.
     """
 
     name: str
@@ -41,16 +41,16 @@ class Plot:
     """A plot.
 
     Attributes:
-        file: of the table with these numbers.
+        file: file of the table with these numbers.
         x: label of the horizontal axis, with its unit.
         y: label of the vertical axis, with its unit.
         series: what is drawn, later ones on top.
         log: which axes are logarithmic: "", "x", "y" or "xy".
-        below: values on the vertical axis below this mean nothing: the range is shaded.
-        categories: where one axis has texts instead of numbers, these: each is a row, and `y` belongs to the horizontal axis.
-        limit: a value that is marked by a line across the rows, and what it is.
+        below: values on the vertical axis below this are not meaningful: the range is shaded.
+        categories: texts of an axis that has rows instead of numbers; `y` then belongs to the horizontal axis.
+        limit: a value that is marked by a line across the rows, and its meaning.
         regions: areas behind the points: their corners as pairs of values.
-        here: a value on the horizontal axis that is marked by a line, and what it is.
+        here: a value on the horizontal axis that is marked by a line, and its meaning.
     """
 
     file: str
@@ -66,7 +66,7 @@ class Plot:
 
     @property
     def document(self) -> dict[str, Any]:
-        """For the script."""
+        """The plot as data for the script."""
         return asdict(self)
 
 

@@ -1,4 +1,4 @@
-"""Templates, style, script and data put together into one file that needs nothing but itself."""
+"""Combines templates, style, script and data into one self-contained file."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -16,10 +16,10 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.tables.table import csv_text
 
-#: The script's parts, in their order; and those of chapters.
+#: Parts of the script, in their order; and those for chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")
 OF_CHAPTERS: Final = ("tables.js", "marks.js", "chart.js", "plots.js", "choice.js")
-#: What an engine is, in two words for a person.
+#: Short description of an engine for a reader.
 KINDS: Final = {
     "thesis": "one curve, 1999",
     "reference": "many curves",
@@ -46,10 +46,10 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), **values: An
     """A page around a view.
 
     Args:
-        template: one that extends `page.html`.
-        view: what moves.
+        template: a template that extends `page.html`.
+        view: the moving mechanism.
         more: parts of the script besides `SCRIPT`.
-        values: what the template asks for.
+        values: values for the template.
     """
     made = environment()
     shared = {
@@ -94,7 +94,7 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
 
 
 def _first_mode(result: CaseResult) -> str:
-    """First-mode frequencies before and after the return by the engine that leads, "" where none is resolvable."""
+    """First-mode frequencies before and after the return by the leading engine, "" if none is resolvable."""
     lead = result.runs.get(REFERENCE) or next(iter(result.runs.values()))
     found = [lead.consensus_frequency(half) if lead.usable else None for half in HALVES]
     return " / ".join("n. r." if value is None else f"{value:.1f}" for value in found) + " Hz" if any(found) else ""
@@ -115,7 +115,7 @@ def animation_page(case: Case, motions: Mapping[str, Trajectory]) -> str:
 
 
 def _groups(view: View) -> dict[str, list[dict[str, Any]]]:
-    """The runs of the thesis by their crank's length, if there are no others; else none: they are chosen from a list."""
+    """The runs of the thesis by crank length, if there are no other cases; otherwise none: a list then offers the cases."""
     if len(view.runs) < 2 or not all(run["group"] for run in view.runs):
         return {}
     return {group: [run for run in view.runs if run["group"] == group] for group in dict.fromkeys(run["group"] for run in view.runs)}

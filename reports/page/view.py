@@ -1,4 +1,4 @@
-"""What moves on the first screen: engines, signals, and for each case its geometry and the engines' motion, as data for the script."""
+"""The moving first screen as data for the script: engines, signals, and for each case its geometry and the engines' motion."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ from quickreturn.reports.words import per_unit
 
 Array = NDArray[np.float64]
 
-#: Signals that the curve can show -> name, and unit on the screen.
+#: Signals of the curve -> name, and unit on the screen.
 SIGNALS: Final = {
     "tip_acceleration": ("tip acceleration", "m/s²"),
     "tip_deflection": ("tip deflection", "mm"),
@@ -38,22 +38,22 @@ SIGNALS: Final = {
 }
 #: Places along the arm at which its stress is drawn.
 ALONG: Final = 61
-#: What places the mechanism besides.
+#: Further columns that place the mechanism.
 _PLACES: Final = ("time", "crank_angle", "follower_angle")
 
 
 @dataclass
 class View:
-    """All that the script draws."""
+    """The data for the script."""
 
-    axis: str  # over which column curves are drawn: "crank_angle" of a cycle, "time" of a trajectory
+    axis: str  # column on the horizontal axis of curves: "crank_angle" of a cycle, "time" of a trajectory
     engines: Sequence[str]  # names
-    runs: list[dict[str, Any]] = field(default_factory=list)  # one per case, in the form that the script reads
+    runs: list[dict[str, Any]] = field(default_factory=list)  # one per case, in the script's form
     blobs: list[str] = field(default_factory=list)  # the packed motions of each of them
-    drawn: Sequence[str] = ()  # names of whatever else is drawn on the page
+    drawn: Sequence[str] = ()  # names of other items drawn on the page
 
     def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], loads: CaseLoads | None = None) -> None:
-        """A case with the columns of each engine that has a motion; `facts` says a word on each engine, `loads` how the arm is stressed."""
+        """Add a case with the columns of each engine that has a motion; `facts`: remarks on engines; `loads`: the stress in the arm."""
         number = run_number(case.name) if case.source == "library" else None
         kept = {name: _kept(columns) for name, columns in motions.items()}
         blob, layouts = packed(kept, frozenset(SHAPE))
@@ -73,12 +73,12 @@ class View:
 
     @property
     def looks(self) -> dict[str, Look]:
-        """The looks of all that is drawn on the page."""
+        """The looks of all items drawn on the page."""
         return looks((*self.engines, *self.drawn))
 
     @property
     def document(self) -> dict[str, Any]:
-        """What goes to the script besides the blobs."""
+        """The data for the script, without the blobs."""
         return {
             "axis": self.axis,
             "looks": {name: vars(look) for name, look in self.looks.items()},
@@ -90,12 +90,12 @@ class View:
 
 
 def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequence[CaseLoads] = ()) -> View:
-    """The steady cycles of all cases, from the slider's farthest place to the next; recorded tables stand behind the engines.
+    """The steady cycles of all cases, from the slider's farthest place to the next; recorded tables follow the engines.
 
     Args:
-        results: of the cases.
+        results: results of the cases.
         engines: names.
-        loads: what the arms bear, of those cases in which that is drawn.
+        loads: loads of the cases whose stress is drawn.
     """
     stressed = {each.case.name: each for each in loads if each.lead}
     view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
@@ -131,7 +131,7 @@ def _stress(loads: CaseLoads | None) -> dict[str, Any] | None:
 
 
 def _fact(run: Run) -> str:
-    """A word on a run: peak of the tip acceleration and first-mode frequency, or how it ended."""
+    """A remark on a run: peak of the tip acceleration and first-mode frequency, or its status."""
     if not run.usable:
         return run.status
     found = [f"{run.peak('tip_acceleration'):.1f} m/s²"] if "tip_acceleration" in run.cycle else []
@@ -140,15 +140,15 @@ def _fact(run: Run) -> str:
 
 
 def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
-    """The columns that are drawn; one with a gap is left out."""
+    """The columns that are drawn, without those that have gaps."""
     found = {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
     return {name: values for name, values in found.items() if np.all(np.isfinite(values))}
 
 
 def _scene(mechanism: Mechanism) -> dict[str, Any]:
-    """Lengths in m, and between which crank angles (rad, either side of 0) the follower swings back: where the crank is square to it.
+    """Lengths in m, and the crank angle (rad, either side of 0) at which the follower's swing back begins: crank and follower are square.
 
-    Of a joint that gives way: whether its rollers have clearance, and which of them, plus and minus, is the softer one.
+    For a compliant joint: whether its rollers have clearance, and which of them, plus or minus, is the softer one.
     """
     ratio, slider = mechanism.crank.length / mechanism.pivot_distance, mechanism.slider
     return {
@@ -165,7 +165,7 @@ def _scene(mechanism: Mechanism) -> dict[str, Any]:
 
 
 def shown_first(results: Sequence[CaseResult]) -> CaseResult:
-    """The case with which the page opens: the thesis' example, else of those where most engines have a cycle the first."""
+    """The case with which the page opens: the thesis' example, otherwise the first case in which most engines have a cycle."""
     example = of_library(results, ACCURACY_CASE)
     if example is not None and all(run.usable for run in example.runs.values()):
         return example

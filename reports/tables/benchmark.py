@@ -1,4 +1,4 @@
-"""Tables of the comparison of methods: who is fastest at which error, what falls how fast, every point, and the reference's cost."""
+"""Tables of the comparison of methods: the fastest method for each error, orders, every point, and the reference's cost."""
 
 import math
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ def fastest(tables: Sequence[Benchmark]) -> Table:
 
 
 def waiting(tables: Sequence[Benchmark]) -> Table:
-    """Of each method's fastest settings to an error what one waits for, where the time of the error estimate was measured."""
+    """Waiting time with each method's fastest settings to an error, if the time of the error estimate was measured."""
     parts = ("setup_seconds", "setup"), ("solve_seconds", "solve"), ("estimate_seconds", "error estimate"), ("waited_seconds", "together")
     seconds = (Column(key, head, "[s]", ".2g", words=duration) for key, head in parts)
     found = Table("waiting", (SCENE, Column("level", "error", "%", "g"), "method", "settings", *seconds))
@@ -56,7 +56,7 @@ def waiting(tables: Sequence[Benchmark]) -> Table:
 
 
 def compiling(found: Sequence[Compiling]) -> Table:
-    """What it takes to compile engines."""
+    """Times to compile engines."""
     parts = ("compile_seconds", "compiling, once"), ("load_seconds", "loading, in every process")
     table = Table("compiling", ("engine", *(Column(key, head, "s", ".2g") for key, head in parts)))
     for each in found:
@@ -73,7 +73,7 @@ def orders(tables: Sequence[Benchmark]) -> Table:
 
 
 def joints(table: Benchmark) -> Table:
-    """What each method's joint lets through at its finest settings."""
+    """Errors of each method's joint at its finest settings."""
     through = (Column("largest_gap", unit="m", form=".1e"), Column("spurious_share", "spurious work", "%", ".2g"))
     found = Table("joints", ("method", "settings", *through), case=case_label(table.case))
     for name in methods_of([table]):
@@ -92,7 +92,7 @@ def front(table: Benchmark) -> Table:
 
 
 def failures(tables: Sequence[Benchmark]) -> Table:
-    """Points that failed, and from where on finer settings were not tried."""
+    """Points that failed, and the settings beyond which finer ones were not tried."""
     found = Table("not_completed", (SCENE, "method", "settings", Column("status", "what happened")))
     for table in tables:
         told: set[str] = set()
@@ -138,7 +138,7 @@ def _told(point: Point) -> dict[str, Any]:
 
 
 def reference_cost(table: Benchmark) -> Table:
-    """Where the reference's time goes."""
+    """The parts of the reference's time."""
     columns = (
         Column("modes", form="d"),
         Column("tolerance", unit="1", form=".0e"),
@@ -161,7 +161,7 @@ def reference_cost(table: Benchmark) -> Table:
 
 
 def scenes(tables: Sequence[Benchmark]) -> Table:
-    """The scenes, and how the solution that errors are measured against is confirmed."""
+    """The scenes, and the confirmation of the solution that defines the error."""
     columns = (
         SCENE,
         Column("title", "what it is"),

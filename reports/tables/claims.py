@@ -1,4 +1,4 @@
-"""What engines claim, where they differ by more, and how good each of them is."""
+"""Tables of the engines' claims, of larger differences, and of accuracy classes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,11 +12,11 @@ from quickreturn.reports.findings.agreement import engines_of, outward
 from quickreturn.reports.findings.sharpness import Sharpness
 from quickreturn.reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
 
-#: The slider is at a gauge within this part of the follower's length: half of one of sixteen elements.
+#: Part of the follower's length within which the slider counts as at a gauge: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0
-#: What exceeds a tolerance by less than this part of it is marginal.
+#: A difference is marginal if it exceeds its tolerance by less than this part of it.
 MARGINAL: Final = 0.1
-#: Of one comparison, in every table of them.
+#: Columns of a comparison, in every table of them.
 _COMPARISON: Final = (
     CASE,
     Column("engine"),
@@ -55,7 +55,7 @@ def departures(results: Sequence[CaseResult]) -> Table:
 
 
 def table_departures(results: Sequence[CaseResult]) -> Table:
-    """One row per number in which a recorded table and an engine differ by more than the engine claims and the measures are uncertain."""
+    """One row per number of a recorded table that differs from an engine's by more than claim and uncertainty of the measures."""
     of_tables = {"engine": Column("table"), "channel": replace(CHANNEL, head="column")}
     of_tables["other_value"] = Column("other_value", "engine's value", "SI", ".4g")
     found = Table("table_departures", [of_tables.get(column.key, column) for column in _COMPARISON])
@@ -80,7 +80,7 @@ def _shown_difference(check: Difference) -> float:
 
 
 def cause(result: CaseResult, check: Difference) -> str:
-    """What the numbers at hand suggest as the cause of a departure; the thresholds are in the words."""
+    """The likely cause of a departure by the numbers at hand; the text contains the thresholds."""
     found = []
     if check.quantity in EXTREMES and _slider_at_gauge(result, check):
         found.append("at this instant the slider passes the gauge, where the curvature has a kink that elements and links round off")
@@ -106,7 +106,7 @@ def _slider_at_gauge(result: CaseResult, check: Difference) -> bool:
 
 
 def summary(results: Sequence[CaseResult]) -> Table:
-    """Per pair of engines and quantity: how much was compared, with what tolerance, and how much of it was used."""
+    """Per pair of engines and quantity: the number of comparisons, the tolerance, and the part of it that was used."""
     columns = (
         "engine",
         Column("other", "against"),
@@ -138,7 +138,7 @@ def summary(results: Sequence[CaseResult]) -> Table:
 
 
 def sharp(found: Sequence[Sharpness]) -> Table:
-    """Per pair of engines and kind of numbers: how small an error the comparison finds."""
+    """Per pair of engines and kind of numbers: the smallest error that the comparison finds."""
     columns = (
         "engine",
         Column("other", "against"),
@@ -156,7 +156,7 @@ def sharp(found: Sequence[Sharpness]) -> Table:
 
 
 def classes(results: Sequence[CaseResult]) -> Table:
-    """Per engine: on how many runs it is how good."""
+    """Per engine: the number of runs in each accuracy class."""
     names = [*(f"{100.0 * width:g} %" for width in CLASSES), WORSE, "unknown"]
     found = Table("accuracy_classes", ("engine", *(Column(f"class {name}", name, form="d", group="class") for name in names)))
     for engine in engines_of(results):

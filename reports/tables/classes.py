@@ -1,4 +1,4 @@
-"""Tables of the map of classes: who is first where, where each method fails, and every cell."""
+"""Tables of the map of classes: the winners, the failures of each method, and every cell."""
 
 import math
 from collections.abc import Sequence
@@ -13,13 +13,13 @@ from quickreturn.reports.looks import looks
 from quickreturn.reports.tables.table import Cell, Column, Table
 from quickreturn.reports.words import counted, duration, number, percent, size
 
-#: The part of the winner's colour in a cell: of a runner-up that is as fast, and of one that takes ten times as long or more.
+#: Strength of the winner's colour in a cell: for a runner-up that is as fast, and for one that takes ten times as long or more.
 _PALE, _FULL = 8, 34
 _SPEED: Final = "crank speed over the lowest bending frequency"
 
 
 def class_map(known: Map, level: float, by: str) -> Table:
-    """The winner in each scene, how many times as long the runner-up takes, and who that is; a row for each machine, a column a speed."""
+    """The winner in each scene, the runner-up and how many times as long it takes; a row for each machine, a column for each speed."""
     speeds = sorted({scene.groups.speed for scene in known.scenes})
     columns = [Column("machine"), *(Column(f"speed {speed:g}", f"{speed:g}", group=_SPEED) for speed in speeds)]
     of = f"_{list(TIMES).index(by) + 1}_{level:g}"
@@ -33,13 +33,13 @@ def class_map(known: Map, level: float, by: str) -> Table:
 
 
 def _machine(scene: ClassScene) -> str:
-    """What tells a row of the map from the others."""
+    """The text that distinguishes a row of the map from the others."""
     _, _, others = name_of(replace(scene.groups, speed=CENTRE.speed)).partition(", ")
     return (others or f"tip {CENTRE.tip:g}").replace("inf", "rigid")
 
 
 def _cell(known: Map, scene: ClassScene, level: float, by: str) -> Cell:
-    """The winner and the runner-up; the remark has everybody. The winner's colour is the stronger the farther the runner-up is behind."""
+    """The winner and the runner-up; the remark lists all engines. The winner's colour is stronger the larger its lead."""
     reaches, ranked = known.at(scene, level), known.ranked(scene, level, by)
     lost = [_lost(reach) for reach in reaches if reach.engine not in ranked]
     note = "; ".join([*(f"{name} {duration(seconds)}" for name, seconds in ranked.items()), *lost]) or scene.failure
@@ -53,14 +53,14 @@ def _cell(known: Map, scene: ClassScene, level: float, by: str) -> Cell:
 
 
 def _lost(reach: Reach) -> str:
-    """What kept an engine from a time."""
+    """The reason why an engine has no time."""
     if reach.status != REACHED:
         return f"{reach.engine} {reach.status}" + (f" ({size(reach.error)} left)" if reach.error is not None else "")
-    return f"{reach.engine} gets there and does not know it ({reach.remark})"
+    return f"{reach.engine} reaches it, but its own estimate does not show it ({reach.remark})"
 
 
 def failing(known: Map) -> Table:
-    """In how many scenes each method gets to each error, and what keeps it from it in the others."""
+    """The number of scenes in which each method reaches each error, and the reasons why not in the others."""
     heads = [Column(status.replace(" ", "_"), status, form="d") for status in STATUSES]
     unknown = Column("unclaimed", "reached, not known", form="d")
     table = Table("classes_failing", (Column("method"), Column("level", "error", "%", "g"), *heads, unknown))
@@ -74,7 +74,7 @@ def failing(known: Map) -> Table:
 
 
 def _count(reaches: Sequence[Reach]) -> Cell:
-    """A number of scenes; its remark tells which, and the first reason that there is."""
+    """A number of scenes; its remark names them and the first reason."""
     reason = next((f": {each.remark}" for each in reaches if each.remark), "")
     return Cell(len(reaches), note="; ".join(each.scene for each in reaches) + reason)
 

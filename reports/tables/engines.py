@@ -54,7 +54,7 @@ def _has_gaps(result: CaseResult) -> bool:
 
 
 def _number_columns() -> list[Column]:
-    """Those that every run has come first: the others may be without a number."""
+    """Columns of numbers: those that every run has come first, the others may be empty."""
     columns = []
     for channel in SHOWN:
         unit, _ = _UNITS[channel]
@@ -86,7 +86,7 @@ def _status(run: Run) -> Cell:
 
 
 def _peak_cells(run: Run, other: Run | None, channel: str) -> dict[str, Value | Cell]:
-    """The largest magnitude over the cycle, and by how much of it it is larger than the reference's."""
+    """The largest magnitude over the cycle, and its relative excess over the reference's."""
     if not run.usable:
         return {f"peak_{channel}": Cell(None, note=run.status)}
     peak, its = run.peak(channel), other.peak(channel) if other else 0.0
@@ -140,7 +140,7 @@ def measures(results: Sequence[CaseResult]) -> Table:
 
 
 def settings(results: Sequence[CaseResult]) -> Table:
-    """How each engine was run on each case."""
+    """Settings of each engine on each case."""
     columns: ColumnList = (
         *(CASE, "engine"),
         Column("accuracy", "asked", "%", ".2g"),
@@ -154,7 +154,7 @@ def settings(results: Sequence[CaseResult]) -> Table:
     found = Table("settings", columns)
     for result in results:
         for run in result.runs.values():
-            told = settings_words(run.settings or {}) or "none: it did not come so far"
+            told = settings_words(run.settings or {}) or "none: the run ended before"
             found.add(run, case=result.case.name, start=run.start or Cell(None, note=run.status), settings=told)
     return found
 

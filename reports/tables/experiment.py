@@ -1,4 +1,4 @@
-"""What is left of the experiment, held against the engines."""
+"""Tables of the remains of the experiment, compared with the engines."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +16,7 @@ from quickreturn.reports.words import channel_name
 
 
 def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison], engines: Sequence[str]) -> Table:
-    """Per run the crank speed, which measurements are valid, and the simulated peaks of engines over the largest axis label."""
+    """Per run the crank speed, the valid measurements, and the simulated peaks of engines over the largest axis label."""
     columns = [
         CASE,
         Column("measured_speed", "measured", "rad/s", ".3f", group="crank speed"),
@@ -62,7 +62,7 @@ def measured_alone(axes: Sequence[AxisComparison], engines: Sequence[str]) -> Ta
 
 
 def recorded(results: Sequence[CaseResult]) -> Table:
-    """The recorded tables with what they declare, and in how many numbers they were compared with engines and depart from these."""
+    """The recorded tables with their declarations, and the numbers of their comparisons with engines and of departures."""
     counts = Column("compared", form="d"), Column("beyond", form="d")
     columns = (CASE, "table", "version", "origin", "status", Column("rows", form="d"), "columns", *counts, "source", "remark")
     found = Table("recorded", columns)
@@ -121,7 +121,7 @@ def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> T
 
 
 def inconsistencies(found: Sequence[Inconsistency]) -> Table:
-    """Where the thesis contradicts itself or leaves a gap."""
+    """Contradictions and gaps of the thesis."""
     table = Table("inconsistencies", ("runs", "what", "published", Column("used", "used here"), Column("reason", "because")))
     for item in found:
         table.add(item, runs=_runs(item.runs))

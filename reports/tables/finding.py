@@ -1,4 +1,4 @@
-"""What each effect changes in the thesis' runs, and which of the thesis' statements that would suffice for."""
+"""Tables of the changes by each effect in the thesis' runs, and of the statements for which it would suffice."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -12,7 +12,7 @@ from quickreturn.reports.findings.sufficiency import Sufficiency, Tried
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import HALF, listed, percent
 
-#: How the columns of both formulations begin -> the engine.
+#: Beginning of the columns of each formulation -> its engine.
 WAYS: Final = {"": REFERENCE, "second_": SECOND}
 #: Statements that compare simulation and experiment in numbers -> heading of the share of runs that show them.
 RELATIONS: Final = {
@@ -82,7 +82,7 @@ def _halves(row: Row) -> dict[str, Any]:
 
 
 def spread(changes: Mapping[int, float]) -> tuple[float, ...]:
-    """Lower quartile, median and upper quartile over the runs; nothing of nothing."""
+    """Lower quartile, median and upper quartile over the runs; empty without runs."""
     return tuple(float(each) for each in np.percentile(list(changes.values()), (25.0, 50.0, 75.0))) if changes else ()
 
 
@@ -99,7 +99,7 @@ def second(pairs: Sequence[tuple[Row, Row]]) -> Table:
 
 
 def sets(found: Sequence[Tried]) -> Table:
-    """Every set, the choices it takes, and what it shows."""
+    """Every set, its number of choices, and the statements that it shows."""
     shares = [Column(name, head, "%", ".0f", group="share of the runs") for name, head in RELATIONS.items()]
     columns: ColumnList = ("effect", "strength", Column("choices", form="d"), Column("chosen", in_page=False), *shares)
     table = Table(
@@ -120,7 +120,7 @@ def sets(found: Sequence[Tried]) -> Table:
 
 
 def statements(found: Sequence[Sufficiency], number: int, of_no_joint: Sequence[str]) -> Table:
-    """What suffices for each statement."""
+    """The sets that suffice for each statement."""
     columns = (Column("section"), "statement", "suffices", Column("sets", form="d"), Column("choices", "fewest choices", form="d"))
     table = Table("sufficiency", columns, sets=number)
     for each in found:

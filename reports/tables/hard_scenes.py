@@ -9,7 +9,7 @@ from quickreturn.cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED,
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Mark, Table
 from quickreturn.reports.words import TIED, number, percent, size
 
-#: How a verdict looks. Its words are in the cell, so that nothing rests on colour.
+#: The look of a verdict. The cell also contains its words, so that colour alone carries no information.
 _MARKS: Final[Mapping[str, Mark]] = {
     ACCURATE: "good",
     ENDED: "good",
@@ -19,7 +19,7 @@ _MARKS: Final[Mapping[str, Mark]] = {
     DIVERGED: "missed",
     REFUSED: "open",
 }
-#: The name of a scene is for the files; the page says what is changed in it.
+#: Beginnings of a scene's title that the page leaves out: it shows only the change.
 _SCENE: Final = (Column("scene", in_page=False), Column("title", "run 24 with"))
 
 
@@ -33,7 +33,7 @@ def verdicts(matrix: Matrix) -> Table:
 
 
 def short_title(title: str) -> str:
-    """What is changed in run 24."""
+    """The change of run 24 in a scene."""
     return title.removeprefix("Run 24, ")
 
 
@@ -80,7 +80,7 @@ def _until(stretch: float | None, duration: float) -> str:
 
 
 def conditioning(matrix: Matrix) -> Table:
-    """What a small change of a parameter does to the answer of each scene."""
+    """Effect of a small change of a parameter on the answer of each scene."""
     part = f"{number(100.0 * CHANGE, 'g')}{TIED}%"
     changes = ("stiffness", "damping", "speed", "speed at the same crank angle")
     columns = (

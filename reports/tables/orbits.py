@@ -1,4 +1,4 @@
-"""Steady states that were found directly: how, how stable, and what waiting for them would take."""
+"""Tables of steady states that were found directly: work, stability, and the cycles of marching."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from quickreturn.cases.studies import BothStarts
 from quickreturn.reports.tables.table import CASE, Column, ColumnList, Table
 from quickreturn.reports.words import number
 
-#: What is left of the way to the steady state when a marched run counts as settled, and a distance at which no measure sees it any more.
+#: Remaining distance to the steady state at which a marched run counts as settled, and the distance below which no measure sees it.
 SETTLED_AT, GONE_AT = 1e-3, 1e-6
 
 

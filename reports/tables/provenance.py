@@ -12,7 +12,7 @@ from quickreturn.reports.tables.table import CASE, Cell, Column, Table
 
 
 def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Table:
-    """One row per engine and recorded table: whose it is, version, conformance, method, default accuracy, how its runs ended."""
+    """One row per engine and recorded table: origin, version, conformance, method, default accuracy, status of its runs."""
     columns = (
         "engine",
         Column("origin", "from"),

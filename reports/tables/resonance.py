@@ -1,4 +1,4 @@
-"""The resonance curves around the speeds of one's own machines: their points, and what is remarkable on them."""
+"""Tables of the resonance curves around the speeds of the user's own machines: their points, peaks and special points."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -9,7 +9,7 @@ from quickreturn.reports.tables.table import CASE, Column, Table
 
 _SPEED: Final = Column("speed", "crank speed", "rpm", ".5g")
 _HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s²", ".4g")
-#: What the page calls the machine itself on its curve.
+#: The page's name for the machine on its curve.
 OWN: Final = "your machine"
 PEAK: Final = "peak"
 

@@ -1,4 +1,4 @@
-"""What the thesis does not print, and what its scatter does to each run."""
+"""Tables of quantities that the thesis does not print, and of the effect of their scatter on each run."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -21,7 +21,7 @@ def unprinted() -> Table:
 
 
 def bands(found: Sequence[Band]) -> Table:
-    """Quantiles of each run, how well the number of points determines them, and the simulation's own error."""
+    """Quantiles of each run, their error from the finite number of points, and the simulation's own error."""
     columns = [CASE]
     groups = [(half, f"f₁, {HALF[half]}", "Hz", ".1f") for half in HALF]
     groups += [("ratio", "post over pre (least, median, most)", "1", ".3f"), ("strain", "peak strain", "10⁻⁶", ".0f")]

@@ -1,4 +1,4 @@
-"""What the parts of a machine bear: a row for each number of each engine on each case."""
+"""Loads on the parts of a machine: a row for each number of each engine on each case."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from quickreturn.reports.findings.loads import CaseLoads
 from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import TIED, off_by, quantity
 
-#: Number -> its name in the page, and the unit that it is written in there.
+#: Number -> its name and unit in the page.
 NAMES: Final = {
     "stress": ("largest stress", "MPa"),
     "strain": ("the same as strain", "µε"),
@@ -29,18 +29,18 @@ NAMES: Final = {
 
 @dataclass(frozen=True)
 class Number:
-    """A number of `NAMES`, in SI units; what is not known is None."""
+    """A number of `NAMES`, in SI units; unknown fields are None."""
 
     quantity: str  # its name
     value: float  # the number
     unit: str  # SI
-    error: float | None = None  # how far off it may be
+    error: float | None = None  # estimated error, SI
     place: float | None = None  # arc length from P, m
     crank_angle: float | None = None  # rad, from 0 to a turn
 
 
 def numbers(loads: Loads) -> Iterator[Number]:
-    """What there is to say of what an engine found."""
+    """All numbers of an engine's loads."""
     if loads.stress is not None:
         yield _peak("stress", loads.stress.largest, "Pa")
         if loads.strain is not None:
@@ -53,13 +53,13 @@ def numbers(loads: Loads) -> Iterator[Number]:
 
 
 def document(loads: Loads | None) -> dict[str, dict[str, Any]]:
-    """The same for a JSON document: by name, value in SI units, error, place and crank angle (rad); empty where nothing is known."""
+    """The numbers for a JSON document: by name, value in SI units, error, place and crank angle (rad); empty if there are none."""
     found = [vars(number) for number in numbers(loads)] if loads is not None else []
     return {each["quantity"]: {key: value for key, value in each.items() if key != "quantity"} for each in found}
 
 
 def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
-    """All numbers of a case, each with its engine; of those that no engine is asked for, without one."""
+    """All numbers of a case, each with its engine; those that need no engine, without one."""
     for engine, loads in case.loads.items():
         yield from ((engine, number) for number in numbers(loads))
     if case.resonance is not None:
@@ -72,7 +72,7 @@ def strength(cases: Sequence[CaseLoads]) -> Table:
     columns: ColumnList = (
         *(CASE, "engine", Column("quantity", words=lambda name: NAMES[name][0])),
         Column("value", unit="[SI]", form=".4g"),
-        Column("error", "off by", unit="[SI]", form=".2g", meaning="what rows and places leave open, and the engine's own estimate"),
+        Column("error", "off by", unit="[SI]", form=".2g", meaning="by the spacing of rows and places, and the engine's own estimate"),
         Column("unit", in_page=False),
         Column("place", "from P", "mm", ".0f", meaning="arc length"),
         Column("crank_angle", "crank at", "°", ".0f"),

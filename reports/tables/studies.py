@@ -1,4 +1,4 @@
-"""Accuracy, convergence and cost."""
+"""Tables of accuracy, convergence and cost."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,7 +22,7 @@ SAME_SPEED: Final = "same speed"
 
 
 def accuracy(runs: Sequence[StudiedRun]) -> Table:
-    """Error of each engine at its default accuracy, and what it costs."""
+    """Error and cost of each engine at its default accuracy."""
     columns: ColumnList = (
         "engine",
         Column("solve_seconds", "solve", "s", ".2f"),
@@ -40,7 +40,7 @@ def accuracy(runs: Sequence[StudiedRun]) -> Table:
 
 
 def confirmation(converged: Converged | None, confirming: Sequence[Confirmation]) -> Table:
-    """Difference of the solutions that stand for the truth."""
+    """Differences of the confirming solutions from the converged one."""
     errors = [replace(column, group="difference") for column in _ERRORS]
     found = Table("confirmation", (Column("engine", "converged"), "settings", "confirmed_by", Column("with_settings", "settings"), *errors))
     for run in confirming if converged else ():
@@ -61,7 +61,7 @@ def prescribed(found: Prescribed, converged: Converged) -> Table:
 
 
 def convergence(points: Sequence[Point]) -> Table:
-    """Modes by tolerance; errors are those against the last."""
+    """Error of the reference by number of modes and tolerance, against the last row."""
     columns = (
         Column("modes", form="d"),
         Column("tolerance", unit="1", form=".2g"),

@@ -1,6 +1,6 @@
-"""What a table is: a data frame in SI units, and how its columns and cells are shown. Page and CSV file are made from the same cells.
+"""A table: a data frame in SI units, and the presentation of its columns and cells. Page and CSV file use the same cells.
 
-What stands above a table is in `templates/captions.toml`, under the table's name.
+Its caption is in `templates/captions.toml`, under its name.
 """
 
 import math
@@ -20,24 +20,24 @@ Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed", "model"]
 
 CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("quickreturn.reports") / "templates" / "captions.toml").read_text("utf-8"))
-#: Units of the page that are not those of the CSV file -> its unit.
+#: Unit of the page -> unit of the CSV file, if it differs.
 _SI: Final = {
     "%": "1", "% of range": "1", "10⁻⁶": "1", "mm": "m", "ms": "s", "µs": "s", "kN/m": "N/m", "MPa": "Pa", "°": "rad", "rpm": "rad/s",
 }  # fmt: skip
-#: Letters of a text that is kept on one line.
+#: Largest number of letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A value with what a reader should know about it."""
+    """A value with its remark and presentation."""
 
-    value: Value  # in SI units, as it goes into the CSV file; None where there is none
+    value: Value  # in SI units, as in the CSV file; None if there is none
     text: str = ""  # what the page shows instead of the formatted value
-    note: str = ""  # a remark: in the page shown by a click, in the CSV file in a column of its own
+    note: str = ""  # a remark: a click in the page shows it, the CSV file has it in a column of its own
     # "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not)
     mark: Mark = ""
-    run: str = ""  # case that it opens on the first screen
+    run: str = ""  # case that a click opens on the first screen
     tint: str = ""  # CSS colour behind it
 
 
@@ -49,14 +49,14 @@ class Column:
     """A column."""
 
     key: str  # heading in the CSV file, without the unit
-    head: str = ""  # heading in the page; the key in words where it is not given
-    unit: str = ""  # in the page; "" for texts and counts, "1" is not shown, and in brackets it is told by each cell
+    head: str = ""  # heading in the page; by default the key in words
+    unit: str = ""  # in the page; "" for texts and counts, "1" is not shown, and a unit in brackets is shown in each cell
     form: str = ""  # format of numbers in the page, e.g. ".3f"; "" for texts, which are aligned left
-    in_page: bool = True  # whether the page shows it; the CSV file has it anyway
-    uncertainty: str = ""  # key of the column that is shown behind this one's values, after ±
+    in_page: bool = True  # whether the page shows it; the CSV file always has it
+    uncertainty: str = ""  # key of the column that is shown after this one's values, after ±
     group: str = ""  # heading above this and its neighbours of the same group
-    meaning: str = ""  # told above the table
-    words: Callable[[Any], str] | None = None  # value -> what the page shows in its place
+    meaning: str = ""  # shown above the table
+    words: Callable[[Any], str] | None = None  # value -> text of the page in its place
 
     @property
     def page_head(self) -> str:
@@ -96,10 +96,10 @@ class Column:
         return number(value * per_unit(self.unit.removesuffix(" of range")) if self.unit in _SI else value, self.form)  # counts stay whole
 
 
-#: Of a table; a text is the key of a column of texts.
+#: A column of a table; a text is the key of a column of texts.
 ColumnList = Sequence[Column | str]
 
-#: Columns that many tables have.
+#: Columns of many tables.
 CASE: Final = Column("case", "run", words=case_label)
 QUANTITY_COLUMN: Final = Column("quantity", words=QUANTITY.__getitem__)
 HALF_COLUMN: Final = Column("half", words=HALF.__getitem__)
@@ -110,11 +110,11 @@ class Table:
     """A table of the report.
 
     Args:
-        name: of its caption, and of the CSV file, without ".csv".
+        name: name of its caption, and of the CSV file without ".csv".
         columns: at least one.
-        of: what the name of the file has besides.
-        in_page: False for a table that is offered as a file only.
-        numbers: what is put into the caption.
+        of: further part of the file's name.
+        in_page: False for a table that exists as a file only.
+        numbers: values for the names in the caption.
     """
 
     def __init__(self, name: str, columns: ColumnList, of: str = "", in_page: bool = True, **numbers: object) -> None:
@@ -125,10 +125,10 @@ class Table:
         self.rows: list[Row] = []
 
     def add(self, row: object = None, /, **values: Value | Cell) -> None:
-        """Add a row; columns that are not named hold what `row` has under their key, an attribute or an item, or nothing.
+        """Add a row; other columns take the attribute or item of `row` with their key, or nothing.
 
         Raises:
-            KeyError: a name that is no column.
+            KeyError: a name is not a column.
         """
         known = [column.key for column in self.columns]
         if unknown := sorted(set(values) - set(known)):
@@ -149,7 +149,7 @@ class Table:
 
     @property
     def meanings(self) -> dict[str, str]:
-        """Headings of the shown columns that need a word -> the word."""
+        """Headings of the shown columns that need an explanation -> the explanation."""
         return {column.page_head: column.meaning for column in self.shown if column.meaning}
 
     @property
@@ -160,14 +160,14 @@ class Table:
         return spans if any(group for group, _ in spans) else []
 
     def looks(self, column: Column) -> str:
-        """How a column is set: "" numbers, "words" texts that stay on a line, "words prose" texts that need several."""
+        """Style of a column: "" for numbers, "words" for texts on one line, "words prose" for texts on several lines."""
         if column.form:
             return ""
         longest = max((len(line) for row in self.rows for line in column.text(row[column.key]).splitlines()), default=0)
         return "words prose" if longest > LONGEST_LINE else "words"
 
     def page_text(self, row: Row, column: Column) -> str:
-        """A cell as the page shows it: with a sign, so that no mark rests on colour alone."""
+        """A cell as the page shows it, with a sign, so that no mark depends on colour alone."""
         cell = row[column.key]
         text = ("✗ " if cell.mark in ("missed", "failed") else "") + column.text(cell)
         if column.uncertainty and cell.value is not None and not cell.text:
@@ -178,7 +178,7 @@ class Table:
 
     @property
     def frame(self) -> "pd.DataFrame":
-        """Every column in SI units under its heading with the unit, and a column of remarks beside each that has any."""
+        """Every column in SI units under its heading with the unit, and a column of remarks beside each column that has some."""
         import pandas as pd
 
         columns: dict[str, list[Value]] = {}
@@ -197,7 +197,7 @@ class Table:
 
 
 def csv_text(value: Value) -> str:
-    """A value as the CSV file has it: numbers so that they read back as the same number."""
+    """A value as text for the CSV file: numbers read back as the same number."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     return repr(float(value)) if isinstance(value, float) else str(value)

@@ -1,4 +1,4 @@
-"""The thesis' model against the converged one, and its statements."""
+"""Tables that compare the thesis' model with the converged one, and of its statements."""
 
 from collections.abc import Sequence
 
@@ -41,7 +41,7 @@ def _spread_cells(half: str, found: Summary) -> dict[str, float]:
 
 
 def _peak_ratios(found: Sequence[Difference]) -> list[float]:
-    """Largest magnitude in a half over the other engine's, per case, from minimum and maximum."""
+    """Ratio of the largest magnitude in a half to the other engine's, per case, from minimum and maximum."""
     peaks: dict[str, list[Difference]] = {}
     for difference in found:
         peaks.setdefault(difference.case, []).append(difference)
@@ -49,7 +49,7 @@ def _peak_ratios(found: Sequence[Difference]) -> list[float]:
 
 
 def counted(excesses: Sequence[Excess]) -> Table:
-    """Excess of frequencies counted off a plot."""
+    """Excess of frequencies that are counted off a plot."""
     visible = Column("visible", "counted from", "% of range", ".1f")
     table = Table("counted_off_plots", (visible, "channel", *_spread_columns("%", "+.1f")))
     for threshold in dict.fromkeys(each.visible for each in excesses):
@@ -63,7 +63,7 @@ def counted(excesses: Sequence[Excess]) -> Table:
 
 
 def statements(conclusions: Sequence[Conclusion]) -> Table:
-    """The statements, and what becomes of each."""
+    """The statements and their verdicts."""
     table = Table("statements", ("section", "statement", "verdict", "inference", "numbers"))
     for each in conclusions:
         mark: Mark = "good" if each.outcome in (HOLDS, IN_PART) else "missed" if each.outcome == NOT else "open"

@@ -1,4 +1,4 @@
-"""Templates of the report, its style and script, and what they say numbers with."""
+"""Templates of the report, its style and script, and the functions that write numbers in them."""
 
 from typing import Final
 
@@ -13,7 +13,7 @@ WORDS: Final = (
 
 
 def environment(escaped: bool = True) -> Environment:
-    """The templates; with `escaped` everything put in is text and nothing else to a browser."""
+    """The environment of the templates; with `escaped` every inserted value is plain text for a browser."""
     loader = PackageLoader("quickreturn.reports")
     made = Environment(loader=loader, autoescape=escaped, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     made.globals |= {name: getattr(words, name) for name in WORDS}

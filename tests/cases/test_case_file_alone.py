@@ -42,7 +42,7 @@ def test_a_follower_alone_is_a_scene_of_its_own() -> None:
 
 
 def test_what_needs_a_crank_says_so() -> None:
-    with pytest.raises(CaseError, match=r"^alone: \[crank\]: this case has no crank and no slider, and what is asked needs them"):
+    with pytest.raises(CaseError, match=r"^alone: \[crank\]: this case has no crank and no slider, but the command needs them"):
         _ = parse_case(ALONE, "alone.toml").mechanism
 
 

@@ -20,7 +20,7 @@ BAD = [
     ('length = "4 in"', 'length = "4,5 in"', 'crank.length: "4,5 in" has a comma in its number (the decimal sign is a point)'),
     ('length = "4 in"', 'length = "4 kg"', 'crank.length: "4 kg" is a mass (kg), but a length is needed'),
     ('length = "4 in"', "length = 4", "crank.length: 4 is a bare number"),
-    ('length = "4 in"', 'length = ["4 in"]', 'crank.length: ["4 in"] is no string'),
+    ('length = "4 in"', 'length = ["4 in"]', 'crank.length: ["4 in"] is not a string'),
     ('length = "4 in"', 'length = "-4 in"', 'crank.length: "-4 in" is not positive; a length greater than zero is accepted'),
     ('length = "4 in"', 'length = "inf"', 'crank.length: "inf" is infinite'),
     ('length = "4 in"', 'length = "\\u001b[31m4 in"', 'crank.length: "\\x1b[31m4 in" does not begin with a number'),
@@ -41,7 +41,7 @@ BAD = [
         'damping = "-2e-5 lbf*s/in^2"',
         'follower.damping: "-2e-5 lbf*s/in^2" is negative; a damping per length of zero or more is accepted',
     ),
-    ('gravity = ["0 in/s^2", "-386 in/s^2"]', 'gravity = "-386 in/s^2"', 'mechanism.gravity: "-386 in/s^2" is no list of 2 strings'),
+    ('gravity = ["0 in/s^2", "-386 in/s^2"]', 'gravity = "-386 in/s^2"', 'mechanism.gravity: "-386 in/s^2" is not a list of 2 strings'),
     (
         'gravity = ["0 in/s^2", "-386 in/s^2"]',
         'gravity = ["0 in/s^2", "-386 in"]',
@@ -54,7 +54,7 @@ BAD = [
         'mechanism.pivot_distanse: "18 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
     ),
     ("[base]", "[bass]", "bass: { ... } is an unknown section; the nearest known one is base"),
-    ("[base]", "[[base]]", "base: [{ ... }] is no section; write [base] with its keys below"),
+    ("[base]", "[[base]]", "base: [{ ... }] is not a section; write [base] with its keys below"),
     ('title = "A scene"', 'titel = "A scene"', 'titel: "A scene" belongs to an unknown key; the nearest known one is title'),
     (
         'tags = ["test"]',
@@ -71,10 +71,10 @@ BAD = [
     (
         'name = "scene"',
         'name = "../scene"',
-        'name: "../scene" is no name; up to 64 letters, digits, points, hyphens and underscores',
+        'name: "../scene" is not a name; up to 64 letters, digits, points, hyphens and underscores',
     ),
-    ('title = "A scene"', 'title = "A\\nB"', 'title: "A\\nB" is no title; one line of up to 200 characters in quotes is accepted'),
-    ('tags = ["test"]', 'tags = "test"', 'tags: "test" is no list of tags'),
+    ('title = "A scene"', 'title = "A\\nB"', 'title: "A\\nB" is not a title; one line of up to 200 characters in quotes is accepted'),
+    ('tags = ["test"]', 'tags = "test"', 'tags: "test" is not a list of tags'),
     # the crank's drive
     (
         'torque = "10 lbf*in"',
@@ -103,7 +103,11 @@ BAD = [
         'length = "8 in"',
         'crank.length: "8 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.6604 m',
     ),
-    ('"18.75 in"]', '"18.75 in", "20 in"]', 'follower.strain_gauges: ["6.25 in", "12.5 in", "18.75 in", "20 in"] is no list of 3 strings'),
+    (
+        '"18.75 in"]',
+        '"18.75 in", "20 in"]',
+        'follower.strain_gauges: ["6.25 in", "12.5 in", "18.75 in", "20 in"] is not a list of 3 strings',
+    ),
     (
         '"18.75 in"]',
         '"25.1 in"]',
@@ -202,7 +206,7 @@ def test_signs_are_accepted_where_they_make_sense(path: str) -> None:
         (
             'width = "1.5 in"',
             'width = "1.5 in"\nwidth = "2 in"',
-            'line 29: "width = \\"2 in\\"" repeats a key or section that is there already',
+            'line 29: "width = \\"2 in\\"" repeats an earlier key or section',
         ),
     ],
 )

@@ -60,7 +60,7 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
         ),
         (
             {"mechanism.gravity": "9.81 m/s^2"},
-            '--set: mechanism.gravity: "9.81 m/s^2" is no list of 2 strings; write one such as ["2 m/s^2", "2 m/s^2"]',
+            '--set: mechanism.gravity: "9.81 m/s^2" is not a list of 2 strings; write one such as ["2 m/s^2", "2 m/s^2"]',
         ),
         (
             {"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"},

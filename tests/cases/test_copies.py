@@ -84,9 +84,9 @@ def test_a_file_keeps_its_source(tmp_path: Path) -> None:
     [
         ({"crank.lenght": "5 in"}, None, "^overrides: crank.lenght: .*the nearest known one is crank.length"),
         ({"crank.length": 5}, None, "^overrides: crank.length: 5 is a bare number"),
-        ("crank.length=5 in", None, "^overrides: .*is no dictionary"),
+        ("crank.length=5 in", None, "^overrides: .*is not a dictionary"),
         ({}, None, "^thesis-24: a copy without a change needs a name"),
-        ({"crank.length": "5 in"}, "five inches", '^copy of thesis-24: name: "five inches" is no name; up to 64 letters'),
+        ({"crank.length": "5 in"}, "five inches", '^copy of thesis-24: name: "five inches" is not a name; up to 64 letters'),
     ],
 )
 def test_what_cannot_be_is_answered_with_a_sentence(overrides: Any, name: str | None, told: str) -> None:

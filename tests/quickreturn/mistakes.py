@@ -98,7 +98,9 @@ def wrong_keys(path: str) -> Iterator[Mistake]:
     text, line = written(scene()), f"{key} = {scene()[section][key]}\n"
     place = text.index(line, text.index(f"[{section}]"))
     for what, repeated in (("twice", f"{line}{line}"), ("as a section", f"{line}[{path}]\n")):
-        yield Mistake(f"{path} {what}", text[:place] + repeated + text[place + len(line) :], (": line ", "repeats a key or section"))
+        yield Mistake(
+            f"{path} {what}", text[:place] + repeated + text[place + len(line) :], (": line ", "repeats an earlier key or section")
+        )
     if not PATHS[path].optional:
         yield Mistake(f"no {path}", text[:place] + text[place + len(line) :], (f": {path}: this key is missing",))
 

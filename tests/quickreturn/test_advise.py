@@ -11,7 +11,7 @@ from tests.quickreturn.conftest import Call
 
 #: Run 24 at a fifth of its speed.
 SLOW = {"crank.torque": "2 lbf*in", "crank.initial_speed": "3.32 rad/s"}
-ALONE, WAITED = "solving alone", "all that one waits for"
+ALONE, WAITED = "solve time", "waiting time"
 
 
 @pytest.fixture(autouse=True)
@@ -49,14 +49,14 @@ def test_a_tighter_error_takes_the_next_level_and_beyond_the_last_one_that_is_sa
 def test_what_lies_outside_the_map_is_called_an_extrapolation() -> None:
     told = str(qr.advise(qr.case("thesis-24", {"slider.friction": "0.1", "tip.mass": "2 kg"})))
     assert "outside the map, so this is an extrapolation: tip mass over arm mass is" in told
-    assert "extrapolation: slider.friction is given, and no scene of the map has it" in told
+    assert "extrapolation: slider.friction is given, but no scene of the map has it" in told
 
 
 def test_the_command_says_the_same_as_text_and_as_a_document(call: Call) -> None:
     answer = call("advise", "thesis-24", "--accuracy", "0.001")
     assert answer.code == 0
-    assert "fastest by solving alone: mujoco" in answer.output
-    assert "not reached; 60 % are left" in answer.output
+    assert "fastest by solve time: mujoco" in answer.output
+    assert "not reached; 60 % remains" in answer.output
     document = json.loads(call("advise", "thesis-24", "--json").output)
     assert document["case"] == "thesis-24"
     assert document["use"] == {ALONE: "mujoco", WAITED: "mujoco"}

@@ -242,7 +242,7 @@ TYPED = [
     ("show smal.toml", ("smal.toml", "did you mean small.toml?")),
     ("show smal", ("smal", "did you mean the file small.toml?")),
     ("show example.toml", ("example.toml", "the library case example")),
-    ("show table.csv", ("table.csv", "no case file", "compare")),
+    ("show table.csv", ("table.csv", "not a case file", "compare")),
     ("new small.toml", ("small.toml", "not overwritten", "another name")),
     ("new mine.txt", ("mine.txt", ".toml")),
     ("new mine", ("mine", ".toml", "mine.toml")),

@@ -92,8 +92,8 @@ def test_a_case_with_other_values_shows_itself_as_a_table() -> None:
     ("ask", "told"),
     [
         (lambda: qr.case("thesis-24", {"crank.length": 5}), "^overrides: crank.length: 5 is a bare number"),  # type: ignore[dict-item]
-        (lambda: qr.case("thesis-24", "crank.length=5 in"), "^overrides: .*is no dictionary"),  # type: ignore[arg-type]
-        (lambda: qr.case("thesis-24", duration="0.5 s"), '^thesis-24: duration: "0.5 s" is no positive time'),  # type: ignore[arg-type]
+        (lambda: qr.case("thesis-24", "crank.length=5 in"), "^overrides: .*is not a dictionary"),  # type: ignore[arg-type]
+        (lambda: qr.case("thesis-24", duration="0.5 s"), '^thesis-24: duration: "0.5 s" is not a positive time'),  # type: ignore[arg-type]
         (lambda: qr.case(24), "^24: this is no case"),  # type: ignore[arg-type]
         (lambda: qr.case(qr.case("thesis-24"), {}), "a case already"),  # type: ignore[arg-type]
         (lambda: qr.simulate(None), "^None: this is no case"),  # type: ignore[arg-type]

@@ -84,7 +84,7 @@ def test_an_engine_alone_is_not_judged(call: Call) -> None:
 def test_an_engine_with_equations_of_its_own_is_shown_and_not_judged(call: Call) -> None:
     answer, case = run(call, "sound", "own-equations")
     assert (answer.code, case["passed"], case["checks"]) == (0, None, [])
-    assert "own-equations: its estimate is of the integration alone, not of its model" in case["reason"]
+    assert "own-equations: its estimate covers the integration alone, not its model" in case["reason"]
     (own,) = (engine for engine in case["engines"] if engine["engine"] == "own-equations")
     assert (own["estimate_of"], own["accuracy_class"], own["unestimated"] != "") == ("integration", None, True)
     assert "within" not in answer.output

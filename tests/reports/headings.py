@@ -117,7 +117,7 @@ def answer(tables: Tables) -> list[str]:
     return [
         f"{in_words(len(alike))} of {in_words(len(engines))} simulations" if len(alike) < len(engines) else f"{in_words(len(alike))} sim",
         f"{in_words(len(alike))} programs that model the arm in different ways compute the same motion in {setups}",
-        f"how fast it rings differs by at most {frequency}",
+        f"its ringing frequency differs by at most {frequency}",
         f"The 1999 model, which lets the arm bend in one simple curve only, rings {size(median)} faster",
         f"shows {number(100.0 * float(np.median(ratios)), '.0f')} % of the strain",
         *(["a roller that is softer on one side could make that difference", *split] if split else []),
@@ -127,7 +127,7 @@ def answer(tables: Tables) -> list[str]:
         f"of an amplitude {size(amplitudes.max())} ({case_label(worst)})",
         f"{number(100.0 * median, '+.0f')} % the 1999 model’s frequency over the converged one (median; {span[0]} to {span[1]} %)",
         f"{duration(solving[0][1])} to solve {case_label(tables['fastest']['case'][1])} to 0.1 %,",
-        f"after {duration(setup)} of setting up: {solving[0][0]}, made for this mechanism;",
+        f"after a set-up of {duration(setup)}: {solving[0][0]}, made for this mechanism;",
         f"{solving[1][0]} takes {number(solving[1][1] / solving[0][1], '.0f')} times as long",
     ]
 
@@ -210,17 +210,17 @@ def methods(tables: Tables) -> list[str]:
     found = [f"{winner}{code} solves fastest in {won.value_counts().iloc[0]} of {len(solve)} contests"]
     if "waiting" in tables:
         soonest = tables["waiting"].sort_values("waited_seconds", kind="stable").groupby(["case", "level"])["method"].first()
-        found.append(f"(counted by all that one waits for, {(soonest == winner).sum()})")
+        found.append(f"(by waiting time, {(soonest == winner).sum()})")
     found += [f"{unwon} nobody wins"] if unwon else []
     found.append(f"to 0.1 % in {case_label(tables['fastest']['case'][1])} {first[0]} solves in {duration(first[1])}")
     found.append(f"({second[0]} in {duration(second[1])})")
     mine = _measured(tables, (winner, solve[winner][1]))
-    found.append(f"takes {duration(mine['setup_seconds'])} for setting up")
+    found.append(f"takes {duration(mine['setup_seconds'])} for set-up")
     if np.isfinite(mine["estimate_seconds"]):
         found.append(f"{duration(mine['estimate_seconds'])} for the estimate of its error")
     if "compiling" in tables and winner in set(tables["compiling"]["engine"]):
         seconds = tables["compiling"].set_index("engine")["compile_seconds"][winner]
-        found.append(f"once {duration(seconds)} for compiling")
+        found.append(f"once {duration(seconds)} for compilation")
     return found
 
 
@@ -240,7 +240,7 @@ def classes(tables: Tables) -> list[str]:
     code = ", this project’s own code," if winner not in ("exudyn", "mujoco") else ""
     return [
         f"{winner}{code} solves fastest to 1 % in {(won == winner).sum()} of {cells} classes of machines",
-        f"(the next takes {' '.join(span)} times as long); counted by all that one waits for, ",
+        f"(the next takes {' '.join(span)} times as long); by waiting time, ",
         *(f"{name} in {count}" for name, count in waited.idxmin(axis=1).value_counts().items()),
         *([f"; {WHOLE_MAP - cells} more classes of the map are not recorded"] * int(cells < WHOLE_MAP)),
     ]

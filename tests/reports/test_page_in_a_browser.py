@@ -293,9 +293,9 @@ def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
     choices = page.locator("#methods .choices").first
     first, second = choices.locator(".drawn").all()
     for name, shown, other in (
-        ("solving alone", first, second),
-        ("all that one waits for", second, first),
-        ("solving alone", first, second),
+        ("solve time", first, second),
+        ("waiting time", second, first),
+        ("solve time", first, second),
     ):
         choices.get_by_role("radio", name=name).check()
         shown.locator(".chart").wait_for()
@@ -344,7 +344,7 @@ def test_the_map_of_classes_is_read_by_keyboard_on_a_telephone(opened: Open) -> 
     chapter = page.locator("#classes")
     chapter.locator("input[type=radio]").nth(0).focus()
     page.keyboard.press("ArrowRight")
-    page.keyboard.press("ArrowRight")  # all that one waits for, to 1 %
+    page.keyboard.press("ArrowRight")  # waiting time, to 1 %
     cell = chapter.locator(".choices table:visible button.remark").first
     assert cell.inner_text() == "fixed-shapes\n4× reference"
     cell.focus()

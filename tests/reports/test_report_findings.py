@@ -345,4 +345,4 @@ def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_
     monkeypatch.setattr(thesis, "counted_excess", lambda _: excesses)
     told = pages.text_of(pages.one_run())
     assert "So the halves differ as the thesis says." in told
-    assert ("that part of its words this does not explain" in told) is not explained
+    assert ("it does not explain that part of its words" in told) is not explained

@@ -81,7 +81,7 @@ def test_the_chapter_tells_the_motions_apart(around: Around) -> None:
     told = text_of(own_page(around))
     assert "At that speed it has three periodic motions" in told
     assert f"{height(0.0):.3g} m/s² (unstable: fold)" in told
-    assert "Which of the stable ones it is in depends on how it got there." in told
+    assert "Its history decides which of the stable ones it follows." in told
     assert "its mean speed, which is prescribed here in place of its drive" in told
     assert "the resonance curve around it" in told  # on the first screen
 

@@ -28,11 +28,11 @@ MADE_UP = Band(
 def test_the_page_says_whether_the_halves_differ() -> None:
     told = told_of(one_run(bands=[MADE_UP]))
     assert "1.000 to 1.005 times that before it in run 24" in told
-    assert "none of 14 points are there" in told
+    assert "none of 14 points have this" in told
     assert "do not make them differ" in told
     other = dataclasses.replace(MADE_UP, ratio=(0.97, 0.98, 1.0), apart=9)
     told = told_of(one_run(bands=[other]))
-    assert "9 of 14 points are there (least: 0.970, run 24)" in told
+    assert "9 of 14 points have this (least: 0.970, run 24)" in told
     assert "do not make them differ" not in told
 
 

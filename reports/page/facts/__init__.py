@@ -1,1 +1,1 @@
-"""What each chapter tells: numbers, tables and plots, without words."""
+"""The facts of each chapter: numbers, tables and plots, without text."""

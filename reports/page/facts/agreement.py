@@ -1,4 +1,4 @@
-"""Who agrees with whom."""
+"""Facts of the chapter on who agrees with whom."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -13,15 +13,15 @@ from quickreturn.reports.tables import claims
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.words import QUANTITY, case_label, number, place
 
-#: Differences below this part of the tolerance are drawn at it: the logarithmic axis has no zero.
+#: Smaller parts of the tolerance are drawn at this one: the logarithmic axis has no zero.
 LEAST_USED = 1e-5
 
-#: Kinds of numbers of which the chapter says how sharply they are compared -> the word for one of them.
+#: Kinds of numbers whose sharpness the chapter gives -> the word for one of them.
 TOLD: Final[Mapping[Kind, str]] = {"frequency": "frequency", "extreme": "peak", "amplitude": "amplitude"}
 
 
 def agreement(content: Content) -> dict[str, Any] | None:
-    """None where there is one engine alone."""
+    """The facts; None if there is only one engine."""
     results = content.results
     names = engines_of(results)
     if len(names) < 2:
@@ -51,7 +51,7 @@ def _why(results: Sequence[CaseResult], name: str) -> str:
 
 
 def _used(results: Sequence[CaseResult]) -> Plot:
-    """The difference over the tolerance of every comparison, a row for each quantity, by engine."""
+    """Plot of the difference over the tolerance of every comparison, a row for each quantity, by engine."""
     found = [(result.case.name, check) for result in results for check in result.checks if check.tolerance > 0.0]
     series = []
     for name in dict.fromkeys(check.engine for _, check in found):
@@ -64,7 +64,7 @@ def _used(results: Sequence[CaseResult]) -> Plot:
 
 
 def run_map(results: Sequence[CaseResult]) -> Table:
-    """A row per case: of each engine how far it is from the reference, and in how many numbers they differ by more than they claim."""
+    """Table with a row per case: each engine's differences from the reference, and how many exceed what both claim."""
     names = [name for name in engines_of(results) if name != REFERENCE]
     columns = [Column("case", "run")]
     for name in names:

@@ -1,4 +1,4 @@
-"""Which method is the fastest in which class of machines."""
+"""Facts of the chapter on the fastest method in each class of machines."""
 
 import math
 from typing import Any
@@ -14,7 +14,7 @@ from quickreturn.reports.words import percent
 
 
 def classes(content: Content) -> dict[str, Any] | None:
-    """None where no map was recorded."""
+    """The facts; None if no map was recorded."""
     known = content.classes
     if not known.scenes:
         return None
@@ -39,7 +39,7 @@ def classes(content: Content) -> dict[str, Any] | None:
 
 
 def _contest(known: Map, level: float, by: str) -> dict[str, Any]:
-    """Who wins how often, and how many times as long the runner-up takes where the most frequent winner is the first."""
+    """Wins of each engine, and how many times as long the runner-up takes where the most frequent winner is first."""
     won = known.factors(level, by)
     factors = [factor for factor in next(iter(won.values()), []) if factor < math.inf]
     return {"level": level, "by": by, "wins": {name: len(found) for name, found in won.items()}, "factors": factors}

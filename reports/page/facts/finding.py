@@ -1,4 +1,4 @@
-"""What the thesis' finding comes from: the recorded study, the picture of it, and what would suffice."""
+"""Facts on the causes of the thesis' finding: the recorded study, its plot, and the sufficient effects."""
 
 import statistics
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from quickreturn.reports.words import number
 #: The readings of the words that the frequency before the return is right, and that after it the excess is larger.
 PRE: Final = next(each for each in statements() if each.id == "pre-frequency")
 EXCESS: Final = next(each.low for each in statements() if each.id == "post-excess")
-#: How far down the region is drawn that is open below, as a part of the frequency.
+#: Lower end of the drawn region that is open below, as a part of the frequency.
 DEPTH: Final = 0.06
 #: Effects of friction.
 FRICTION: Final = ("friction", "drag", "pivot")
@@ -26,7 +26,7 @@ PRELOAD: Final = "preload"
 
 
 def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any]:
-    """Facts for the chapter on the thesis; no plot among them without a recorded study."""
+    """Facts for the chapter on the thesis, without a plot if no study is recorded."""
     sets = tried(study)
     rows, second = ([row for row in study if (row.engine == SECOND) == other] for other in (False, True))
     pairs = [(mine, its) for its in second for mine in rows if (mine.effect, mine.strength) == (its.effect, its.strength)]
@@ -59,7 +59,7 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
 
 
 def _rings(sets: Sequence[Tried]) -> dict[str, list[float]]:
-    """Effect -> frequencies (Hz) of run 24's fast vibration at the return, where both halves are told apart or the vibration is seen."""
+    """Effect -> frequencies (Hz) of run 24's fast vibration at the return, for effects that separate the halves or show the vibration."""
     wanted = {"clearance", "post-side", "preload", "post-side-alloy"}
     found: dict[str, list[float]] = {}
     for each in sets:
@@ -69,7 +69,7 @@ def _rings(sets: Sequence[Tried]) -> dict[str, list[float]]:
 
 
 def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any] | None:
-    """What the strongest preload leaves of the difference between the halves, in runs whose slider force it exceeds and in the others."""
+    """The difference between the halves with the strongest preload, in runs whose slider force it exceeds and in the others."""
     strongest = next((row for row in reversed(rows) if row.effect == PRELOAD), None)
     cycles = {run: found.runs[REFERENCE].cycle for run, found in thesis_runs(results).items() if REFERENCE in found.runs}
     forces = {run: max(abs(cycle["slider_force"])) for run, cycle in cycles.items() if "slider_force" in cycle}
@@ -92,7 +92,7 @@ def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any
 
 
 def _from_second(pairs: Sequence[tuple[Row, Row]]) -> tuple[float, int] | None:
-    """Largest difference of a change of frequency between both formulations, and of how many."""
+    """Largest difference of a change of frequency between both formulations, and the number of changes."""
     differences = []
     for mine, its in pairs:
         for half in HALVES:
@@ -102,7 +102,7 @@ def _from_second(pairs: Sequence[tuple[Row, Row]]) -> tuple[float, int] | None:
 
 
 def _plot(rows: Sequence[Row]) -> Plot:
-    """Change before the return across, after it up: an effect a line through its strengths; bars from quartile to quartile of the runs."""
+    """Plot of the change after the return over that before it: a line for each effect through its strengths, bars between quartiles."""
     series = []
     for effect in effects():
         mine = [row for row in rows if row.effect == effect.id]
@@ -118,7 +118,7 @@ def _plot(rows: Sequence[Row]) -> Plot:
 
 
 def _asked(simulation: float) -> list[tuple[float, float]]:
-    """Where the experiment lies by the words, %: the simulation right before the return, and too high by more after it; open below."""
+    """Region of the experiment by the words, %: the simulation is right before the return, and too high by more after it; open below."""
     ends = [simulation / ratio for ratio in (PRE.high, PRE.low)]
     corners = [(end, end / EXCESS) for end in ends] + [(end, end / EXCESS - DEPTH) for end in reversed(ends)]
     return [(100.0 * (x - 1.0), 100.0 * (y - 1.0)) for x, y in corners]

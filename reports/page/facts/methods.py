@@ -1,4 +1,4 @@
-"""The thesis' open question, which of the methods excel; and the scenes in which engines break."""
+"""Facts of the chapters on the methods that excel, the thesis' open question, and on the hard scenes."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -19,14 +19,14 @@ from quickreturn.reports.tables import benchmark as tables
 from quickreturn.reports.tables import hard_scenes as hard_tables
 from quickreturn.reports.words import duration, settings_words, size
 
-#: What errors are drawn over.
+#: Labels of the horizontal axes of errors.
 SOLVE_TIME: Final = "solve time [s]"
 FREEDOM: Final = "degrees of freedom"
-WAIT: Final = "setting up, solving and estimating the error [s]"
+WAIT: Final = "set-up, solution and error estimate [s]"
 
 
 def methods(content: Content) -> dict[str, Any] | None:
-    """None where nothing was measured and the thesis' question is not asked."""
+    """The facts; None if nothing was measured and the report is not on the thesis' question."""
     found = list(content.benchmarks)
     if not found:
         return None
@@ -63,13 +63,13 @@ def methods(content: Content) -> dict[str, Any] | None:
 
 
 def _won(orders: Iterable[Sequence[str]]) -> dict[str, int]:
-    """Who is first in how many contests, who is in most of them first; each order is of the names in one contest."""
+    """Name -> number of contests that it wins, the most frequent winner first; each order lists the names in one contest."""
     counts = Counter(order[0] for order in orders if order)
     return dict(counts.most_common())
 
 
 def _waiting(table: Benchmark, level: float, method: str) -> Measured | None:
-    """What was measured of a method's fastest settings to an error."""
+    """Measurements of a method's fastest settings to an error."""
     found = fastest_at(table.points, level).get(method)
     return found[1] if found else None
 
@@ -120,13 +120,13 @@ def _errors_over(table: Benchmark, across: str) -> Plot:
 
 
 def _over_time(table: Benchmark) -> dict[str, Plot]:
-    """The errors over solve time, and over what one waits for where that was measured, by what the reader chooses between."""
+    """Plots of the errors over solve time, and over waiting time if it was measured, by the name of the choice."""
     waited = _errors_over(table, WAIT)
-    return {"solving alone": _errors_over(table, SOLVE_TIME)} | ({"all that one waits for": waited} if waited.series else {})
+    return {"solve time": _errors_over(table, SOLVE_TIME)} | ({"waiting time": waited} if waited.series else {})
 
 
 def hard_scenes(content: Content) -> dict[str, Any] | None:
-    """The matrix of verdicts; None where none is stored."""
+    """The facts on the matrix of verdicts; None if none is stored."""
     matrix = content.hard_scenes
     if matrix is None:
         return None
@@ -155,5 +155,5 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
 
 
 def _model_errors(matrix: Matrix) -> list[float]:
-    """How far the models are off whose cells solve their own equations alone, where that is known."""
+    """Known errors of the models in cells that solve only their own equations."""
     return [cell.model_error for cell in matrix.cells.values() if cell.kind == OWN_EQUATIONS and cell.model_error is not None]

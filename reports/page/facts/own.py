@@ -1,4 +1,4 @@
-"""What to do next, where the page came from, and its files."""
+"""Facts of the chapters on the next steps, the provenance and the files."""
 
 import shlex
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from quickreturn.reports.tables.table import Column, Table
 
 
 def next_steps(content: Content) -> dict[str, Any] | None:
-    """For a report on one's own cases; None for one on the thesis' runs."""
+    """The facts of a report on the user's own cases; None for one on the thesis' runs."""
     if content.thesis_results:
         return None
     case = content.results[0].case
@@ -29,7 +29,7 @@ def next_steps(content: Content) -> dict[str, Any] | None:
 
 
 def provenance(content: Content) -> dict[str, Any]:
-    """Engines, versions, machine, settings, failures, assumptions, verification."""
+    """The facts: engines, versions, machine, settings, failures, assumptions, verification."""
     torque, weight = _gravity(content)
     runs = [run for result in content.results for run in result.runs.values()]
     return {
@@ -53,7 +53,7 @@ def provenance(content: Content) -> dict[str, Any]:
 
 
 def _gravity(content: Content) -> tuple[float | None, float | None]:
-    """Driving torque of a run of the thesis, N m, and what in-plane gravity would do to its crank at most."""
+    """Driving torque of a run of the thesis, N m, and the largest moment of in-plane gravity on its crank."""
     for result in thesis_runs(content.results).values():
         crank = result.case.mechanism.crank
         if isinstance(crank.drive, TorqueDrive):
@@ -72,6 +72,6 @@ def _table(number: int, part: dict[str, Any]) -> Table:
 
 
 def files(content: Content, listed: Sequence[Table]) -> dict[str, Any]:
-    """The list of all CSV files, which is itself one."""
+    """The list of all CSV files, including itself."""
     about = {"date": content.facts.get("date", ""), "code": content.code}
     return {"count": len(listed), "table": tables.catalogue(listed, about)}

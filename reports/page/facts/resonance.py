@@ -1,4 +1,4 @@
-"""The resonance curve around the speed of one's own machine."""
+"""Facts of the chapter on the resonance curve around the speed of the user's own machine."""
 
 import math
 from typing import Any, Final
@@ -14,7 +14,7 @@ _RPM: Final = per_unit("rpm")
 
 
 def resonance(content: Content) -> dict[str, Any] | None:
-    """None for a report on the thesis' runs."""
+    """The facts; None for a report on the thesis' runs."""
     if not content.around:
         return None
     return {
@@ -27,7 +27,7 @@ def resonance(content: Content) -> dict[str, Any] | None:
 
 
 def plot(around: Around) -> Plot:
-    """Stable parts as a line, unstable ones dashed, peaks and folds with their orders, and where the machine runs."""
+    """The plot: stable parts as a line, unstable ones dashed, peaks and folds with their orders, and the machine's speed."""
     curve, series = around.known, []
     for name, wanted in (("stable", False), ("unstable", True)):
         points: list[tuple[float | None, float | None, str]] = []

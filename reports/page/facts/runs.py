@@ -1,4 +1,4 @@
-"""Every run on every engine, recorded tables beside them, and case by case; the curves are drawn by the script."""
+"""Facts of the chapters on every run and engine, on recorded tables, and run by run; the script draws the curves."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from quickreturn.reports.tables.claims import table_departures
 
 
 def runs(content: Content) -> dict[str, Any]:
-    """All measures."""
+    """The facts: all measures."""
     names = engines_of(content.results)
     return {
         "troubles": content.troubles,
@@ -22,7 +22,7 @@ def runs(content: Content) -> dict[str, Any]:
 
 
 def recorded(content: Content) -> dict[str, Any] | None:
-    """None where no table was given."""
+    """The facts; None if no table was given."""
     runs = [run for result in content.results for run in result.recorded.values()]
     if not runs:
         return None
@@ -39,7 +39,7 @@ def recorded(content: Content) -> dict[str, Any] | None:
 
 
 def run_by_run(content: Content) -> dict[str, Any]:
-    """One section per case; what is said of every run of the thesis has a chapter of its own."""
+    """The facts: one section per case; a chapter of its own treats what all runs of the thesis have in common."""
     general = {found.sentence for found in inconsistencies() if set(found.runs) == set(RUNS)}
     sections = [
         {

@@ -1,4 +1,4 @@
-"""Whether the machine of a report on one's own cases will hold."""
+"""Facts of the chapter on the strength of the user's own machine."""
 
 from typing import Any
 
@@ -7,6 +7,6 @@ from quickreturn.reports.tables.strength import strength as table
 
 
 def strength(content: Content) -> dict[str, Any] | None:
-    """None for a report on the thesis' runs, and where no engine gives the stress."""
+    """The facts; None for a report on the thesis' runs, or if no engine gives the stress."""
     found = [each for each in content.loads if each.lead]
     return {"cases": found, "table": table(content.loads)} if found else None

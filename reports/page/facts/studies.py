@@ -1,4 +1,4 @@
-"""Accuracy beside cost."""
+"""Facts of the chapter on accuracy and cost."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,7 +19,7 @@ from quickreturn.reports.words import size
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:
-    """None for a report on other cases than the thesis' runs, where no steady state was found directly either."""
+    """The facts; None for a report on other cases than the thesis' runs without a directly found steady state."""
     studies = content.studies
     marching = [name for name in engines_of(content.results) if name != REFERENCE]
     found = orbits(content.results, marching)
@@ -62,7 +62,7 @@ def _convergence(points: Sequence[Point]) -> Plot | None:
 
 
 def _saved(found: Table) -> dict[str, float] | None:
-    """Work of a direct search, in cycles, and how many times as many marching takes, in the median."""
+    """Median work of a direct search, in cycles, and the ratio of the cycles of marching to it."""
     keys = ("cycles_of_work", "cycles_to_settled", "cycles_to_gone")
     work, settled, gone = (np.array([row[key].value for row in found.rows], dtype=float) for key in keys)
     if not len(work):

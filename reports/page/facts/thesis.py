@@ -1,4 +1,4 @@
-"""What belongs to the thesis: its model against the converged one, its statements, the experiment, its inconsistencies."""
+"""Facts of the chapters on the thesis: its model compared with the converged one, its statements, the experiment, its inconsistencies."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -23,18 +23,18 @@ from quickreturn.reports.tables import scatter as scatter_tables
 from quickreturn.reports.tables import thesis_view as tables
 from quickreturn.reports.words import HALF, span
 
-#: Hz, the mode that section 3.4 reads off run 24.
+#: Hz, the frequency that section 3.4 reads off run 24.
 SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")
 #: The run that the thesis describes most.
 EXAMPLE: Final = 24
 #: Channels in which the thesis' slow part is large.
 STRAINS: Final = CHANNELS[1:]
-#: A difference of an excess between the halves that a reader of plots would notice.
+#: Least difference of an excess between the halves that a reader of plots would notice.
 MARKED: Final = 0.02
 
 
 def thesis(content: Content) -> dict[str, Any] | None:
-    """None without a run of the thesis."""
+    """The facts; None without a run of the thesis."""
     results = content.thesis_results
     if not results:
         return None
@@ -68,7 +68,7 @@ def thesis(content: Content) -> dict[str, Any] | None:
 
 
 def _scattered(bands: Sequence[Band]) -> dict[str, Any]:
-    """What the scatter of the quantities that are not printed does to the frequencies of the halves."""
+    """Effect of the scatter of unprinted quantities on the frequencies of the halves."""
     resolved = [each for each in bands if each.ratio]
     if not resolved:
         return {"scatter": None}
@@ -89,7 +89,7 @@ def _scattered(bands: Sequence[Band]) -> dict[str, Any]:
 
 
 def _larger_after(excesses: Sequence[Excess]) -> list[bool]:
-    """Of each threshold, whether the counted excess is larger after the return in every strain by more than `MARKED`."""
+    """For each threshold, whether the counted excess is larger after the return in every strain by more than `MARKED`."""
     larger = []
     for visible in dict.fromkeys(found.visible for found in excesses):
         gaps = []
@@ -101,7 +101,7 @@ def _larger_after(excesses: Sequence[Excess]) -> list[bool]:
 
 
 def experiment(content: Content) -> dict[str, Any] | None:
-    """What is left of the experiment; None without a run of the thesis."""
+    """The facts on the remains of the experiment; None without a run of the thesis."""
     if not content.thesis_results:
         return None
     axes, alone = axis_comparisons(content.results), measured_alone(content.results)
@@ -130,7 +130,7 @@ def experiment(content: Content) -> dict[str, Any] | None:
 
 
 def _ranges(ratios: Mapping[str, Sequence[float]]) -> dict[str, list[str]]:
-    """Range of the ratios as the page tells it -> the engines of which it is told."""
+    """Range of the ratios as text -> the engines with this range."""
     told: dict[str, list[str]] = {}
     for name, found in ratios.items():
         told.setdefault(span(min(found), max(found), ".2f"), []).append(name)
@@ -138,7 +138,7 @@ def _ranges(ratios: Mapping[str, Sequence[float]]) -> dict[str, list[str]]:
 
 
 def inconsistencies_found(content: Content) -> dict[str, Any] | None:
-    """Where the thesis contradicts itself; None without one of its runs."""
+    """The facts on contradictions of the thesis; None without one of its runs."""
     if not content.thesis_results:
         return None
     found = inconsistencies()

@@ -67,7 +67,7 @@ class Chart {
     picture.addEventListener("pointerleave", (about) => { if (about.pointerType === "mouse") this.tell(null); });
     const take = textOf("button", "SVG", "take");
     take.type = "button";
-    take.title = "Take this picture";
+    take.title = "Save this picture";
     take.addEventListener("click", () => save(`${this.plot.file.replace(/\.csv$/, "")}.svg`, new XMLSerializer().serializeToString(picture), "image/svg+xml"));
     this.told = textOf("p", "", "reading");
     this.told.setAttribute("role", "status");

@@ -279,7 +279,7 @@ dark.addEventListener("change", () => show());
 async function start() {
   if (!("DecompressionStream" in window)) {
     element("nothing").hidden = false;
-    element("nothing").textContent = "This browser cannot unpack the motion: it takes one of 2023 or later. The tables below and the CSV files are complete.";
+    element("nothing").textContent = "This browser cannot unpack the motion: a browser of 2023 or later is needed. The tables below and the CSV files are complete.";
     return;
   }
   const { wanted, at } = readAddress(location.hash);

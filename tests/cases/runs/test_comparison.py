@@ -126,7 +126,7 @@ def test_an_engine_without_a_claim_on_its_whole_error_is_not_judged(kind: str) -
     assert found.passed is True
     assert found.accuracy_class("own") == "worse"
     own = run("own", off=0.02, claimed=1e-6, estimate_of="integration")
-    own = replace(own, unestimated="its own estimates are of the integration alone")
+    own = replace(own, unestimated="its own estimates cover the integration alone")
     assert result(run("reference"), own).accuracy_class("own") == "3 %"
     alone = result(run("reference"), run("own", off=0.13, estimate_of=kind))
     assert alone.passed is None

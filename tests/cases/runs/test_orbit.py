@@ -59,7 +59,7 @@ def test_whoever_settles_quickly_is_never_turned_away() -> None:
 
 def test_a_march_that_cannot_end_is_refused_with_the_multiplier() -> None:
     slow, unstable = Orbit(SOMEWHERE, 0.9931), Orbit(None, 1.25, "the periodic state is not stable")
-    assert f"{GREATEST_NUMBER} cycles will not do" in slow.hopeless(1e-2)
+    assert f"{GREATEST_NUMBER} cycles do not suffice" in slow.hopeless(1e-2)
     assert "0.993" in slow.hopeless(1e-2)
     assert "grows 1.250-fold" in unstable.hopeless(1e-9)
     assert Orbit(None, None, "none found").hopeless(1.0) == ""
