@@ -9,7 +9,7 @@ import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
-from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
+from quickreturn.reference_model.columns import ROW, columns_of
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.first_start import kernel
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
@@ -17,7 +17,6 @@ from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from quickreturn.reference_model.motion.equations import evaluate, observe_states
 from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, ShapeRow, state_size, workspace
-from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
@@ -226,15 +225,13 @@ class BeamModel:
         Raises:
             ObservationFailed: a state that cannot be.
         """
-        out = np.zeros((len(states), WIDTH))
+        rows = np.zeros(len(states), ROW)
         p, w = self._at
-        rows = observe_states(kernel(), p.address, w.address, np.ascontiguousarray(states), out)
-        if rows < len(states):
-            raise ObservationFailed(rows)
-        found = dict(zip((*OBSERVED, *JOINT_COLUMNS), np.ascontiguousarray(out.T), strict=True))
-        if self.parameters.constraint == BASE:
-            return of_follower_alone(found)
-        return {name: found[name] for name in OBSERVED} if self.closes_loop else found
+        filled = observe_states(kernel(), p.address, w.address, np.ascontiguousarray(states), rows)
+        if filled < len(states):
+            raise ObservationFailed(filled)
+        alone = self.parameters.constraint == BASE
+        return columns_of(rows, alone=alone, joint=not (alone or self.closes_loop))
 
     def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""

@@ -30,8 +30,8 @@ from quickreturn.engines.mujoco.native import (
     mj_step,
     pointer,
 )
-from quickreturn.reference_model import columns as c
 from quickreturn.reference_model import joint
+from quickreturn.reference_model.columns import PLACES, ROW
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.tip_force import share as share_of_force
 
@@ -120,8 +120,7 @@ Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-_address, _vector, _matrix = types.intp, types.float64[::1], types.float64[:, ::1]
-_contexts = _context_record[::1]
+_address, _vector, _contexts, _rows = types.intp, types.float64[::1], _context_record[::1], numba.from_dtype(ROW)[::1]
 
 
 def _compiled(function: Function) -> Function:
@@ -580,8 +579,8 @@ def _bearing_forces(
 
 
 @_compiled
-def _record(model: int, data: int, ctx: Context, gauges: Array, out: Array) -> None:
-    """One row of the table, `columns.OBSERVED`, from the present state. Gauges: arc lengths, (3,)."""
+def _record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None:
+    """Fill a `columns.ROW` from the present state. Gauges: arc lengths, (3,)."""
     n, hinges = ctx.coordinates, ctx.hinges
     qpos, qvel = _array(ctx.qpos, n), _array(ctx.qvel, n)
     qacc, energy = _array(ctx.qacc, n), _array(ctx.energy, 2)
@@ -607,31 +606,31 @@ def _record(model: int, data: int, ctx: Context, gauges: Array, out: Array) -> N
     strain_energy += joint_energy(ctx.gap, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from)
     gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
 
-    out[c.CRANK_ANGLE], out[c.CRANK_SPEED] = angle, crank_speed
-    out[c.FOLLOWER_ANGLE], out[c.SLIDER_POSITION] = base_angle, ctx.slider_position
-    out[c.TIP_X], out[c.TIP_Y] = ctx.pivot_distance + tip.real, tip.imag
+    row.crank_angle, row.crank_speed = angle, crank_speed
+    row.follower_angle, row.slider_position = base_angle, ctx.slider_position
+    row.tip_x, row.tip_y = ctx.pivot_distance + tip.real, tip.imag
     across = 1j * complex(math.cos(base_angle), math.sin(base_angle))
-    out[c.TIP_DEFLECTION] = _dot(across, tip)
-    for place in range(1, c.PLACES + 1):
-        x = place * ctx.follower_length / (c.PLACES + 1)
+    row.tip_deflection = _dot(across, tip)
+    for place in range(1, PLACES + 1):
+        x = place * ctx.follower_length / (PLACES + 1)
         line = centre_line_coefficients(x, hinges, ctx.link_length, 0)
-        out[c.FIRST_OF_SHAPE - 1 + place] = _dot(across, (line * e).sum())
-        out[c.FIRST_OF_MOMENTS - 1 + place] = ctx.bending_stiffness * _moment(ctx, smooth, x)
-    out[c.MOMENT_SLIDER] = ctx.bending_stiffness * _moment(ctx, smooth, ctx.slider_position)
-    out[c.TIP_ACCELERATION] = _dot(1j * e[hinges], tip_acceleration)
+        row.shapes[place - 1] = _dot(across, (line * e).sum())
+        row.moments[place - 1] = ctx.bending_stiffness * _moment(ctx, smooth, x)
+    row.moment_slider = ctx.bending_stiffness * _moment(ctx, smooth, ctx.slider_position)
+    row.tip_acceleration = _dot(1j * e[hinges], tip_acceleration)
     for gauge in range(3):
         curvature = _moment(ctx, smooth, gauges[gauge])
         if ctx.material_damping > 0.0:
             curvature -= ctx.material_damping * _at_place(ctx, bending_rates, gauges[gauge])
-        out[c.STRAIN_1 + gauge] = ctx.half_thickness * curvature
+        row.strains[gauge] = ctx.half_thickness * curvature
     crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else 0.0
     pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
-    out[c.PIVOT_FORCE_X], out[c.PIVOT_FORCE_Y] = pivot.real, pivot.imag
-    out[c.CRANK_FORCE_X], out[c.CRANK_FORCE_Y] = at_crank.real, at_crank.imag
-    out[c.SLIDER_FORCE], out[c.CRANK_TORQUE] = ctx.slider_force, ctx.drive_torque
-    out[c.KINETIC_ENERGY] = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
-    out[c.STRAIN_ENERGY], out[c.DISSIPATED_ENERGY], out[c.CONSTRAINT_GAP] = strain_energy, ctx.dissipated, abs(ctx.gap)
-    out[c.GRAVITY_ENERGY], out[c.DRIVE_WORK] = gravity, ctx.drive_work
+    row.pivot_force_x, row.pivot_force_y = pivot.real, pivot.imag
+    row.crank_force_x, row.crank_force_y = at_crank.real, at_crank.imag
+    row.slider_force, row.crank_torque = ctx.slider_force, ctx.drive_torque
+    row.kinetic_energy = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
+    row.strain_energy, row.dissipated_energy, row.constraint_gap = strain_energy, ctx.dissipated, abs(ctx.gap)
+    row.gravity_energy, row.drive_work = gravity, ctx.drive_work
 
 
 @_compiled
@@ -645,9 +644,9 @@ def _state(ctx: Context) -> int:
     return GOOD
 
 
-@_entry(types.UniTuple(types.intp, 2)(_address, _address, _contexts, types.float64, types.intp, _vector, _matrix))
-def advance(model: int, data: int, context: Any, step: float, steps: int, gauges: Array, table: Array) -> tuple[int, int]:
-    """Fill `table` (shape (rows, len(columns.OBSERVED))): the present state, then one row after every `steps` steps of `step` (s).
+@_entry(types.UniTuple(types.intp, 2)(_address, _address, _contexts, types.float64, types.intp, _vector, _rows))
+def advance(model: int, data: int, context: Any, step: float, steps: int, gauges: Array, table: Any) -> tuple[int, int]:
+    """Fill `table` (`columns.ROW`, shape (rows,)): the present state, then one row after every `steps` steps of `step` (s).
 
     Returns:
         (rows filled, GOOD or why it ended early). Good rows only.
@@ -665,7 +664,7 @@ def advance(model: int, data: int, context: Any, step: float, steps: int, gauges
             if state != GOOD:
                 return k, state
         _record(model, data, ctx, gauges, table[k])
-        if not np.all(np.isfinite(table[k, :8])):  # strains of a scene without gauges are no numbers
+        if not math.isfinite(table[k].slider_position + table[k].tip_acceleration):  # strains of a scene without gauges are no numbers
             return k, NOT_FINITE
     return len(table), GOOD
 

@@ -16,7 +16,7 @@ from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
-from quickreturn.reference_model.columns import BENDING, OBSERVED, of_follower_alone
+from quickreturn.reference_model.columns import ROW, columns_of
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
 
@@ -96,7 +96,7 @@ class ChainSimulation(Simulation):
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         begun = time.perf_counter()
-        table = np.empty((round(duration / output_step) + 1, len(OBSERVED)))
+        table = np.zeros(round(duration / output_step) + 1, ROW)
         times = self.time + output_step * np.arange(len(table), dtype=np.float64)
         steps = max(1, math.ceil(output_step / self._step_over(duration) * (1.0 - 1e-9)))
         self._model.opt.timestep = output_step / steps
@@ -118,11 +118,9 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != kernels.GOOD or rows == len(table):
                     break
-        found = dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
-        columns = {"time": times[:rows]} | {name: found[name] for name in OBSERVED if self._hinges or name not in BENDING}
+        columns = columns_of(table[:rows], alone=isinstance(self._scene, FollowerAlone), bends=self._hinges > 0)
+        columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
-        if isinstance(self._scene, FollowerAlone):  # without the columns of what is not there; the drive turns the base
-            columns = of_follower_alone(columns)
         trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - begun, statistics)
         if state != kernels.GOOD:
             good = times[max(rows - 1, 0)]

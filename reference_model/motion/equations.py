@@ -214,14 +214,14 @@ def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Ar
 
 
 @compiled
-def observe_states(equations: int, parameters: int, workspace: int, states: Array, out: Array) -> int:
-    """Fill `out` (k, WIDTH), see `observe`, from `states`; the number of rows filled before a state that cannot be."""
+def observe_states(equations: int, parameters: int, workspace: int, states: Array, rows: Any) -> int:
+    """Fill `rows` (k,) of `columns.ROW` from `states` (k, size); the number of rows filled before a state that cannot be."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     rate = np.empty(states.shape[1])
-    for row in range(len(states)):
-        y = states[row]
+    for k in range(len(states)):
+        y = states[k]
         if call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 1) == 0:
-            return row
-        if not observe(p, p.tables, w, y, out[row]):
-            return row
+            return k
+        if not observe(p, p.tables, w, y, rows[k]):
+            return k
     return len(states)

@@ -12,10 +12,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED
+from quickreturn.reference_model.columns import ROW, columns_of
 from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
 from quickreturn.reference_model.motion.layout import workspace
-from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.shapes import hermite_elements, no_shapes
 from quickreturn.reference_model.slider_constraint import BASE, CHORDS, ELIMINATED
 from tests.engines.scenes import run_24
@@ -102,11 +101,11 @@ class Check:
 
 def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     """Rates, the observables, and what the slider's feedback adds."""
-    rate, row, w = np.empty_like(y), np.zeros(WIDTH), workspace(state.model.parameters)
+    rate, rows, w = np.empty_like(y), np.zeros(1, ROW), workspace(state.model.parameters)
     p = state.model.parameters
-    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, y, row):
+    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, y, rows[0]):
         raise ValueError("the state cannot be")
-    found: dict[str, Any] = dict(zip((*OBSERVED, *JOINT_COLUMNS), row, strict=True))
+    found: dict[str, Any] = {name: values[0] for name, values in columns_of(rows, joint=True).items()}
     m = p.speeds
     found |= {"speeds": rate[:m], "accelerations": rate[m + 1 : 2 * m + 1], "powers": rate[2 * m + 1 :]}
     found |= {f"bias of {name}": getattr(w.facts, f"{name}_bias") for name in ("q2", "s", "gap")}
