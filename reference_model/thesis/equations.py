@@ -23,7 +23,7 @@ base_motion = stage(motion_of_base)
 
 @compiled
 def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: NDArray[np.record]) -> bool:
-    """dy/dt at the state y, written to `rate`, and unless `row` (of `columns.ROW`) is empty the observables, to it; the first two are addresses.
+    """dy/dt at the state y, to `rate`, and unless `row` (of `columns.ROW`) is empty the observables, to it; the first two are addresses.
 
     Returns:
         False, and `rate` all nan, where the loop cannot close or the shapes give out: a rejected step for the integrator.
