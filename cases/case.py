@@ -83,7 +83,7 @@ class Case(Shown):
     @property
     def mechanism(self) -> Mechanism:
         """The scene, where crank and slider are needed. CaseError: it has none."""
-        if isinstance(self.scene, Mechanism):
+        if self.scene.crank is not None:
             return self.scene
         raise CaseError(
             self.name, "[crank]", None, "this case has no crank and no slider, and what is asked needs them", "use show or simulate"

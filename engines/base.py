@@ -255,7 +255,7 @@ class Engine(ABC, Generic[S]):
 
 def _accepted_instead(scene: Scene) -> str:
     """What a model accepts that lacks a quantity without a default: another drive."""
-    if not isinstance(scene, Mechanism):
+    if scene.crank is None:
         return "a scene with [crank]"
     if not isinstance(drive := scene.crank.drive, TorqueDrive):
         return "crank.torque and crank.damping"

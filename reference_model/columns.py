@@ -15,12 +15,14 @@ no mass here, only an inertia, so that its own weight is not in the force at P.
 from dataclasses import dataclass
 from itertools import groupby
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+#: Rows (k,) of `ROW`.
+Rows = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ ROW: Final = np.dtype(
 )
 
 
-def columns_of(rows: NDArray[np.record], *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
+def columns_of(rows: Rows, *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
     """Columns by name, each of shape (k,), of rows (k,) of `ROW`.
 
     Args:

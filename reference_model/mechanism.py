@@ -12,7 +12,7 @@ Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, TypeVar
+from typing import Any, ClassVar, Final, Literal, TypeVar
 
 from quickreturn.reference_model.quantities import quantity
 
@@ -399,13 +399,17 @@ class Mechanism(_Bodies):
 class FollowerAlone(_Bodies):
     """A scene without crank and slider: the follower on a base block that turns about O as prescribed.
 
-    At the start the follower lies straight along n1, at rest.
+    At the start the follower lies straight along n1, at rest. Its pivot P is at O. A `crank` of None tells it from a mechanism.
 
     Raises:
         ImpossibleMechanism: a rigid follower, whose motion is prescribed as a whole, or a force that waits for a crank to turn.
     """
 
     spin_up: SpinUp
+    crank: ClassVar[None] = None
+    crank_is_free: ClassVar[Literal[False]] = False
+    pivot_distance: ClassVar[float] = 0.0
+    slider: ClassVar[Slider] = Slider()
 
     def __post_init__(self) -> None:
         if self.follower.is_rigid:

@@ -14,7 +14,7 @@ from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.first_start import kernel
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.machine.pointers import Placed
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.motion.equations import evaluate, observe_states
 from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
@@ -43,7 +43,6 @@ class BeamModel:
         scene: the mechanism, or the follower alone.
         constants: of the equations.
         shapes: tangent angle and its derivative by the slider's place, of every shape at arc lengths, for a place of the slider.
-        size: what errors of an amplitude are relative to, kg^(1/2) m.
         made_before: wall time (s) that parts took which were kept from an earlier model.
 
     Attributes:
@@ -52,42 +51,47 @@ class BeamModel:
         workspace: what the state evaluated last left behind.
     """
 
-    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, size: float, made_before: float = 0.0) -> None:
+    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, made_before: float = 0.0) -> None:
         self.scene = scene
         self.made_before = made_before
         self.parameters = constants
         self.workspace = workspace(constants)
         self._shapes = shapes
-        self._size = size
+        # what errors of an amplitude are relative to, kg^(1/2) m
+        self._size = deflection_scale(scene) * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
         self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
     @classmethod
-    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED) -> "BeamModel":
-        """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower."""
-        if mechanism.follower.is_rigid:
-            return cls.staying(mechanism, no_shapes(mechanism.follower.length), constraint)
-        (tables, reach), family, seconds = beam.following(mechanism, modes)
-        constants = parameters(mechanism, modes, tables, reach, constraint)
-        return cls(mechanism, constants, family.angles, _amplitude(mechanism, deflection_scale(mechanism)), seconds)
+    def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED) -> "BeamModel":
+        """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower.
+
+        Clamped modes for the follower alone.
+        """
+        if scene.crank is None:
+            return cls.alone(scene, modes)
+        if scene.follower.is_rigid:
+            return cls.staying(scene, no_shapes(scene.follower.length), constraint)
+        (tables, reach), family, seconds = beam.following(scene, modes)
+        return cls(scene, parameters(scene, modes, tables, reach, constraint), family.angles, seconds)
 
     @classmethod
     def staying(
-        cls, mechanism: Mechanism, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
+        cls, scene: Scene, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
     ) -> "BeamModel":
         """Shapes that stay where they are: slopes of clamped-free modes, or of cubic elements.
 
         Raises:
             ValueError: a slider with rotary inertia on shapes whose curvature jumps.
         """
-        if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
+        if scene.crank is None:
+            return cls.alone(scene, shapes, transverse_damping=transverse_damping)
+        if scene.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
             raise ValueError("a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one element")
-        own, squares = vibrating(shapes, mechanism.follower.mass_per_length, mechanism.follower.bending_stiffness)
+        own, squares = vibrating(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
-        tables, reach = (beam.elements if of_elements else beam.staying)(mechanism, own, squares)
-        constants = parameters(mechanism, own.count, tables, reach, constraint, transverse_damping=transverse_damping)
-        return cls(
-            mechanism, constants, partial(_unmoved, partial(own.evaluate, derivative=1)), _amplitude(mechanism, deflection_scale(mechanism))
-        )
+        tables, reach = (beam.elements if of_elements else beam.staying)(scene, own, squares)
+        constants = parameters(scene, own.count, tables, reach, constraint, transverse_damping=transverse_damping)
+        return cls(scene, constants, partial(_unmoved, partial(own.evaluate, derivative=1)))
 
     @classmethod
     def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet, *, transverse_damping: bool = False) -> "BeamModel":
@@ -103,7 +107,7 @@ class BeamModel:
             angles, nodes = partial(own.evaluate, derivative=1), own.edges if own.coefficients.shape[1] == 4 else None
         tables = beam.clamped(scene, angles, squares, nodes)
         constants = parameters(scene, len(squares), tables, scene.follower.length, transverse_damping=transverse_damping)
-        return cls(scene, constants, partial(_unmoved, angles), _amplitude(scene, 0.01 * scene.follower.length))
+        return cls(scene, constants, partial(_unmoved, angles))
 
     def with_fewer_shapes(self, count: int) -> "BeamModel":
         """The model with the first shapes alone, on the same points: columns of the same tables."""
@@ -118,7 +122,7 @@ class BeamModel:
             psi, psi_s = self._shapes(s, x)
             return psi[:, :count], psi_s[:, :count]
 
-        return BeamModel(self.scene, fewer, shapes, self._size)
+        return BeamModel(self.scene, fewer, shapes)
 
     @property
     def shapes(self) -> int:
@@ -137,7 +141,7 @@ class BeamModel:
 
     def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
         """State vector with the follower straight and moving as the rigid mechanism does."""
-        assert isinstance(self.scene, Mechanism)
+        assert self.scene.crank is not None
         n, m = self.parameters.n, self.parameters.speeds
         motion = rigid_motion(self.scene, np.array(crank_angle), crank_speed)
         y = np.zeros(state_size(self.parameters))
@@ -283,11 +287,6 @@ class BeamModel:
                 mass, stiffness = test.T @ mass @ free, test.T @ stiffness @ free
         # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
         return np.asarray(1.0 / scipy.linalg.eig(mass, stiffness, right=False), dtype=np.complex128)
-
-
-def _amplitude(scene: Scene, deflection: float) -> float:
-    """Size of an amplitude for a deflection (m)."""
-    return deflection * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
 
 
 def _unmoved(angles: Callable[[Array], Array], s: float, x: Array) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive, changed
+from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, PrescribedSpeed, Scene, TorqueDrive, changed
 
 #: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
 #: are small beside the follower's.
@@ -80,7 +80,7 @@ def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
         "tip.mass ignored": {"tip.mass": 0.0},
         "tip.inertia ignored": {"tip.inertia": 0.0},
         "base.inertia ignored": {"base.inertia": 0.0},
-        **(_of_crank(scene.crank) if isinstance(scene, Mechanism) else {}),
+        **({} if scene.crank is None else _of_crank(scene.crank)),
     }
     for path, value in _values(scene):
         others |= {f"{path.replace('drive.', '')} {words} as large": {path: factor * value} for factor, words in _SIMPLE.items()}

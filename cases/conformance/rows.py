@@ -15,7 +15,6 @@ from quickreturn.cases.mistakes import IN_TIME, lateness, share_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Mechanism
 
 #: Output steps that are tried besides the usual one, in its units: coarser, finer, and such as no usual step of an engine divides.
 _STEPS: Final = (4.0, 2.5, 0.5, 1.3)
@@ -100,7 +99,7 @@ def _swing(values: Array) -> float:
 def pieces(bench: Bench, wrong: Iterable[str]) -> None:
     """A simulation advanced in pieces goes on where it stood."""
     rows, scene, run, tolerances = 60, bench.scene, bench.run(bench.mild), bench.tolerances(bench.mild)
-    assert isinstance(scene, Mechanism)
+    assert scene.crank is not None
     span = rows * OUTPUT_STEP
     simulation = bench.engine.prepare(scene, standard_start(scene), bench.settings(scene))
     try:

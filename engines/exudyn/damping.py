@@ -35,7 +35,7 @@ class Dampers:
 
     def __init__(self, assembly: Assembly, base: tuple[Any, Any], nodes: list[Any], x: Array, weights: Array) -> None:
         self._mbs = assembly.mbs
-        self._pivot = np.array([assembly.pivot_distance, 0.0])
+        self._pivot = np.array([assembly.scene.pivot_distance, 0.0])
         self._base, self._nodes = base[0], nodes[1:]
         self._points = [assembly.point_marker(base[1], place) for place in x[1:]]
         for point, node, weight in zip(self._points, self._nodes, weights[1:], strict=True):

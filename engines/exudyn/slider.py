@@ -69,7 +69,7 @@ def add_slider(
 
 def _add_carriage(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank_tip: Any) -> tuple[Any, "CarriageSpring | None"]:
     """Add the carriage with its spring and damper, on the crank tip and moving with it; returns its marker and the force law."""
-    mbs, slider = assembly.mbs, assembly.mechanism.slider
+    mbs, slider = assembly.mbs, assembly.scene.slider
     place = state.position(np.array([state.slider_position]))[0]
     velocity = start.crank_speed * np.array([-place[1], place[0]])  # of the crank tip, which is at the same place
     node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=list(place), initialVelocities=list(velocity)))

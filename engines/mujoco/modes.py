@@ -8,7 +8,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco import chain, kernels
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene, changed
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, changed
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
@@ -46,7 +46,7 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     """
     mass, stiffness = chain.follower_matrices(model, scene, hinges)
     damping = chain.follower_damping(scene, hinges)
-    if isinstance(scene, FollowerAlone):
+    if scene.crank is None:
         return _fastest(mass[1:, 1:], damping[1:, 1:], stiffness[1:, 1:])
     slider = scene.slider
     if slider.is_rigid:

@@ -18,7 +18,7 @@ from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.reference_model.columns import ROW, columns_of
 from quickreturn.reference_model.joint import rollers
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class ChainSimulation(Simulation):
         """Small enough for the chain's fastest rate and for what drives it in the next `duration` (s), s."""
         if self._step_is_set:
             return self._largest_step
-        if isinstance(self._scene, FollowerAlone):
+        if self._scene.crank is None:
             return min(self._largest_step, self._scene.spin_up.time / _STEPS_PER_TURN)
         speed = self._fastest(self._scene, duration)
         return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
@@ -78,7 +78,7 @@ class ChainSimulation(Simulation):
 
     def _place(self, start: Start) -> None:
         """Bend the chain into the start's shape; the base turns until the slider lies on its centre line, and moves accordingly."""
-        assert isinstance(self._scene, Mechanism)
+        assert self._scene.crank is not None
         state, length = reconstruct(self._scene, start), self._scene.follower.length
         qpos, qvel = self._data.qpos, self._data.qvel
         first = self._model.nv - self._hinges - 1
@@ -118,7 +118,7 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != kernels.GOOD or rows == len(table):
                     break
-        columns = columns_of(table[:rows], alone=isinstance(self._scene, FollowerAlone), bends=self._hinges > 0)
+        columns = columns_of(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
         trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - begun, statistics)
@@ -143,7 +143,7 @@ def _largest_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     """Largest step (s) that the straight chain's fastest rate allows; infinite for a rigid follower on a rigid joint."""
     if hinges > 0:
         return _SAFETY * _STABILITY_LIMIT / modes.fastest_rate(model, scene, hinges)
-    if isinstance(scene, Mechanism) and not scene.slider.is_rigid:
+    if not scene.slider.is_rigid:
         return _RESOLVED / modes.fastest_rate(model, scene, hinges)
     return math.inf
 
@@ -191,7 +191,7 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "tip_offset": scene.tip_body.center_of_mass,
         "gravity": complex(*scene.gravity),
     }
-    if isinstance(scene, FollowerAlone):
+    if scene.crank is None:
         values |= {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
     else:
         values |= _crank_and_slider(scene)

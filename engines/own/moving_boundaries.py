@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.base import USUAL, Comparison
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 if TYPE_CHECKING:
@@ -48,11 +48,11 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
     kind_of_shapes = "shapes that follow the slider"
     quantities = tuple(name for name in USUAL if name != "crank.torque")
 
-    def opens_loop(self, mechanism: Mechanism) -> bool:
+    def opens_loop(self, scene: Scene) -> bool:
         """The slider's place is known from the crank's angle."""
         return False
 
-    def joint_line(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> str:
+    def joint_line(self, scene: Scene, settings: MovingBoundariesSettings) -> str:
         return "slider supports the beam where it meets the line (known from the crank's angle)"
 
     def model(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> "MovingBoundariesModel":  # type: ignore[override]

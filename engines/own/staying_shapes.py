@@ -71,7 +71,7 @@ class StayingEngine(BeamEngine[S]):
     def shapes(self, follower: Follower, settings: S) -> ShapeSet:
         """Of a follower; none of a rigid one."""
 
-    def constraint(self, mechanism: Mechanism, settings: S) -> SliderConstraint:
+    def constraint(self, scene: Scene, settings: S) -> SliderConstraint:
         """What happens to the gap at the slider; unless overridden the follower's angle closes it."""
         return CLOSED
 

@@ -78,7 +78,6 @@ class DerivedEngine(Engine[DerivedSettings]):
     def check(self, scene: Scene) -> None:
         """Refuse also a rigid follower, and with a joint that gives way parts that it leaves without inertia."""
         super().check(scene)
-        assert isinstance(scene, Mechanism)  # a follower alone has quantities that are not named here
         if scene.follower.is_rigid:
             raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
         if not scene.slider.is_rigid:

@@ -15,6 +15,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.columns import Rows
 from quickreturn.reference_model.machine.compilation import KERNEL, compiled, inlined, stage
 from quickreturn.reference_model.machine.pointers import call_equations, numbers_at
 from quickreturn.reference_model.motion.fields import place
@@ -214,7 +215,7 @@ def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Ar
 
 
 @compiled
-def observe_states(equations: int, parameters: int, workspace: int, states: Array, rows: Any) -> int:
+def observe_states(equations: int, parameters: int, workspace: int, states: Array, rows: Rows) -> int:
     """Fill `rows` (k,) of `columns.ROW` from `states` (k, size); the number of rows filled before a state that cannot be."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     rate = np.empty(states.shape[1])

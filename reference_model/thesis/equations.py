@@ -9,6 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.columns import Rows
 from quickreturn.reference_model.machine.compilation import compiled, stage
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
@@ -22,7 +23,7 @@ base_motion = stage(motion_of_base)
 
 
 @compiled
-def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: NDArray[np.record]) -> bool:
+def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Rows) -> bool:
     """dy/dt at the state y, to `rate`, and unless `row` (of `columns.ROW`) is empty the observables, to it; the first two are addresses.
 
     Returns:
@@ -48,7 +49,7 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
 
 
 @compiled
-def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: NDArray[np.record]) -> bool:
+def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Rows) -> bool:
     """The same for the follower alone (equations 8.1 and 8.2); observables of crank and slider are zero, the torque is the base's."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     n, eta, eta_rate = p.n, y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2]

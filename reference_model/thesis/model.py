@@ -5,11 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import ROW, columns_of
+from quickreturn.reference_model.columns import ROW, Rows, columns_of
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.integrate import Integration
 from quickreturn.reference_model.machine.pointers import Placed
-from quickreturn.reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.model import ObservationFailed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
@@ -39,7 +39,7 @@ class ThesisModel:
         self.shapes = shapes
         self.parameters = build_parameters(scene, shapes, exact_geometry=exact_geometry, cells=quadrature_cells(shapes))
         self.workspace = build_workspace(self.parameters.tables)
-        self._alone = isinstance(scene, FollowerAlone)
+        self._alone = scene.crank is None
         self._function = base_right_hand_side if self._alone else right_hand_side
         self._at = Placed(self.parameters, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
@@ -63,7 +63,7 @@ class ThesisModel:
         """State vector of the follower alone at time 0, straight and still."""
         return self.initial_state(0.0, 1.0)
 
-    def right_hand_side(self, y: Array, rate: Array, row: NDArray[np.record] = _NO_ROW) -> bool:
+    def right_hand_side(self, y: Array, rate: Array, row: Rows = _NO_ROW) -> bool:
         """dy/dt of a state, written to `rate`, and its observables, to `row` (`ROW`, (1,)) if given; False where the state cannot be."""
         p, w = self._at
         return bool(self._function(p.address, w.address, y, rate, row))

@@ -9,7 +9,7 @@ import numpy as np
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
 from quickreturn.reference_model.machine.pointers import Cube, Matrix, Vector, reader, tuple_type
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import deflection_scale
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables
@@ -86,7 +86,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     places = follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)
     return Parameters(
         **{name: value for name, value in known.items() if name in Parameters._fields},
-        crank_is_free=isinstance(scene, Mechanism) and scene.crank_is_free,
+        crank_is_free=scene.crank_is_free,
         EI=EI,
         has_gravity=scene.has_gravity,
         exact_geometry=exact_geometry,
@@ -98,7 +98,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         moment_places=EI * shapes.evaluate(places, 2),
         stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
         mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
-        deflection_scale=0.01 * follower.length if isinstance(scene, FollowerAlone) else deflection_scale(scene),
+        deflection_scale=deflection_scale(scene),
     )
 
 

@@ -1,10 +1,9 @@
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.reference_model import columns
 
 
-def _row() -> NDArray[np.record]:
+def _row() -> columns.Rows:
     """A row in which each field of one number has its place, and each numbered one counts from 1."""
     rows = np.zeros(1, columns.ROW)
     for k, name in enumerate(columns.ROW.names or ()):
