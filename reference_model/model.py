@@ -201,7 +201,7 @@ class BeamModel:
     def equations(self) -> Equations:
         """The equations of motion as the integrator takes them."""
         p, w = self._at
-        return Equations(kernel(), p.address, w.address, self.workspace.slider)
+        return Equations(kernel(), p.address, w.address, self.workspace.watched)
 
     def error_scales(self, crank_speed: float) -> Array:
         """Sizes against which the relative tolerance is taken, one per controlled state: fixed, so that none vanishes (equation 5.10).
@@ -255,13 +255,13 @@ class BeamModel:
     def natural_frequencies(self, crank_angle: float, count: int) -> Array:
         """Lowest natural frequencies (Hz) with the crank held, follower straight, at rest, undamped; of an open loop (equation 7.1).
 
-        Where force and motion are not conjugate the equations are not symmetric: of complex roots the modulus.
+        Where the constraint is not workless the equations are not symmetric: of complex roots the modulus.
         """
         squares = np.sort(np.abs(self._frozen_squares(crank_angle)))
         return np.asarray(np.sqrt(squares[:count]) / (2.0 * np.pi), dtype=np.float64)
 
     def growth_rates(self, crank_angle: float) -> Array:
-        """Rates (1/s) at which the same small vibrations grow of themselves, one per pair of roots: zero for a conjugate joint."""
+        """Rates (1/s) at which the same small vibrations grow of themselves, one per pair of roots: zero for a workless constraint."""
         return np.asarray(np.abs(np.real(np.sqrt(-self._frozen_squares(crank_angle).astype(complex)))), dtype=np.float64)
 
     def mass_matrix(self) -> Array:

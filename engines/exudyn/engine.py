@@ -71,7 +71,7 @@ class ExudynEngine(Engine[ExudynSettings]):
 
     def finer(self, settings: ExudynSettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""
-        return ladder.finer(settings, excess, output_step)
+        return ladder.finer(settings, ladder.Excess(*excess) if excess else None, output_step)
 
     def prepare(self, scene: Scene, start: Start | None, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""

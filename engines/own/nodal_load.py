@@ -61,7 +61,7 @@ LADDER: Final = Ladder(
 
 
 class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
-    """The textbook way: with the lever rule, force on the nodes and motion of the slider are not conjugate and make spurious power."""
+    """The textbook way: with the lever rule the slider's constraint is not workless, its force on the nodes makes spurious power."""
 
     name = "nodal-load"
     method = "Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853"
@@ -73,7 +73,7 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
         return no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
 
     def constraint(self, scene: Scene, settings: NodalLoadSettings) -> SliderConstraint:
-        """Conjugate distributions need no damping; a rigid follower has no nodes but one multiplier."""
+        """Workless distributions need no damping; a rigid follower has no nodes but one multiplier."""
         kind = MULTIPLIER if scene.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
         damping = settings.bending_damping if settings.distribution == "lever" else 0.0
         return SliderConstraint(kind=kind, stabilization=settings.stabilization, bending_damping=damping)

@@ -33,16 +33,16 @@ def observe(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> bool:
     False where the recovered line is bent too far.
     """
     m, f = p.speeds, w.facts
-    at = f.at_slider
+    slider_point = f.slider_point
     row.crank_angle, row.crank_speed, row.tip_acceleration = y[0], y[m + 1], _tip_acceleration(p, t, w)
     row.slider_force, row.crank_torque, row.dissipated_energy, row.drive_work = f.normal, f.torque, y[2 * m + 1], y[2 * m + 2]
-    row.constraint_gap, row.gap_rate, row.joint_power = f.excess, f.gap_rate, 0.0
+    row.constraint_gap, row.gap_rate, row.joint_power = f.unclosed, f.gap_rate, 0.0
     if m > p.n + 1:
         row.joint_power = joint_power(p, w, y)
-    _energies(p, t, w, y, at, row)
+    _energies(p, t, w, y, slider_point, row)
     _bearing_forces(p, t, w, y, row)
-    _bending_moment(p, t, w, at)
-    return _recover(p, t, w, y, at, row)
+    _bending_moment(p, t, w, slider_point)
+    return _recover(p, t, w, y, slider_point, row)
 
 
 @stage
@@ -52,7 +52,7 @@ def _tip_acceleration(p: Parameters, t: Tables, w: Workspace) -> float:
 
 
 @stage
-def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, row: Any) -> None:
+def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> None:
     """Kinetic, strain and gravity energy (equations 6.2 to 6.4)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
     end = t.tip
@@ -64,7 +64,7 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, row: An
     tip = point(w.z, end, N)
     velocity = point(w.relative, end, N) + 1j * (q2_rate * tip + w.turn[end] * f.tip_arm)
     kinetic += 0.5 * p.tip_mass * dot(velocity, velocity) + 0.5 * p.tip_inertia * w.turn[end] ** 2
-    kinetic += 0.5 * p.slider_inertia * (w.turn[at] + f.curvature * f.s_rate) ** 2
+    kinetic += 0.5 * p.slider_inertia * (w.turn[slider_point] + f.curvature * f.s_rate) ** 2
     kinetic += 0.5 * p.joint_inertia * f.gap_rate**2
     strain = joint_energy(f.gap, p.plus, p.minus, p.plus_from, p.minus_from)
     for i in range(n):
@@ -94,7 +94,7 @@ def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) 
 
 
 @stage
-def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
+def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
     """Moment of the outboard forces at the points, N m, in `w.moment` (equations 6.5 and 6.6)."""
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
@@ -116,14 +116,14 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
         w.moment[j] = about_pivot - w.inboard_moment[j] - cross(point(w.z, j, N), outboard - point(w.inboard_force, j, N))
     if p.constraint != BASE:
         # at the slider itself the moment jumps by the slider's; the outboard side is shown
-        for j in range(at if f.slider_moment != 0.0 else at + 1):
-            w.moment[j] += cross(point(w.z, at, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
+        for j in range(slider_point if f.slider_moment != 0.0 else slider_point + 1):
+            w.moment[j] += cross(point(w.z, slider_point, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
 
 
 @stage
-def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, row: Any) -> bool:
+def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> bool:
     """Moments and strains; shape, base angle, slider and tip place of the recovered curvature (equations 6.7 to 6.9)."""
-    N, s, f = t.points, w.slider[0], w.facts
+    N, f = t.points, w.facts
     end, flexibility = t.tip, 1.0 / p.EI
     for j in range(N):
         w.curvature[j] = flexibility * w.moment[j]
@@ -136,7 +136,7 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, row: Any
     if not directions(w.recovered_angle[:N], w.recovered_e):
         return False
     cumulate(t, w.length, w.recovered_e, w.recovered_place)
-    row.moment_slider = w.moment[at]
+    row.moment_slider = w.moment[slider_point]
     for place in range(PLACES):
         x = (place + 1) * p.L / (PLACES + 1)
         row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
@@ -147,8 +147,8 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, row: Any
         row.follower_angle = base_motion(p.base_speed, p.base_time, y[0])[0]
     else:
         # the crank tip is beside the line, by the gap along its normal
-        tangent = point(w.recovered_e, at, N)
-        hinge = point(w.recovered_place, at, N) + 1j * f.gap * tangent
+        tangent = point(w.recovered_e, slider_point, N)
+        hinge = point(w.recovered_place, slider_point, N) + 1j * f.gap * tangent
         crank = p.LA * complex(math.cos(y[0]), math.sin(y[0])) - p.d
         ds = 0.5 * (dot(crank, crank) - dot(hinge, hinge)) / dot(hinge, tangent)
         # exp(i q2) has the direction of crank / hinge; both -crank and hinge point forwards
@@ -157,7 +157,7 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, row: Any
         row.follower_angle = math.pi + math.atan2(-frame.imag, -frame.real)
     deflected = point(w.recovered_place, end, N)
     tip = p.d + frame * deflected
-    row.slider_position, row.tip_deflection, row.tip_x, row.tip_y = s + ds, deflected.imag, tip.real, tip.imag
+    row.slider_position, row.tip_deflection, row.tip_x, row.tip_y = f.s + ds, deflected.imag, tip.real, tip.imag
     return True
 
 

@@ -83,7 +83,7 @@ class ThesisModel:
         """States on a uniform grid from the state `y` by LSODA, whose steps start anew (thesis, section 5.2)."""
         scales = self.error_scales(float(y[self.parameters.n + 1])) * tolerance
         limit = math.inf if self._alone else self.parameters.L
-        return integrate_lsoda(self.right_hand_side, self.workspace.slider, y, output_step, intervals, scales, limit)
+        return integrate_lsoda(self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit)
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`.

@@ -117,7 +117,7 @@ class Workspace(NamedTuple):
     f_edges: Matrix  # (m + 1, n)
     F_rate: Vector  # (N,)
     end: Vector  # (2,) W' and W at x = L
-    slider: Vector  # (2,) s, m; highest angular frequency, rad/s: not known here, 0
+    watched: Vector  # (2,) what the integrator watches: s, m; highest angular frequency, rad/s: not known here, 0
     H: Vector  # (N,) int g'' (dW'/dt)^2
     H_edges: Vector  # (m + 1,)
     integrand: Vector  # (N,) scratch
@@ -149,7 +149,7 @@ def build_workspace(tables: Tables) -> Workspace:
         ("F_edges H_edges", (m + 1,)),
         ("f", (N, n)),
         ("f_edges", (m + 1, n)),
-        ("end slider", (2,)),
+        ("end watched", (2,)),
         ("at_s", (4, n)),
         ("f_s f_s_slope", (n,)),
         ("weights", (3, POINTS)),

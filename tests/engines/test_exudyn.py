@@ -112,9 +112,9 @@ def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
         found[factor] = relative_error(result.trajectory["tip_deflection"], truth)
         assert found[factor] < result.error_estimate
     assert found[16] < 0.3 * found[1]  # measured 1.0e-4 and 4.7e-4; steps and elements leave 7e-5
-    assert ladder.finer(ExudynSettings(), (0.5, 0.1, 0.3), 1e-3).axial_factor == 4.0
-    assert ladder.finer(ExudynSettings(), (0.5, 0.1, 2.0), 1e-3) == ExudynSettings(axial_factor=ladder.MOST_STIFF)
-    assert ladder.finer(ExudynSettings(axial_factor=ladder.MOST_STIFF), (0.5, 0.1, 2.0), 1e-3) is None
+    assert ladder.finer(ExudynSettings(), ladder.Excess(0.5, 0.1, 0.3), 1e-3).axial_factor == 4.0
+    assert ladder.finer(ExudynSettings(), ladder.Excess(0.5, 0.1, 2.0), 1e-3) == ExudynSettings(axial_factor=ladder.MOST_STIFF)
+    assert ladder.finer(ExudynSettings(axial_factor=ladder.MOST_STIFF), ladder.Excess(0.5, 0.1, 2.0), 1e-3) is None
 
 
 def test_few_elements_are_not_taken_for_a_cable_that_stretches():

@@ -109,7 +109,7 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     m = p.speeds
     found |= {"speeds": rate[:m], "accelerations": rate[m + 1 : 2 * m + 1], "powers": rate[2 * m + 1 :]}
     found |= {f"bias of {name}": getattr(w.facts, f"{name}_bias") for name in ("q2", "s", "gap")}
-    return found | {"s_rate": rate[m], "feedback": rate[m] - w.facts.s_rate, "frequency": w.slider[1]}
+    return found | {"s_rate": rate[m], "feedback": rate[m] - w.facts.s_rate, "frequency": w.watched[1]}
 
 
 def _of_state(state: State, recovered: float = RECOVERED) -> Check:

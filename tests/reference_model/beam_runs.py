@@ -53,7 +53,7 @@ def run(
 
 
 def balance(columns: dict[str, Array]) -> Array:
-    """Stored energy and what was dissipated, less the work of the drive, J: constant but for the work of a joint that is not conjugate."""
+    """Stored energy and what was dissipated, less the work of the drive, J: constant but for the work that the lever rule does."""
     stored = columns["kinetic_energy"] + columns["strain_energy"] + columns["gravity_energy"]
     return np.asarray(stored + columns["dissipated_energy"] - columns["drive_work"], dtype=np.float64)
 

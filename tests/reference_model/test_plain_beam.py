@@ -182,8 +182,8 @@ def test_mass_matrix_accelerations_and_powers(case: tuple[State, Case]) -> None:
     close(rate[2 * m + 2], o.drive_power, tolerance)
     if not here.model.closes_loop and here.beam.kind != BASE:
         close(rate[2 * m + 3], o.joint_power, tolerance, abs(o.shown["slider_force"]))
-        conjugate = abs(o.joint_power + o.shown["slider_force"] * o.gap_rate) < 1e-9 * abs(o.joint_power)
-        assert conjugate == (here.beam.kind != LEVER)
+        workless = abs(o.joint_power + o.shown["slider_force"] * o.gap_rate) < 1e-9 * abs(o.joint_power)
+        assert workless == (here.beam.kind != LEVER)
 
 
 def test_observables(case: tuple[State, Case]) -> None:
