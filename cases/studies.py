@@ -11,8 +11,10 @@ from quickreturn.cases.measures.steady_state import on_common_grid, relative_cha
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import Columns, channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.engines.accurate import ESTIMATED, run_once, simulate
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.relative import relative_error

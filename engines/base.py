@@ -108,7 +108,7 @@ class Comparison:
         other: settings of the run that it is compared with.
         factor: error of `other` over that of `run`, as far as they differ; below 1 where `other` is the finer one.
         before: the same of `other` and a run coarser still; or, of a finer one, finer still. Where the differences do not fall from run
-            to run as both factors say, the factor that they do show counts (`engines.accurate.shown_factor`). None: the factor is taken
+            to run as both factors say, the factor that they do show counts (`engines.error_parts.shown_factor`). None: the factor is taken
             on trust.
         instead: the pair that counts where a run of this one breaks down, a finer one for example; None: then the error is unknown.
         alike: `before` is not run where the relative difference of `run` and `other` is, in every column with an estimate, at most so

@@ -16,8 +16,9 @@ from quickreturn.cases.errors import as_written, nearest_or_all
 from quickreturn.cases.jobs.display import compilation_told
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, engine_given, one_case
-from quickreturn.engines.accurate import ESTIMATED, NOT_ESTIMATED, Result
+from quickreturn.engines.accurate import NOT_ESTIMATED, Result
 from quickreturn.engines.base import AnyEngine, Engine
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.scene import simulate_scene

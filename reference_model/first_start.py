@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import config, from_dtype, types  # type: ignore[attr-defined]
+from numba import config, from_dtype, types
 
 from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.integrate import _dop853

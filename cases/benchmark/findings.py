@@ -50,7 +50,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Converged:
-    """The solution that errors are measured against; `sizes`: RMS of each column of `engines.accurate.ESTIMATED`, SI."""
+    """The solution that errors are measured against; `sizes`: RMS of each column of `engines.error_parts.ESTIMATED`, SI."""
 
     engine: str
     settings: dict[str, Any]

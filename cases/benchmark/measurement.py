@@ -19,8 +19,10 @@ import numpy as np
 from quickreturn.cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, fastest_at
 from quickreturn.cases.benchmark.methods import Method, methods
 from quickreturn.cases.case import Case
-from quickreturn.engines.accurate import ESTIMATED, Made, run_once, simulate
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.one_run import Made, run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error, rms
 from quickreturn.engines.settings import SettingError, Settings, as_texts

@@ -25,7 +25,7 @@ from quickreturn.cases.measures.cycle import CycleMeasures, Measure
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.marching import Columns, channels_of
-from quickreturn.engines.accurate import LEAST_FACTOR, Compared
+from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
 
 Array = NDArray[np.float64]
 

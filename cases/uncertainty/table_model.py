@@ -13,8 +13,8 @@ from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.marching import output_step, periodic_cycle
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import NOT_SETTLED, STANDARD
-from quickreturn.engines.accurate import run_once
 from quickreturn.engines.base import NoSteadyState
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.studies import StudiedRun
-from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
 from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
 from quickreturn.reports.words import cost, settings_words, short_name

@@ -1,7 +1,7 @@
 """Studies beside the 24 runs."""
 
 from quickreturn.cases.studies import convergence
-from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
 from tests.engines.scenes import run_24
 

@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import eigvalsh
 
-from quickreturn.engines.accurate import ESTIMATED, run_once
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.integrate import CEILING, REACHED_END

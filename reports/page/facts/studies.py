@@ -7,7 +7,7 @@ import numpy as np
 
 from quickreturn.cases.runs.comparison import REFERENCE
 from quickreturn.cases.studies import StudiedRun
-from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
