@@ -1,4 +1,4 @@
-"""Parts of an error, from the differences of runs whose errors stand in a known ratio (`engines.base.Comparison`); see `engines.accurate`."""
+"""Parts of an error, from differences of runs whose errors stand in a known ratio (`engines.base.Comparison`)."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -2,7 +2,7 @@
 
 N hinges stand at (j - 1/2) h, h = L/N; between them N - 1 links of length h, half a link on the base and half a link with the tip body
 at the end. Links are uniform rods and hinges have the stiffness EI/h: with both, the errors of order h² of the inertia and of the
-stiffness cancel in the interior, what is left is of order h⁴ (see the centre line in kernels.py for the last term of order h²).
+stiffness cancel in the interior, what is left is of order h⁴ (see centre_line.py for the last term of order h²).
 """
 
 import mujoco

@@ -7,7 +7,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from quickreturn.engines.mujoco import chain, kernels
+from quickreturn.engines.mujoco import chain
+from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, changed
 
 
@@ -33,7 +34,7 @@ def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArra
     """Transverse motion of the straight follower's point at the slider per rate of base and hinge angles, m, shape (N + 1,)."""
     arm = mechanism.crank.length
     slider = math.hypot(mechanism.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle))
-    coefficients = kernels.centre_line_coefficients(slider, hinges, mechanism.follower.length / max(hinges, 1), 0)
+    coefficients = centre_line_coefficients(slider, hinges, mechanism.follower.length / max(hinges, 1), 0)
     return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
 
 

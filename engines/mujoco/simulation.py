@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.mujoco import chain, kernels, modes
+from quickreturn.engines.mujoco import chain, modes, time_loop
+from quickreturn.engines.mujoco.context import CONTEXT
+from quickreturn.engines.mujoco.hook import control_hook
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
@@ -30,7 +32,7 @@ _ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
 
 
 class ChainSimulation(Simulation):
-    """See `Simulation`. The state is MuJoCo's; `kernels.CONTEXT` holds the constraint's.
+    """See `Simulation`. The state is MuJoCo's; `CONTEXT` holds the constraint's.
 
     Args:
         scene: the mechanism, or the follower alone.
@@ -90,7 +92,7 @@ class ChainSimulation(Simulation):
         qvel[first + 1 :] = _hinge_angles(state.tangent_rate(link_centers))
         self._context["slider_position"] = state.slider_position
         self._context["prescribed_angle"] = start.crank_angle
-        gap = kernels.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
+        gap = time_loop.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
         if not abs(gap) < 1e-12 * length:
             raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
 
@@ -106,7 +108,7 @@ class ChainSimulation(Simulation):
             while True:
                 first = rows - 1  # a piece begins with the last row of the one before
                 piece = table[first : first + _ROWS_AT_ONCE + 1]
-                filled, state = kernels.advance(
+                filled, state = time_loop.advance(
                     self._model._address,
                     self._data._address,
                     self._context,
@@ -116,13 +118,13 @@ class ChainSimulation(Simulation):
                     piece,
                 )
                 rows = first + filled
-                if state != kernels.GOOD or rows == len(table):
+                if state != time_loop.GOOD or rows == len(table):
                     break
         columns = columns_of(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
         trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - begun, statistics)
-        if state != kernels.GOOD:
+        if state != time_loop.GOOD:
             good = times[max(rows - 1, 0)]
             raise EngineFailure(float(good), *self._reason(state), trajectory if rows else None)
         self.time = float(times[-1])
@@ -130,7 +132,7 @@ class ChainSimulation(Simulation):
 
     def _reason(self, state: int) -> tuple[str, str]:
         """Cause and advice."""
-        if state == kernels.SLIDER_LEFT:
+        if state == time_loop.SLIDER_LEFT:
             place, length = float(self._context["slider_position"][0]), self._scene.follower.length
             return (
                 f"the slider left the follower (arc length {place:.6g} m, follower.length {length:.6g} m)",
@@ -166,8 +168,8 @@ def _hinge_angles(tangents: Array) -> Array:
 
 
 def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
-    """What compiled code needs to know, `kernels.CONTEXT`, shape (1,)."""
-    follower, context = scene.follower, np.zeros(1, kernels.CONTEXT)
+    """What compiled code needs to know, `CONTEXT`, shape (1,)."""
+    follower, context = scene.follower, np.zeros(1, CONTEXT)
     values: dict[str, complex] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
@@ -233,7 +235,7 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
 def _hooks() -> Iterator[None]:
     """Install the constraint for one call of `advance`; MuJoCo's callbacks are global. Its warnings would go to a file of their own."""
     previous = mujoco.get_mjcb_control(), mujoco.get_mju_user_warning()
-    mujoco.set_mjcb_control(kernels.control_hook.ctypes)
+    mujoco.set_mjcb_control(control_hook.ctypes)
     mujoco.set_mju_user_warning(lambda message: None)
     try:
         yield

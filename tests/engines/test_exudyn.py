@@ -109,7 +109,7 @@ def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
     found = {}
     for factor in (1, 16):
         texts = {"elements": "32", "step": "2.5e-4", "axial_factor": str(factor)}
-        result = accurate.simulate(ENGINE, soft, standard_start(soft), 0.3, 1e-3, texts)
+        result = simulate(ENGINE, soft, standard_start(soft), 0.3, 1e-3, texts)
         found[factor] = relative_error(result.trajectory["tip_deflection"], truth)
         assert found[factor] < result.error_estimate
     assert found[16] < 0.3 * found[1]  # measured 1.0e-4 and 4.7e-4; steps and elements leave 7e-5
