@@ -45,7 +45,7 @@ docs: $(TEST)
 	$(BIN)/sphinx-build --quiet --builder html --conf-dir docs/site --doctree-dir build/doctrees --fail-on-warning --keep-going --nitpicky . build/site
 
 compile: $(TEST)
-	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name) for name in ("thesis", "reference", "mujoco")]'
+	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name, store=False) for name in ("thesis", "reference", "mujoco")]'
 
 $(READY): EXTRA :=
 $(TEST): EXTRA := [test]

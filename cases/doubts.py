@@ -1,9 +1,9 @@
 """Values of a scene that can be, but are hardly meant: told, never refused."""
 
-import math
 from collections.abc import Iterator
 from typing import Final
 
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.mechanism import Follower, Scene
 
 #: Lengths of a follower in m: from a watch's lever to a crane's jib.
@@ -37,7 +37,7 @@ def doubts(scene: Scene) -> Iterator[str]:
     if abs(centre := scene.crank.center_of_mass) > scene.pivot_distance:
         yield f"crank.center_of_mass is {centre:.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m): is that meant?"
     if abs(speed := scene.crank.drive.initial_speed) > _FASTEST:
-        yield f"the crank turns at {speed * 30.0 / math.pi:.6g} rpm: is that meant?"
+        yield f"the crank turns at {speed / in_si('rpm'):.6g} rpm: is that meant?"
 
 
 def _of_follower(follower: Follower) -> Iterator[str]:
@@ -73,4 +73,4 @@ def _of_modulus(modulus: float, density: float) -> str:
 
 
 def _shown(modulus: float) -> str:
-    return f"{modulus / 1e9:.3g} GPa" if modulus >= 1e9 else f"{modulus / 1e6:.3g} MPa"
+    return f"{modulus / 1e9:.3g} GPa" if modulus >= 1e9 else f"{modulus / in_si('MPa'):.3g} MPa"

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable, Sequence
 from difflib import SequenceMatcher
 from typing import Any, ParamSpec, TypeVar
 
+from quickreturn.reference_model.errors import ToldError
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -13,7 +15,7 @@ _MOST_TOLD = 10  # mistakes in one answer: a screen of a terminal holds them
 _NEAR = 0.6  # of 1: share of letters in the same order; less is no slip of the hand
 
 
-class CaseError(Exception):
+class CaseError(ToldError):
     """Something in a case cannot be used; the text is one sentence, followed by one for each further mistake, a line each.
 
     Attributes:
@@ -40,6 +42,11 @@ class CaseError(Exception):
         if left := len(self.further) - len(told) + 1:
             told.append(f"{self.source}: {left} more mistake{'s' * (left > 1)}; mend those above first")
         return "\n".join(told)
+
+    @property
+    def sentences(self) -> list[str]:
+        """One for each mistake."""
+        return str(self).splitlines()
 
 
 def together(mistakes: Sequence[CaseError]) -> CaseError:

@@ -11,8 +11,10 @@ from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 
-#: The largest part of a difference that a mistake may leave unexplained.
+#: The largest part of a difference that a mistake may leave unexplained: where the engine's own error is small or given as noise, and
+#: where it is in the difference as well and nobody knows its size.
 EXPLAINED: Final = 0.15
+COARSELY: Final = 0.4
 #: By how many times more than the best any other mistake must leave unexplained for the best to be named.
 _CLEARLY: Final = 2.0
 #: Part of a difference, and part of the noise, below which what is left says nothing about which mistake is the right one. The noise is a
@@ -47,7 +49,7 @@ class Explanation:
 
 
 def explain(
-    found: Array, expected: Array, hypotheses: Iterable[Hypothesis], noise: float = 0.0, most: float = EXPLAINED
+    found: Array, expected: Array, hypotheses: Iterable[Hypothesis], noise: float = 0.0, coarse: bool = False
 ) -> Explanation | None:
     """The mistake that explains a difference, or several that are alike; None where there is none, or where others explain it as well.
 
@@ -56,12 +58,12 @@ def explain(
         expected: what should be there.
         hypotheses: mistakes that could have been made; of those that predict the same the first is named.
         noise: by how much `found` may be off (RMS) without any mistake.
-        most: the largest part of the difference that a mistake may leave.
+        coarse: whether `found` may be off by more than that.
     """
     off = rms(found - expected)
     if off == 0.0:
         return None
-    allowed = max(most * off, min(noise, 0.5 * off))
+    allowed = max((COARSELY if coarse else EXPLAINED) * off, min(noise, 0.5 * off))
     left = [(rms(found - each.values), each) for each in hypotheses]
     for fitted in (False, True):
         tried = [(rest, each) for rest, each in left if each.fitted is fitted and np.isfinite(rest)]

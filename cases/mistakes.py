@@ -1,6 +1,5 @@
 """What a column looks like after the usual mistakes, and which of them a given column shows."""
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -11,36 +10,33 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
 from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 
-_POUND: Final = 4.4482216152605  # N
-_INCH: Final = 0.0254  # m
 #: What numbers a column of several of its kind.
 _DIGITS: Final = "0123456789"
 #: Whole rows by which a column may come late or early; the part of a row below which it is in time.
 _LAGS: Final = (1, -1, 2, -2, 3)
 _NOT_LATE: Final = 0.05
 IN_TIME: Final = "take it at the instant of the row, after the last step, with everything derived brought up to date"
-#: SI unit -> other unit -> its number for one SI unit.
-UNITS: Final[dict[str, dict[str, float]]] = {
-    "s": {"milliseconds": 1e3, "minutes": 1.0 / 60.0},
-    "m": {"millimetres": 1e3, "centimetres": 1e2, "inches": 1.0 / _INCH, "feet": 1.0 / (12.0 * _INCH)},
-    "rad": {"degrees": 180.0 / math.pi, "turns": 0.5 / math.pi},
-    "rad/s": {"degrees per second": 180.0 / math.pi, "rpm": 30.0 / math.pi, "turns per second (Hz)": 0.5 / math.pi},
-    "m/s^2": {"millimetres/s^2": 1e3, "inches/s^2": 1.0 / _INCH, "g": 1.0 / 9.80665},
-    "1": {"percent": 1e2, "microstrain": 1e6},
-    "N": {"millinewtons": 1e3, "kilonewtons": 1e-3, "pounds": 1.0 / _POUND},
-    "N m": {"newton millimetres": 1e3, "inch pounds": 1.0 / (_POUND * _INCH)},
-    "J": {"millijoules": 1e3, "inch pounds": 1.0 / (_POUND * _INCH)},
-    "Hz": {"rad/s": 2.0 * math.pi, "rpm": 60.0, "kHz": 1e-3},
+#: SI unit -> other unit in words -> the same as `in_si` reads it.
+_UNITS: Final[dict[str, dict[str, str]]] = {
+    "s": {"milliseconds": "ms", "minutes": "min"},
+    "m": {"millimetres": "mm", "centimetres": "cm", "inches": "in", "feet": "ft"},
+    "rad": {"degrees": "deg", "turns": "turn"},
+    "rad/s": {"degrees per second": "deg/s", "rpm": "rpm", "turns per second (Hz)": "turn/s"},
+    "m/s^2": {"millimetres/s^2": "mm/s^2", "inches/s^2": "in/s^2", "g": "g0"},
+    "1": {"percent": "percent", "microstrain": "microstrain"},
+    "N": {"millinewtons": "mN", "kilonewtons": "kN", "pounds": "lbf"},
+    "N m": {"newton millimetres": "N*mm", "inch pounds": "lbf*in"},
+    "J": {"millijoules": "mJ", "inch pounds": "lbf*in"},
 }
-#: Of a coarse engine, whose own error is in the way, a mistake must leave less than this part of the difference, and no more than that of
-#: the column.
-_EXPLAINED_COARSELY: Final = (0.4, 0.6)
+#: The largest part of its column that a mistake of a coarse engine may leave.
+_LEFT_OF_COLUMN: Final = 0.6
 #: How far a model that says nothing of its own error may be off in the mild scene, relative to the column: one cubic is 43 % off in a
 #: strain there.
 HOPELESS: Final = 1.2
@@ -88,9 +84,8 @@ def diagnose(
     claims = tolerance is not None and not within
     tried = [mistake for mistake in (*_mistakes(name, expected, beside, mechanism), *more) if mistake.gross or claims]
     if not claims:
-        share, most = _EXPLAINED_COARSELY
-        seen = [each for each in tried if rms(found - each.values) <= most * rms(each.values)]
-        coarsely = explain(found, expected, seen, most=share) if off > 0.2 * size else None
+        seen = [each for each in tried if rms(found - each.values) <= _LEFT_OF_COLUMN * rms(each.values)]
+        coarsely = explain(found, expected, seen, coarse=True) if off > 0.2 * size else None
         if coarsely is not None:
             return Finding(f"{name} {coarsely.words}", coarsely.advice, coarsely.left)
         if within or off < HOPELESS * size or not (COLUMNS[name].required or name == name.rstrip(_DIGITS)):
@@ -162,7 +157,8 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
     unit, meaning = COLUMNS[name].unit, COLUMNS[name].meaning
     yield Hypothesis("has the wrong sign", f"turn it round: {meaning}", -expected)
     yield Hypothesis("is a size without sign", f"give it its sign: {meaning}", np.abs(expected))
-    for other, factor in UNITS.get(unit, {}).items():
+    for other, read in _UNITS.get(unit, {}).items():
+        factor = 1.0 / in_si(read)
         words, divide = f"is in {other}, not in {unit if unit != '1' else 'parts of one'}", f"divide it by {factor:.6g}"
         yield Hypothesis(words, divide, factor * expected)
         yield Hypothesis(f"{words}, and has the wrong sign", f"{divide} and turn it round", -factor * expected)

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
 from quickreturn.cases.text_file import read_text
-from quickreturn.cases.units import DIMENSIONS, QuantityError, plain_number, unit_size
+from quickreturn.cases.units import DIMENSIONS, PURE_UNITS, QuantityError, in_si, plain_number, unit_size
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
@@ -38,10 +38,10 @@ DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "origin": ("simulated", "measured", "digitised", "synthetic"),
     "source": (),
 }
-#: Units that pint does not know, or knows as something else.
-_OTHER_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
-    "1": {"1": 1.0, "-": 1.0, "": 1.0, "strain": 1.0, "percent": 0.01, "%": 0.01} | dict.fromkeys(("microstrain", "µε", "με"), 1e-6),
-    "m/s^2": {"g": 9.80665},
+#: SI unit -> units that pint does not know, or knows as something else -> the same as `in_si` reads it.
+_OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
+    "1": {"-": "1", "": "1", "%": "percent", "µε": "microstrain", "με": "microstrain"} | {unit: unit for unit in PURE_UNITS},
+    "m/s^2": {"g": "g0"},
 }
 #: In what is no number -> what to do.
 _HINTS: Final = {
@@ -242,7 +242,7 @@ def _sizes(source: str, place: str, headings: Sequence[str]) -> dict[str, float 
 def _size(source: str, place: str, unit: str, si_unit: str) -> float:
     others = _OTHER_UNITS.get(si_unit, {})
     if unit in others:
-        return others[unit]
+        return in_si(others[unit])
     try:
         return unit_size(unit, DIMENSIONS[si_unit])
     except QuantityError as wrong:

@@ -17,6 +17,7 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.loads.peak import Peak, peak_of
 from quickreturn.cases.loads.resonance import resonance
 from quickreturn.cases.sweep.grid import OF_START
+from quickreturn.cases.units import in_si
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -182,7 +183,7 @@ def job_around(case: Case) -> Job[ResonanceCurve]:
     if pace == 0.0:
         raise Refusal("a resonance curve needs a crank that turns; give a speed, or a torque and damping")
     low, high = sorted(((1.0 - NEAR) * pace, (1.0 + NEAR) * pace))
-    return job(case, Range(SPEED, low, high, "rpm", math.pi / 30.0), claims=False)
+    return job(case, Range(SPEED, low, high, "rpm", in_si("rpm")), claims=False)
 
 
 def job(

@@ -81,6 +81,8 @@ VELOCITY: Final = Dimension("a velocity", (1, 0, -1, 0), "m/s", ("m/s", "in/s"))
 CONTACT_DAMPING: Final = Dimension("a contact damping", (-1, 0, 1, 0), "s/m", ("s/m", "s/in"))
 #: In a case file it stands without a unit, in the heading of a table with one of these.
 PURE: Final = Dimension("a pure number", (0, 0, 0, 0), "1", ("percent", "microstrain", "um/m"))
+#: Its units, which pint does not take for units of a mechanical quantity.
+PURE_UNITS: Final = MappingProxyType({"1": 1.0, "strain": 1.0, "percent": 0.01, "microstrain": 1e-6})
 ENERGY: Final = Dimension("an energy", (2, 1, -2, 0), "J", ("J", "lbf*in"))
 FORCE: Final = Dimension("a force", (1, 1, -2, 0), "N", ("N", "lbf"))
 ELASTIC_MODULUS: Final = Dimension("an elastic modulus", (-1, 1, -2, 0), "Pa", ("GPa", "N/mm^2", "psi"))
@@ -133,6 +135,12 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
 def unit_size(unit: str, dimension: Dimension) -> float:
     """A unit expression, such as "in/s^2", in SI units. QuantityError: no unit expression of this dimension."""
     return float(_factor("", unit, dimension, f"write a unit such as {' or '.join(dimension.examples)}"))
+
+
+@functools.cache
+def in_si(unit: str) -> float:
+    """A unit that the code names, in SI units: `in_si("rpm")` is pi / 30 rad/s."""
+    return PURE_UNITS[unit] if unit in PURE_UNITS else float(_read_unit(unit)[0])
 
 
 def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Decimal:
@@ -208,15 +216,27 @@ COMMON_UNITS: Final = MappingProxyType(
     {
         "m": ("1", (1, 0, 0, 0)),
         "mm": ("0.001", (1, 0, 0, 0)),
+        "cm": ("0.01", (1, 0, 0, 0)),
         "in": ("0.0254", (1, 0, 0, 0)),
+        "ft": ("0.3048", (1, 0, 0, 0)),
         "kg": ("1", (0, 1, 0, 0)),
         "g": ("0.001", (0, 1, 0, 0)),
         "s": ("1", (0, 0, 1, 0)),
         "ms": ("0.001", (0, 0, 1, 0)),
+        "us": ("0.000001", (0, 0, 1, 0)),
+        "min": ("60", (0, 0, 1, 0)),
+        "g0": ("9.80665", (1, 0, -2, 0)),  # standard gravity
         "N": ("1", (1, 1, -2, 0)),
+        "mN": ("0.001", (1, 1, -2, 0)),
+        "kN": ("1000", (1, 1, -2, 0)),
         "lbf": ("4.4482216152605", (1, 1, -2, 0)),
+        "mJ": ("0.001", (2, 1, -2, 0)),
+        "MPa": ("1000000", (-1, 1, -2, 0)),
+        "Hz": ("1", (0, 0, -1, 0)),
         "rad": ("1", (0, 0, 0, 1)),
         "deg": ("0.01745329251994329576923690768", (0, 0, 0, 1)),
+        "turn": ("6.283185307179586476925286766", (0, 0, 0, 1)),
+        "rpm": ("0.1047197551196597746154214461", (0, 0, -1, 1)),
     }
 )
 

@@ -42,13 +42,11 @@ USABLE: Final = 0.9
 NOT_ESTIMATED: Final = "the error is not estimated, as asked"
 
 
-@dataclass(frozen=True)
-class Result:
-    """A trajectory and how far it can be trusted.
+@dataclass(frozen=True, kw_only=True)
+class Assessment:
+    """How far a trajectory can be trusted, and what it took.
 
     Attributes:
-        trajectory: of the finest run that completed.
-        settings: of that run.
         accuracy: error of the tip deflection that the run aimed at, None where settings were given and no accuracy was asked.
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
@@ -56,6 +54,7 @@ class Result:
             zero throughout.
         estimate_of: what the two are estimates of.
         further_run_skipped: whether the run finer still, which shows how fast the error falls, was not needed.
+        hurried: whether the time limit left no time for a run, so that a faster machine would know more.
         reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
         remark: why not reached or not estimated (a sentence), "" if all is well.
         setup_seconds: building the model of the delivered run.
@@ -63,16 +62,14 @@ class Result:
         compile_seconds: compiling or loading machine code before anything was timed.
         estimate_seconds: wall time of all other runs, their setup included: those it was compared with and the rungs climbed.
         description: bodies, joints and degrees of freedom of the delivered run.
-        runs: all runs that were made for it, by their settings; the delivered one among them.
     """
 
-    trajectory: Trajectory
-    settings: Settings
     accuracy: float | None
     error_estimate: float | None
     error_estimates: dict[str, float | None]
     estimate_of: EstimateOf
     further_run_skipped: bool
+    hurried: bool
     reached: bool
     remark: str
     setup_seconds: float
@@ -80,6 +77,20 @@ class Result:
     compile_seconds: float
     estimate_seconds: float
     description: ModelDescription
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result(Assessment):
+    """A trajectory and how far it can be trusted.
+
+    Attributes:
+        trajectory: of the finest run that completed.
+        settings: of that run.
+        runs: all runs that were made for it, by their settings; the delivered one among them.
+    """
+
+    trajectory: Trajectory
+    settings: Settings
     runs: Mapping[Settings, Made] = field(default_factory=dict, repr=False)
 
 
@@ -179,7 +190,7 @@ class _Runs:
         self.compile_seconds = 0.0
         self._rung = 0
         self._begin = self._first_begin = time.perf_counter()
-        self._time_limit, self._longest, self._is_known = time_limit, 0.0, False
+        self._time_limit, self._longest, self._is_known, self._hurried = time_limit, 0.0, False, False
 
     def run(self, settings: Settings) -> Made:
         if self.engine.compiles and not self._done and not self._failed and not self.compile_seconds:
@@ -200,6 +211,7 @@ class _Runs:
     def _find_time(self, now: float) -> None:
         """Raise `_NoTime` where another run could take longer than is left."""
         if self._done and self._time_limit and now - self._first_begin + LONGER * self._longest > USABLE * self._time_limit:
+            self._hurried = True
             raise _NoTime(0.0, f"could take longer than is left of the time limit of {self._time_limit:g} s", "")
 
     def _compile(self, settings: Settings) -> None:
@@ -282,6 +294,7 @@ class _Runs:
             error_estimates=judged.estimates,
             estimate_of=self.engine.estimates,
             further_run_skipped=judged.further_run_skipped,
+            hurried=self._hurried,
             reached=reached,
             remark=remark,
             setup_seconds=setup_seconds,

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.errors import ExitCode, ToldError
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
@@ -40,11 +41,11 @@ EstimateOf = Literal["total", "integration", "unverified"]
 ESTIMATES: Final[tuple[EstimateOf, ...]] = get_args(EstimateOf)
 
 
-class Refusal(Exception):
+class Refusal(ToldError):
     """A scene feature or setting that an engine cannot model; the text is one sentence naming the key and what is accepted."""
 
 
-class EngineFailure(Exception):
+class EngineFailure(ToldError):
     """A run that broke down.
 
     Attributes:
@@ -53,6 +54,8 @@ class EngineFailure(Exception):
         advice: one clause: what to try.
         partial: the trajectory up to `time`, or None.
     """
+
+    exit_code = ExitCode.ENGINE_TROUBLE
 
     def __init__(self, time: float, cause: str, advice: str, partial: Trajectory | None = None) -> None:
         super().__init__(f"failed at t = {time:.6g} s: {cause}; {advice}")

@@ -15,10 +15,13 @@ from typing import Any, ClassVar, Final, NoReturn, cast
 
 from quickreturn.engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
 from quickreturn.engines.settings import Settings as AnySettings
+from quickreturn.reference_model.errors import ToldError
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
 RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "moving-boundaries")
+#: The main engine whose discretization is its model: its distance to the others is no error of its own, and is told apart.
+MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
 _LONGEST_NAME: Final = 60  # characters of an unknown name that are shown
 
@@ -39,8 +42,10 @@ _MODULES: Final = {
 OWN: Final = frozenset(_MODULES)
 
 
-class UnknownEngine(ValueError):
+class UnknownEngine(ToldError, ValueError):
     """No engine has this name; the text is one sentence with the nearest known names."""
+
+    option = "--engine"
 
 
 def engine_names() -> tuple[str, ...]:

@@ -7,13 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Self, get_type_hints
 
+from quickreturn.reference_model.errors import ToldError
+
 _LONGEST: Final = 60  # characters of a name or value that are shown or, of a number, read
 #: Plain numbers as text: what Python reads beyond that ("1_000", other scripts' digits, "nan") is a slip.
 _NUMBERS: Final = {int: r"[+-]?[0-9]+", float: r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"}
 
 
-class SettingError(ValueError):
+class SettingError(ToldError, ValueError):
     """A setting that does not exist or lies outside its range; the text is one sentence."""
+
+    option = "--set"
 
 
 def setting(

@@ -12,6 +12,8 @@ from quickreturn.reference_model.mechanism import Scene
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Column name -> values, shape (n,).
+Columns = dict[str, NDArray[np.float64]]
 #: Columns that every engine delivers.
 REQUIRED: Final = tuple(name for name, column in COLUMNS.items() if column.required)
 #: Columns that an engine delivers where it has them.
@@ -28,7 +30,7 @@ class Trajectory:
         statistics: what the solver counted, e.g. {"right_hand_side_calls": 12345}.
     """
 
-    columns: dict[str, NDArray[np.float64]]
+    columns: Columns
     solve_seconds: float
     statistics: dict[str, float] = field(default_factory=dict)
     required: ClassVar[tuple[str, ...]] = REQUIRED

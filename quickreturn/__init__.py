@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from quickreturn.advice import Advice, advise
     from quickreturn.calibration import calibrate, uncertainty
     from quickreturn.cases.case import Case
+    from quickreturn.cases.columns import UnknownColumn
     from quickreturn.cases.conformance import conform
     from quickreturn.cases.errors import CaseError
     from quickreturn.catalogue import case, list_cases, list_engines
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from quickreturn.engines.trajectory import Trajectory
     from quickreturn.frequencies import modes
     from quickreturn.resonance_curves import Resonance, resonance
-    from quickreturn.solution import Solution, UnknownColumn, simulate
+    from quickreturn.solution import Solution, simulate
     from quickreturn.sweeping import case_at, measures, sweep
     from quickreturn.table_comparison import TableComparison, compare
 
@@ -81,6 +82,7 @@ __all__ = [
 #: Module -> the names that are taken from it.
 _HOMES: Final = {
     "quickreturn.cases.case": ("Case",),
+    "quickreturn.cases.columns": ("UnknownColumn",),
     "quickreturn.cases.conformance": ("conform",),
     "quickreturn.cases.errors": ("CaseError",),
     "quickreturn.engines.base": ("Comparison", "Engine", "EngineFailure", "ModelDescription", "Refusal", "Simulation"),
@@ -97,7 +99,7 @@ _HOMES: Final = {
     "quickreturn.differences": ("Differences", "difference"),
     "quickreturn.frequencies": ("modes",),
     "quickreturn.resonance_curves": ("Resonance", "resonance"),
-    "quickreturn.solution": ("Solution", "UnknownColumn", "simulate"),
+    "quickreturn.solution": ("Solution", "simulate"),
     "quickreturn.sweeping": ("case_at", "measures", "sweep"),
     "quickreturn.table_comparison": ("TableComparison", "compare"),
 }

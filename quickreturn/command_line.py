@@ -21,22 +21,17 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from quickreturn.cases.errors import as_written, shortened
-from quickreturn.commands.options import QUIET, WORKSHOP, tell
+from quickreturn.commands.options import QUIET, STORE, tell
+from quickreturn.reference_model.errors import ExitCode, ToldError
 
 if TYPE_CHECKING:
-    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.cases.jobs.store import Store
 
 #: In the order of `--help`; each is a module of `quickreturn.commands`.
 COMMANDS: Final = (
     "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "resonance", "compare", "calibrate", "report", "benchmark",
     "advise", "conform", "plot", "animate",
 )  # fmt: skip
-
-GOOD: Final = 0
-CLAIMS_BROKEN: Final = 1
-BAD_INPUT: Final = 2
-ENGINE_TROUBLE: Final = 3
-INTERRUPTED: Final = 130
 
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
 COMPLETION: Final = "_QUICKRETURN_COMPLETE"
@@ -138,15 +133,15 @@ def _answered(arguments: list[str]) -> int:
         sys.stdout.flush()
     except BrokenPipeError:  # the reader (`head`) has enough
         _drop_output()
-        return GOOD
+        return ExitCode.GOOD
     except (KeyboardInterrupt, click.Abort):
         return _interrupted(None)
     except click.ClickException as error:
-        return _told(_with_help(error), BAD_INPUT)
+        return _told(_with_help(error), ExitCode.BAD_INPUT)
     except Exception as error:  # the last line of defence: a sentence, whatever happened
         if isinstance(error, OSError) and error.filename is None and error.errno in FULL:  # files have names, and sentences of their own
             _drop_output()
-            return _told(f"standard output cannot be written ({os.strerror(error.errno).lower()})", BAD_INPUT)
+            return _told(f"standard output cannot be written ({os.strerror(error.errno).lower()})", ExitCode.BAD_INPUT)
         return _told_of(error)
     return code
 
@@ -176,21 +171,22 @@ def _run(arguments: list[str]) -> int:
             try:
                 result = quickreturn.invoke(context)
             except (KeyboardInterrupt, click.Abort):
-                return _interrupted(context.meta.get(WORKSHOP))
+                return _interrupted(context.meta.get(STORE))
     except click.exceptions.Exit as leaving:  # --help
         return leaving.exit_code
-    return result if isinstance(result, int) else GOOD
+    return result if isinstance(result, int) else ExitCode.GOOD
 
 
-def _interrupted(workshop: "Workshop | None") -> int:
+def _interrupted(store: "Store | None") -> int:
     """Say what is kept and how to go on."""
     with contextlib.suppress(ValueError):  # not the main thread
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # all that is left to do is to leave
-    if workshop is None:
-        return _told("interrupted; nothing is kept, the same command begins anew", INTERRUPTED)
-    count, folder = workshop.store.written, workshop.store.folder
+    if store is None:
+        return _told("interrupted; nothing is kept, the same command begins anew", ExitCode.INTERRUPTED)
+    count, folder = store.written, store.folder
     kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
-    return _told(f"interrupted; {kept} {'is' if count == 1 else 'are'} kept in {folder}; the same command goes on from there", INTERRUPTED)
+    told = f"interrupted; {kept} {'is' if count == 1 else 'are'} kept in {folder}; the same command goes on from there"
+    return _told(told, ExitCode.INTERRUPTED)
 
 
 def _with_help(error: click.ClickException) -> str:
@@ -205,29 +201,12 @@ def _with_help(error: click.ClickException) -> str:
 
 
 def _told_of(error: Exception) -> int:
-    """Print what is wrong and choose the exit code. The classes are imported here, for importing them takes a moment."""
-    from quickreturn.cases.errors import CaseError
-    from quickreturn.cases.jobs.job import ExecutorError
-    from quickreturn.cases.jobs.store import StoreError
-    from quickreturn.engines.base import EngineFailure, Refusal
-    from quickreturn.engines.registry import UnknownEngine
-    from quickreturn.engines.settings import SettingError
-    from quickreturn.questions import EngineDied
-    from quickreturn.reference_model.mechanism import ImpossibleMechanism
-    from quickreturn.reports.output import OutputError
-    from quickreturn.solution import UnknownColumn
-
-    for kind, option in ((UnknownEngine, "--engine"), (SettingError, "--set"), (OutputError, "--output")):
-        if isinstance(error, kind):
-            return _told(f"{option} {error}", BAD_INPUT)
-    if isinstance(error, (CaseError, Refusal, StoreError, ExecutorError, ImpossibleMechanism, UnknownColumn)):
-        *others, last = str(error).splitlines() if isinstance(error, CaseError) else [str(error)]
-        for mistake in others:
-            tell(mistake)
-        return _told(last, BAD_INPUT)
-    if isinstance(error, (EngineFailure, EngineDied)):
-        return _told(str(error), ENGINE_TROUBLE)
-    return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ENGINE_TROUBLE)
+    """Print what is wrong, a line for each mistake, and choose the exit code."""
+    if not isinstance(error, ToldError):
+        return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ExitCode.ENGINE_TROUBLE)
+    for mistake in error.sentences:
+        tell(mistake)
+    return error.exit_code
 
 
 def _told(sentence: str, code: int) -> int:

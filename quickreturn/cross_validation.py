@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.accuracy import checked
+from quickreturn.cases.columns import known_column
 from quickreturn.cases.errors import as_written, nearest_or_all
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.runs.comparison import CaseResult, Check, cross_validate
+from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Shown
 from quickreturn.catalogue import AnyCase, loaded, prepared
@@ -18,13 +19,13 @@ from quickreturn.engines.registry import MAIN
 from quickreturn.engines.settings import SettingError, as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.solution import framed, known_column
+from quickreturn.solution import framed
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from quickreturn.catalogue import AnyEngineOrTable
-    from quickreturn.curves import Drawing
+    from quickreturn.reports.drawing.style import Drawing
 
 #: Of a measure, in the order of the table.
 _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
@@ -52,7 +53,7 @@ class CrossValidation(Shown):
         return all(judged) if judged else None
 
     @property
-    def departures(self) -> dict[tuple[str, str, str], list[Check]]:
+    def departures(self) -> dict[tuple[str, str, str], list[Difference]]:
         """Case, engine and the engine or table that it departs from -> the numbers in which they differ by more than both claim.
 
         Each says what was measured (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
@@ -119,7 +120,7 @@ class CrossValidation(Shown):
         Raises:
             UnknownColumn: there is none of this name.
         """
-        from quickreturn.curves import stacked
+        from quickreturn.reports.drawing.curves import stacked
 
         chosen = [known_column(name, COLUMNS) for name in columns] or ["tip_acceleration"]
         cycles = {result.case.name: {name: run.cycle for name, run in result.runs.items() if run.cycle} for result in self.results}

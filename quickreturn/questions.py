@@ -15,6 +15,7 @@ from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.here import done
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.reference_model.errors import ExitCode, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
@@ -22,20 +23,22 @@ if TYPE_CHECKING:
     from quickreturn.reference_model.mechanism import Scene
 
 
-class EngineDied(Exception):
+class EngineDied(ToldError):
     """The process of an engine ended without an answer, or with an error that no engine should make; one sentence."""
+
+    exit_code = ExitCode.ENGINE_TROUBLE
 
 
 #: What processes import that tell of engines, those that compute.
-TELLING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
-COMPUTING: Final = (*TELLING, "quickreturn.engines.accurate", "quickreturn.engines.own.simulation")
+DESCRIBING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry")
+COMPUTING: Final = (*DESCRIBING, "quickreturn.cases.solving", "quickreturn.engines.own.simulation")
 #: In place of an engine's name, among settings: whichever runs.
 ANY_ENGINE: Final = "engine"
 
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
     """How each of the jobs ended; `limits` None: `cases.jobs.job.default_limits`. What they import is decided by `get_ready`."""
-    return answers(LocalProcesses(limits=limits, preload=TELLING, quiet=quiet), jobs, title)
+    return answers(LocalProcesses(limits=limits, preload=DESCRIBING, quiet=quiet), jobs, title)
 
 
 def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:

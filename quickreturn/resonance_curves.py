@@ -20,7 +20,7 @@ from quickreturn.table_files import dataset_file, table_file
 if TYPE_CHECKING:
     import pandas as pd
 
-    from quickreturn.curves import Drawing
+    from quickreturn.reports.drawing.style import Drawing
 
 
 class Resonance(Shown):
@@ -73,10 +73,11 @@ class Resonance(Shown):
         Args:
             mark: a value of what varies (SI) at which a machine runs; None: none.
         """
-        from quickreturn.curves import PANEL, drawing
-        from quickreturn.reports.plots.resonance import draw
+        from quickreturn.reports.drawing.curves import PANEL, WIDE
+        from quickreturn.reports.drawing.resonance import draw
+        from quickreturn.reports.drawing.style import new_figure
 
-        figure = drawing(0.9 + 1.4 * PANEL * len(self.curve.measures))
+        figure = new_figure(0.9 + 1.4 * PANEL * len(self.curve.measures), WIDE)
         draw(figure, self.curve, mark)
         return figure
 

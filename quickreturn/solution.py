@@ -2,26 +2,28 @@
 
 import os
 import warnings
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
-from quickreturn.cases.errors import as_written, nearest_or_all
+from quickreturn.cases.columns import known_column
 from quickreturn.cases.jobs.display import compilation_told
+from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.job import Job, T
+from quickreturn.cases.jobs.store import Store, StoreError
+from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.catalogue import AnyCase, engine_given, one_case
 from quickreturn.engines.accurate import NOT_ESTIMATED, Result
-from quickreturn.engines.base import AnyEngine, Engine
+from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
-from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS
@@ -32,11 +34,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from quickreturn.cases.loads import Loads
-    from quickreturn.curves import Drawing
-
-
-class UnknownColumn(LookupError):
-    """No such column; the text is one sentence with the nearest known one."""
+    from quickreturn.reports.drawing.style import Drawing
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -48,12 +46,27 @@ class Solution(Shown):
         engine: name of the engine.
         version: of the library behind it.
         result: trajectory, settings, error estimates and times as the engine gave them.
+        request: what was asked.
+        store: where the loads are kept.
+        stored: whether it was computed before and comes from there, with the times that it took then.
     """
 
     case: Case
     engine: str
     version: str
     result: Result
+    request: TrajectoryRequest
+    store: Store | None = None
+    stored: bool = False
+
+    @classmethod
+    def of(cls, case: Case, request: TrajectoryRequest, answer: Answer, store: Store | None, stored: bool) -> "Solution":
+        """What an answer makes known. EngineFailure: the run broke down."""
+        chosen = found_engine(request.engine)
+        found = answer.result(request, chosen)
+        if isinstance(found, EngineFailure):
+            raise found
+        return cls(case, chosen.name, answer.version, found, request, store, stored)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -76,19 +89,7 @@ class Solution(Shown):
     @cached_property
     def loads(self) -> "Loads":
         """What the parts bear: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
-        from quickreturn.cases.loads import loads_of
-
-        columns = self.trajectory.columns
-
-        def claim(name: str, _: float) -> float | None:
-            strains = [
-                error for gauge in ("strain_1", "strain_2", "strain_3") if (error := self.result.error_estimates.get(gauge)) is not None
-            ]
-            bends = max(strains, default=None) if name.startswith("moment_") else None
-            share = self.result.error_estimates.get(name, bends)
-            return None if share is None else share * float(np.max(np.abs(columns[name])))
-
-        return loads_of(self.case.scene, columns, claim)
+        return answered(self.request.loads_job(self.result), self.store)[0]
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -125,7 +126,7 @@ class Solution(Shown):
         Raises:
             UnknownColumn: there is none of this name.
         """
-        from quickreturn.curves import curves
+        from quickreturn.reports.drawing.curves import curves
 
         return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}")
 
@@ -140,7 +141,7 @@ class Solution(Shown):
             OutputError: another ending, or it cannot be written.
             UnknownColumn, CaseError: the engine does not tell the follower's shape; a page needs a crank.
         """
-        from quickreturn.animation import moving
+        from quickreturn.reports.drawing.animation import moving
         from quickreturn.reports.output import check_writable, write_file
 
         place = Path(path)
@@ -168,7 +169,8 @@ class Solution(Shown):
             yield self._estimates()
         if (loads := self.loads).stress is not None:
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
-        yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items())
+        then = "; when it was computed, for it comes from the store" if self.stored else ""
+        yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items()) + then
         yield "settings", settings_words(self.settings)
         if result.further_run_skipped:
             yield "compared", "with one finer run; a second was skipped, for all columns converge alike"
@@ -210,9 +212,10 @@ def simulate(
     settings: Mapping[str, Any] | None = None,
     estimate: bool = True,
     time_limit: float | None = None,
+    store: bool = True,
     quiet: bool = False,
 ) -> Solution:
-    """Simulate a case from its standard start, in this process.
+    """Simulate a case from its standard start, in this process; what was simulated before comes from the store of results.
 
     Args:
         case: a name, a path or a `Case`.
@@ -222,6 +225,7 @@ def simulate(
         estimate: False: make the one run and spare those that it would be compared with. Nothing is known of its error then.
         time_limit: wall time (s) within which to answer, with what is known then: runs that could take longer are not begun, but for
             the first. None: there is none.
+        store: False: compute it anew, and keep nothing. Nothing is kept of an engine that is not given by its name.
         quiet: whether nothing is told on standard error while code is compiled, which happens once on a machine.
 
     Raises:
@@ -232,10 +236,38 @@ def simulate(
     chosen, scene = found_engine(engine), one_case(case)
     if sentence := machine_code.forgotten():
         warnings.warn(sentence, stacklevel=2)
-    texts = as_texts(settings or {})
+    request = TrajectoryRequest(
+        scene=scene.scene,
+        duration=scene.duration,
+        output_step=scene.output_step,
+        engine=engine,
+        settings=as_texts(settings or {}),
+        accuracy=checked(accuracy),
+        estimate=estimate,
+        time_limit=time_limit,
+    )
+    kept = opened_store() if store else None
     with compilation_told(quiet):
-        result = simulate_scene(chosen, scene.scene, scene.duration, scene.output_step, texts, checked(accuracy), estimate, time_limit)
-    return Solution(scene, chosen.name, chosen.version(), replace(result, runs={}))
+        answer, stored = answered(request.job(chosen.name), kept)
+    return Solution.of(scene, request, answer, kept, stored)
+
+
+def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
+    """What comes of a job in this process, and whether it was in the store. Raises as the job."""
+    [outcome] = outcomes_of([job], "", ThisProcess(), store)
+    if outcome.error is not None:
+        raise outcome.error
+    assert outcome.value is not None
+    return outcome.value, outcome.stored
+
+
+def opened_store(tell: Callable[[str], object] = warnings.warn) -> Store | None:
+    """The store of results; None where there can be none, which is told like what is damaged in it."""
+    try:
+        return Store(tell=tell)
+    except StoreError as error:
+        tell(str(error))
+        return None
 
 
 def found_engine(engine: "str | AnyEngine") -> AnyEngine:
@@ -249,15 +281,6 @@ def framed(trajectory: Trajectory, **about: str) -> "pd.DataFrame":
     table = trajectory.table()
     table.attrs.update(units={name: COLUMNS[name].unit for name in table.columns}, **about)
     return table
-
-
-def known_column(name: str, columns: Mapping[str, Any]) -> str:
-    """The name. UnknownColumn: it is none of these columns."""
-    if not isinstance(name, str):
-        raise UnknownColumn(f'{as_written(name)}: no name of a column; give one after the other, such as "tip_deflection"')
-    if name not in columns:
-        raise UnknownColumn(f"{as_written(name)}: no such column; {nearest_or_all(name, tuple(columns))}")
-    return name
 
 
 def as_csv(trajectory: Trajectory) -> bytes:

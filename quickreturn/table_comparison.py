@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from quickreturn.accuracy import checked
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.comparison import CaseResult, Check, hold_against_engines
+from quickreturn.cases.runs.comparison import CaseResult, Difference, hold_against_engines
 from quickreturn.cases.runs.differences import column_differences, explanations
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows, Shown
@@ -40,12 +40,12 @@ class TableComparison(Shown):
         return self.result.recorded[self.name]
 
     @property
-    def rows(self) -> tuple[Check, ...]:
+    def rows(self) -> tuple[Difference, ...]:
         """Every number of the table held against an engine's: both values, by how much they differ and may differ, whether it passed."""
         return tuple(check for check in self.result.table_checks if check.engine == self.name)
 
     @property
-    def missed(self) -> tuple[Check, ...]:
+    def missed(self) -> tuple[Difference, ...]:
         """Those rows in which they differ by more than the engine claims and the table's measures are uncertain."""
         return tuple(check for check in self.rows if not check.passed)
 

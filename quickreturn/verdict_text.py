@@ -4,7 +4,7 @@ import math
 from typing import Final
 
 from quickreturn.cases.loads import UNITS
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Check, Kind, not_judged
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reports.findings.loads import CaseLoads, leading_loads, stress_text
@@ -74,7 +74,7 @@ def _borne(case: CaseLoads) -> list[str]:
     return [line.replace(TIED, " ") for line in lines]
 
 
-def _departure(check: Check) -> str:
+def _departure(check: Difference) -> str:
     return (
         f"{check.quantity}, {check.half}-return, {check.channel or 'all channels'}: {check.mine.value:.5g} and {check.its.value:.5g} differ"
         f" by {abs(check.difference):.2g}, claimed are {check.mine.width:.2g} by {check.engine} and {check.its.width:.2g} by {check.other}"

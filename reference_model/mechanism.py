@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Final, Literal, TypeVar
 
+from quickreturn.reference_model.errors import ToldError
 from quickreturn.reference_model.quantities import quantity
 
 #: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
@@ -23,7 +24,7 @@ ROUNDING: Final = 1e-6
 CONTACT_STIFFNESS: Final = 1e6
 
 
-class ImpossibleMechanism(ValueError):
+class ImpossibleMechanism(ToldError, ValueError):
     """The parts do not fit together.
 
     Attributes:

@@ -52,6 +52,7 @@ ENGINES: Final = {
     "stiff-spring": Look(*_BROWN, 2.4, (8.0, 3.0, 2.0, 3.0), order=7, marker="plus"),
     "nodal-load": Look(*_OLIVE, 2.4, (2.0, 4.0), order=8, marker="pentagon"),
     "moving-boundaries": Look(*_FOREST, 2.4, (14.0, 3.0, 2.0, 3.0), order=9, marker="star"),
+    "derived": Look(*_NAVY, 2.4, (5.0, 8.0), order=10, marker="hexagon"),
 }
 #: Looks of quantities, in charts of one engine.
 SIGNALS: Final = {

@@ -14,10 +14,13 @@ import click
 
 from quickreturn.cases.errors import printable, shortened
 from quickreturn.cases.shown import Cell, Rows
+from quickreturn.reference_model.errors import ToldError
 
 
-class OutputError(Exception):
+class OutputError(ToldError):
     """A file cannot be written; the text is one sentence."""
+
+    option = "--output"
 
 
 def check_writable(path: Path, keep: str, *endings: str) -> None:

@@ -12,7 +12,6 @@ from quickreturn.cases.benchmark import SCENES, compiling, stored
 from quickreturn.cases.benchmark.scenes import ENGINES
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.frozen_crank import FrozenCrank, frozen_crank
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.key import SIMULATION, code_fingerprint
 from quickreturn.cases.jobs.workshop import Workshop
@@ -24,9 +23,9 @@ from quickreturn.cases.runs.campaign import Work
 from quickreturn.cases.runs.comparison import CaseResult, cross_validate
 from quickreturn.cases.runs.request import CODE, Run
 from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
+from quickreturn.cases.thesis_modes import ThesisModes, thesis_modes
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reports import long_studies
-from quickreturn.reports.findings.failures import INCOMPLETE
 from quickreturn.reports.findings.resonance import curves_around, jobs_around
 from quickreturn.reports.findings.runs import of_library, run_number
 from quickreturn.reports.machine import machine_facts
@@ -58,7 +57,7 @@ class Written:
     @property
     def incomplete(self) -> list[tuple[str, Run]]:
         """Runs that an engine did not complete. Studies change a case on purpose: what they cannot make is told in the page."""
-        return [(case, run) for case, run in self.content.troubles if run.status in INCOMPLETE]
+        return [(case, run) for case, run in self.content.troubles if run.ending.incomplete]
 
     @property
     def failed(self) -> bool:
@@ -98,11 +97,11 @@ def write_report(
     own = [] if any(case.source == "library" and run_number(case.name) for case in cases) else cases
     beside = work() if _studied(cases) else Work(jobs=[job for job in jobs_around(own).values() if isinstance(job, Job)])
     results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, beside)
-    frozen, missing = _frozen_crank(of_library(results, ACCURACY_CASE), workshop)
+    frozen, missing = _thesis_modes(of_library(results, ACCURACY_CASE), workshop)
     content = Content(
         results=results,
         **_studies(cases, workshop),
-        frozen_crank=frozen,
+        thesis_modes=frozen,
         verification=stored_verification(workshop.store.folder),
         conformance=_conformance(engines, workshop),
         facts=machine_facts(),
@@ -135,15 +134,15 @@ def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
     """The verdicts that are stored, and those of record for other engines."""
     found = {name: workshop.stored(conformance.job(name)) for name in engines}
     values = {name: outcome.value for name, outcome in found.items() if outcome is not None and outcome.value is not None}
-    own = {name: long_studies.RecordedConformance.of(value, engine(name).version()).words for name, value in values.items()}
+    own = {name: long_studies.ConformanceRow.of(value, engine(name).version()).words for name, value in values.items()}
     return long_studies.conformance() | own
 
 
-def _frozen_crank(example: CaseResult | None, workshop: Workshop) -> tuple[FrozenCrank | None, list[str]]:
+def _thesis_modes(example: CaseResult | None, workshop: Workshop) -> tuple[ThesisModes | None, list[str]]:
     """What is known of the example run with its crank held, and why nothing is, if it could not be computed."""
     if example is None:
         return None, []
-    job = Job("frozen crank", frozen_crank, (example.case.mechanism,), kind="frozen crank", code=("quickreturn.cases.frozen_crank",))
+    job = Job("frozen crank", thesis_modes, (example.case.mechanism,), kind="frozen crank", code=("quickreturn.cases.thesis_modes",))
     (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
     if outcome.value is not None:
         return outcome.value, []

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from quickreturn.cases.units import in_si
 from quickreturn.reports.findings.runs import run_number
 
 MINUS: Final = "−"
@@ -102,13 +103,18 @@ def size(share: float) -> str:
     return f"{number(value, '.0f' if value >= 10.0 else '.1f' if value >= 1.0 else '.2g')}{TIED}%"
 
 
-#: Factors by which a number in SI units is written, by the unit that it is written in.
-_WRITTEN: Final = {"MPa": 1e-6, "µε": 1e6, "mm": 1e3, "kN": 1e-3}
+#: Unit of the page -> the same as `in_si` reads it, where that differs.
+_READ: Final = {"": "1", "%": "percent", "10⁻⁶": "microstrain", "µε": "microstrain", "µs": "us", "°": "deg", "N m": "N*m", "m/s²": "m/s^2"}
+
+
+def per_unit(unit: str) -> float:
+    """By what a number in SI units is multiplied where the page shows it in a unit."""
+    return 1.0 / in_si(_READ.get(unit, unit))
 
 
 def quantity(value: float, unit: str) -> str:
     """A number in SI units as it is written in a unit, to four figures: "35.70 MPa"."""
-    scaled = value * _WRITTEN.get(unit, 1.0)
+    scaled = value * per_unit(unit)
     places = min(6, max(0, 3 - math.floor(math.log10(abs(scaled))))) if scaled else 0
     return f"{number(scaled, f'.{places}f')}{TIED}{unit}"
 

@@ -30,7 +30,9 @@ import pytest
 
 import quickreturn
 from quickreturn.cases.benchmark import fastest_at
-from quickreturn.command_line import BAD_INPUT, COMMANDS, GOOD, main
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.command_line import COMMANDS, main
+from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.long_studies import benchmarks
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -135,7 +137,7 @@ def test_blocks_run(
         for line in block.text.splitlines():
             command = line.split("   #")[0].strip()
             if command and not command.startswith(("#", "make ", ". ")):
-                assert called(f"{command} --help" if block.about == "long" else command) == GOOD, command
+                assert called(f"{command} --help" if block.about == "long" else command) == ExitCode.GOOD, command
     else:
         for command, shown in exchanges(block.text):
             capfd.readouterr()
@@ -181,7 +183,7 @@ def code_of(shown: list[str]) -> int:
     """The exit code that the lines below a command tell of."""
     told = [int(line.removeprefix("# exit code ")) for line in shown if line.startswith("# exit code ")]
     refused = any(line.startswith("quickreturn: ") for line in shown)
-    return told[0] if told else BAD_INPUT if refused else GOOD
+    return told[0] if told else ExitCode.BAD_INPUT if refused else ExitCode.GOOD
 
 
 def appears(line: str, printed: str) -> bool:
@@ -191,6 +193,16 @@ def appears(line: str, printed: str) -> bool:
 
 
 # What stands there
+
+
+def test_the_list_of_endings_is_theirs() -> None:
+    rows = re.findall(r"^\| ([a-z ]+) \| ([^|]+) \| (\d) \|$", DOCUMENTS["docs/report.md"], re.MULTILINE)
+    assert rows == [(ending.value, ending.sentence, str(ending.exit_code.value)) for ending in Ending]
+
+
+def test_the_list_of_exit_codes_is_theirs() -> None:
+    _, _, chapter = DOCUMENTS["docs/report.md"].partition("## Exit codes")
+    assert re.findall(r"^\| (\d+) \|", chapter, re.MULTILINE) == [str(code.value) for code in ExitCode]
 
 
 def test_every_command_is_shown() -> None:
@@ -275,7 +287,7 @@ def test_the_version_is_told_everywhere_alike(capfd: pytest.CaptureFixture[str])
     assert released[1] == version
     assert f"\nversion: {version}\ndate-released: {released[2]}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
     assert quickreturn.__version__ == version
-    assert called("quickreturn --version") == GOOD
+    assert called("quickreturn --version") == ExitCode.GOOD
     assert version in capfd.readouterr().out
 
 

@@ -1,7 +1,7 @@
 """What a benchmark says: which points no other beats, who is fastest at an accuracy, and how fast errors fall."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -46,25 +46,6 @@ class Point:
     def error(self, column: str = "tip_deflection") -> float | None:
         """Error of a column, see `error_of`; None of a point that did not complete."""
         return None if self.measured is None else error_of(self.measured.errors, column)
-
-
-@dataclass(frozen=True)
-class Converged:
-    """The solution that errors are measured against; `sizes`: RMS of each column of `engines.error_parts.ESTIMATED`, SI."""
-
-    engine: str
-    settings: dict[str, Any]
-    sizes: dict[str, float]
-
-
-@dataclass(frozen=True)
-class Confirmation:
-    """Another solution of the same: by how much both differ in each column, relative to the former, or why there is none."""
-
-    engine: str
-    settings: dict[str, Any]
-    differences: dict[str, float | None] = field(default_factory=dict)
-    failure: str = ""
 
 
 def error_of(errors: Mapping[str, float | None], column: str = "tip_deflection") -> float | None:

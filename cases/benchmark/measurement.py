@@ -6,7 +6,6 @@ What an engine does to its process it would do to this one: see `cases.benchmark
 """
 
 import contextlib
-import math
 import os
 import platform
 import time
@@ -16,15 +15,14 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, fastest_at
+from quickreturn.cases.benchmark.findings import LEVELS, Measured, Point, fastest_at
 from quickreturn.cases.benchmark.methods import Method, methods
+from quickreturn.cases.benchmark.truth import Confirmation, Converged, confirmation_of, converged, errors_of, run_of, truth_of
 from quickreturn.cases.case import Case
 from quickreturn.engines.accurate import simulate
-from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
-from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.one_run import Made, run_once
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error, rms
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
@@ -35,12 +33,6 @@ REPETITIONS: Final = 5
 BUDGET: Final = 4.0
 #: Solve time (s) beyond which the finer settings of a method are not tried.
 LONG: Final = 10.0
-#: The solution that errors are measured against, and the one that confirms it: no coordinate, no joint, no integrator in common. The
-#: finer chain is taken where the first does not agree: of a follower that bends to two thirds of its length 60 links are 1e-3 off.
-TRUTH: Final = ("reference", {"modes": "13", "tolerance": "1e-10"})
-CONFIRMING: Final[tuple[str, tuple[dict[str, str], ...]]] = ("mujoco", ({"links": "60", "armature": "0"}, {"links": "160"}))
-#: What the two may differ by.
-CONFIRMED: Final = 2e-4
 COMPLETED: Final = "completed"
 NOT_TRIED: Final = "not tried"
 _AT_WORK: Final = "at work: "
@@ -61,12 +53,6 @@ class Benchmark:
     machine: dict[str, str]  # processor, system and versions
     # engine -> why it was left out: it died, was stopped at a limit or cannot be used here
     failures: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def confirmed(self) -> bool:
-        """Whether the tip deflection of both solutions agrees to `CONFIRMED`."""
-        difference = self.confirmation.differences.get("tip_deflection")
-        return difference is not None and difference <= CONFIRMED
 
 
 def benchmark(
@@ -109,7 +95,7 @@ def benchmark(
         case.name,
         case.title,
         case.duration,
-        Converged(TRUTH[0], _settings(TRUTH, case).as_dict(), {column: rms(truth[column]) for column in ESTIMATED}),
+        converged(case, truth),
         confirmation,
         _with_estimates(case, points, [point.told(case, truth) for point in points], announce),
         repetitions,
@@ -150,11 +136,6 @@ def last_at_work(output: str) -> tuple[str | None, float]:
     return (announced[-1][1], float(announced[-1][0])) if announced else (None, 0.0)
 
 
-def _settings(chosen: tuple[str, Mapping[str, str]], case: Case) -> Settings:
-    name, texts = chosen
-    return engine(name).settings_for(1e-4, case.mechanism).with_texts(dict(texts))
-
-
 def _machine(names: Sequence[str]) -> dict[str, str]:
     return {
         "date": time.strftime("%Y-%m-%d", time.gmtime()),
@@ -163,36 +144,6 @@ def _machine(names: Sequence[str]) -> dict[str, str]:
         "python": platform.python_version(),
         **{name: engine(name).version() for name in names if not engine(name).unavailable()},
     }
-
-
-def _run(chosen: AnyEngine, case: Case, settings: Settings) -> Made:
-    return run_once(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
-
-
-def truth_of(case: Case) -> Trajectory:
-    """The solution that errors are measured against. Raises EngineFailure or Refusal where it cannot be computed."""
-    return _run(engine(TRUTH[0]), case, _settings(TRUTH, case)).trajectory
-
-
-def confirmation_of(case: Case, truth: Trajectory) -> Confirmation:
-    """How far another solution of the same scene is from `truth`, or why there is none."""
-    name, choices = CONFIRMING
-    found = Confirmation(name, {}, failure="no settings")
-    for texts in choices:
-        settings = _settings((name, texts), case)
-        try:
-            found = Confirmation(name, settings.as_dict(), _errors(_run(engine(name), case, settings).trajectory, truth))
-        except (EngineFailure, Refusal) as failure:
-            found = Confirmation(name, settings.as_dict(), failure=str(failure))
-            continue
-        if (found.differences["tip_deflection"] or 0.0) <= CONFIRMED:
-            break
-    return found
-
-
-def _errors(trajectory: Trajectory, truth: Trajectory) -> dict[str, float | None]:
-    errors = {column: relative_error(trajectory[column], truth[column]) for column in ESTIMATED}
-    return {column: error if math.isfinite(error) else None for column, error in errors.items()}
 
 
 def seconds_of(runs: Iterable[Made]) -> float:
@@ -226,7 +177,7 @@ class Attempt:
         if repetition and sum(self.times) + min(self.times) > BUDGET:
             return
         try:
-            made = _run(self.method.engine, case, self.settings)
+            made = run_of(self.method.engine, case, self.settings)
         except (EngineFailure, Refusal, SettingError) as failure:
             self.status = str(failure)
             return
@@ -264,7 +215,7 @@ class Attempt:
             return None
         return Measured(
             degrees_of_freedom=self.method.engine.describe(case.mechanism, self.settings).degrees_of_freedom,
-            errors=_errors(self.trajectory, truth),
+            errors=errors_of(self.trajectory, truth),
             solve_seconds=min(self.times),
             solve_seconds_median=float(np.median(self.times)),
             solve_seconds_largest=max(self.times),

@@ -9,7 +9,7 @@ from typing import Final
 
 from quickreturn.cases.classes.groups import Groups
 from quickreturn.cases.classes.measurement import FAILED, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach
-from quickreturn.cases.classes.study import Scene
+from quickreturn.cases.classes.study import ClassScene
 from quickreturn.cases.library.thesis import run_case
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED, values_of
@@ -41,14 +41,14 @@ _SIMILAR: Final = 0.05
 class Map:
     """Scenes, and what each method reached on each of them; both may be empty."""
 
-    scenes: tuple[Scene, ...] = ()
+    scenes: tuple[ClassScene, ...] = ()
     reaches: tuple[Reach, ...] = ()
 
-    def at(self, scene: Scene, level: float) -> list[Reach]:
+    def at(self, scene: ClassScene, level: float) -> list[Reach]:
         """What is known of each method on a scene, in the engines' order."""
         return [reach for reach in self.reaches if (reach.scene, reach.level) == (scene.name, level)]
 
-    def ranked(self, scene: Scene, level: float, by: str) -> dict[str, float]:
+    def ranked(self, scene: ClassScene, level: float, by: str) -> dict[str, float]:
         """The engines that get to an error on a scene, each with its time (s) by one of `TIMES`, fastest first."""
         times = {reach.engine: seconds for reach in self.at(scene, level) if (seconds := getattr(reach, TIMES[by])) is not None}
         return dict(sorted(times.items(), key=lambda found: found[1]))
@@ -63,7 +63,7 @@ class Map:
         order = Counter({name: len(factors) for name, factors in found.items()}).most_common()
         return {name: found[name] for name, _ in order}
 
-    def nearest(self, groups: Groups) -> tuple[Scene, float]:
+    def nearest(self, groups: Groups) -> tuple[ClassScene, float]:
         """The scene that is the least steps away, and how many. ValueError: the map is empty."""
         return min(((scene, distance(scene.groups, groups)) for scene in self.scenes), key=lambda found: found[1])
 

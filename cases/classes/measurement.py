@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from quickreturn.cases.benchmark.findings import LEVELS as ALL_LEVELS
-from quickreturn.cases.benchmark.findings import Confirmation, Point, fastest_at
-from quickreturn.cases.benchmark.measurement import Attempt, confirmation_of, seconds_of, truth_of
+from quickreturn.cases.benchmark.findings import Point, fastest_at
+from quickreturn.cases.benchmark.measurement import Attempt, seconds_of
 from quickreturn.cases.benchmark.methods import methods
+from quickreturn.cases.benchmark.truth import Confirmation, confirmation_of, truth_of
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes.grid import case_of
 from quickreturn.cases.classes.groups import Groups

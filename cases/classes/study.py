@@ -4,8 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.cases.benchmark.findings import Confirmation
-from quickreturn.cases.benchmark.measurement import CONFIRMING, TRUTH
+from quickreturn.cases.benchmark.truth import CONFIRMING_ONE, TRUTH, Confirmation
 from quickreturn.cases.classes.grid import case_of, grid, name_of
 from quickreturn.cases.classes.groups import Groups
 from quickreturn.cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, measured, truth
@@ -27,7 +26,7 @@ STOP: Final = 12.0 * LIMIT
 
 
 @dataclass(frozen=True)
-class Scene:
+class ClassScene:
     """A scene of the map."""
 
     name: str  # see `cases.classes.grid.name_of`
@@ -37,7 +36,7 @@ class Scene:
     failure: str = ""  # why there is no solution, or no confirming one; "" where there are both
 
 
-def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[Scene], list[Reach]]:
+def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[ClassScene], list[Reach]]:
     """The scenes, and what each method reached on each of them; what is missing in the workshop is left out.
 
     `among`: scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; what was measured is stored.
@@ -57,7 +56,7 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
 
 
 def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
-    engines = (TRUTH[0], CONFIRMING[0])
+    engines = (TRUTH[0], CONFIRMING_ONE)
     return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups))
 
 
@@ -72,12 +71,12 @@ def _inputs(groups: Groups) -> Any:
     return case.mechanism, case.duration, case.output_step
 
 
-def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> Scene:
+def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> ClassScene:
     name = name_of(groups)
     if outcome.value is None:
-        return Scene(name, groups, failure=outcome.explanation)
+        return ClassScene(name, groups, failure=outcome.explanation)
     _, confirmation = outcome.value
-    return Scene(name, groups, confirmation.differences.get("tip_deflection"), confirmation.failure)
+    return ClassScene(name, groups, confirmation.differences.get("tip_deflection"), confirmation.failure)
 
 
 def _kept(workshop: Workshop, outcome: Outcome[list[Reach]]) -> Outcome[list[Reach]]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, truth
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, truth
 from quickreturn.cases.conformance.checks import Check, Fault, looked_at, some
 from quickreturn.cases.conformance.models import acts_as_if
 from quickreturn.cases.conformance.motion import findings
@@ -81,7 +81,7 @@ def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
     if all(finding.explained for finding in found.values()):
         told.update(found)
         raise Fault("; ".join(finding.cause for finding in list(found.values())[:3]), next(iter(found.values())).advice)
-    moves = {name: run[name] for name in columns_of(run, TELLING, known) if name not in told}
+    moves = {name: run[name] for name in columns_of(run, DECISIVE, known) if name not in told}
     if model := acts_as_if(motion, moves, bench.tolerances(motion)):
         raise Fault(model.cause, model.advice)
     worst = sorted(found, key=lambda name: -off[name])

@@ -30,7 +30,7 @@ _OWN: Final = ("time", "constraint_gap", "axial_stretch")
 #: Columns that are held against `reference`, as far as the engine delivers them.
 COMPARED: Final = tuple(name for name in COLUMNS if name not in _OWN)
 #: Those by whose differences a mistake of the model is named: the others follow from them.
-TELLING: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")
+DECISIVE: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")
 
 #: Tables of more than five modes take seconds to build, and five leave 1e-5 of the tip deflection in the mild scene.
 _FINEST: Final = ReferenceSettings(modes=5, tolerance=1e-8)

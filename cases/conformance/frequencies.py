@@ -9,7 +9,8 @@ import numpy as np
 from quickreturn.cases.conformance.bench import Bench
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at
 from quickreturn.cases.explanation import Hypothesis, explain
-from quickreturn.cases.mistakes import UNITS, share_of
+from quickreturn.cases.mistakes import share_of
+from quickreturn.cases.units import in_si
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.mechanism import Mechanism, changed
@@ -27,6 +28,8 @@ _SUPPORT: Final = 0.5
 _OVERHUNG: Final = 3.01183092
 #: Inertia (kg m^2) of a base that does not move.
 _HEAVY: Final = 1e4
+#: Other unit -> the number for one Hz, a turn per second.
+_UNITS: Final = {unit: in_si("turn/s") / in_si(unit) for unit in ("rad/s", "rpm")} | {"kHz": 1e-3}
 _RETURN: Final = "return an ascending array of at most `count` frequencies"
 
 
@@ -99,7 +102,7 @@ def _cause(scene: Mechanism, degrees: float, found: Array, known: Array) -> tupl
 
     ratio = found / known
     tried: list[tuple[str, str, Array]] = [
-        *((f"they are in {unit}, not in Hz", f"divide them by {factor:.6g}", factor * known) for unit, factor in UNITS["Hz"].items()),
+        *((f"they are in {unit}, not in Hz", f"divide them by {factor:.6g}", factor * known) for unit, factor in _UNITS.items()),
         ("they are divided by 2 pi once too often", "multiply them by 2 pi", known / (2.0 * math.pi)),
         ("they are eigenvalues, squares of angular frequencies", "take the root and divide by 2 pi", (2.0 * math.pi * known) ** 2),
         ("they are squares of frequencies", "take the root", known**2),

@@ -12,9 +12,10 @@ from quickreturn.cases.conformance.bench import Motion, solution
 from quickreturn.cases.conformance.checks import Array
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
+from quickreturn.cases.variation import Variation, imagined, value_at
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, PrescribedSpeed, Scene, TorqueDrive, changed
+from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, PrescribedSpeed, Scene, TorqueDrive
 
 #: By how much a quantity is changed to see what it does; small enough for the effect to be in proportion. The inertias of base and tip
 #: are small beside the follower's.
@@ -29,8 +30,6 @@ _SMALL: Final = 0.1
 _ROUNDS: Final = 4
 _PROMISING: Final = 0.9
 _FOUND: Final = 0.02
-#: A quantity explains a difference if it leaves no more than this part of it.
-_EXPLAINED: Final = 0.25
 #: Mistakes by a factor that are made more often than others.
 _SIMPLE: Final = {0.5: "half", 2.0: "twice"}
 _SCALED: Final = (
@@ -39,7 +38,7 @@ _SCALED: Final = (
     "tip.inertia", "base.inertia", "spin_up.speed", "spin_up.time",
 )  # fmt: skip
 #: The weighted difference that a scene makes.
-Effect = Callable[[Scene], Array]
+Departure = Callable[[Scene], Array]
 
 
 def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> Finding | None:
@@ -68,12 +67,12 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     tried = list(_others(scene, effect))
     for begin in _BEGIN[:1] if small else _BEGIN:
         tried += _factors(scene, shown, effect, begin)
-        if found := explain(shown, 0.0 * shown, tried, noise=1.0, most=_EXPLAINED):
+        if found := explain(shown, 0.0 * shown, tried, noise=1.0):
             return Finding(f"the motion is that with {found.words}", found.advice, found.left)
     return None
 
 
-def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
+def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
     """Scenes that differ by a mistake which no number has to be found for."""
     others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
@@ -82,11 +81,20 @@ def _others(scene: Scene, effect: Effect) -> Iterator[Hypothesis]:
         "base.inertia ignored": {"base.inertia": 0.0},
         **({} if scene.crank is None else _of_crank(scene.crank)),
     }
-    for path, value in _values(scene):
-        others |= {f"{path.replace('drive.', '')} {words} as large": {path: factor * value} for factor, words in _SIMPLE.items()}
-    for words, values in others.items():
-        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield Hypothesis(words, f"look where {words.split()[0]} enters", effect(changed(scene, values)))
+    tried = [Variation(words, values) for words, values in others.items()]
+    for path in _scaled(scene):
+        tried += [Variation(f"{_key(path)} {words} as large", scaled={path: factor}) for factor, words in _SIMPLE.items()]
+    for words, values in imagined(scene, tried, effect):
+        yield Hypothesis(words, _advice(words), values)
+
+
+def _key(path: str) -> str:
+    """A quantity's key in a case file by its place in the scene."""
+    return path.replace("drive.", "")
+
+
+def _advice(words: str) -> str:
+    return f"look where {words.split()[0]} enters"
 
 
 def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
@@ -111,22 +119,18 @@ def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
     return others
 
 
-def _values(scene: Scene) -> Iterator[tuple[str, float]]:
-    """Quantities that may be off by a factor, and their values."""
-    for path in _SCALED:
-        value: Any = scene
-        for part in path.split("."):
-            value = getattr(value, part, None)
-        if isinstance(value, float) and math.isfinite(value) and value != 0.0:
-            yield path, value
+def _scaled(scene: Scene) -> list[str]:
+    """Those of `_SCALED` that may be off by a factor in a scene: finite and not zero."""
+    values = {path: value_at(scene, path) for path in _SCALED}
+    return [path for path, value in values.items() if isinstance(value, float) and math.isfinite(value) and value != 0.0]
 
 
-def _factors(scene: Scene, shown: Array, effect: Effect, begin: float) -> Iterator[Hypothesis]:
+def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Iterator[Hypothesis]:
     """Each quantity as many times as large as explains most, from `begin` on by secants."""
-    for path, value in _values(scene):
+    for path in _scaled(scene):
 
-        def times(factor: float, path: str = path, value: float = value) -> Array:
-            return effect(changed(scene, {path: factor * value}))
+        def times(factor: float, path: str = path) -> Array:
+            return effect(Variation(path, scaled={path: factor}).of(scene))
 
         tried = begin * (_TRIED_OF_SMALL if path in ("base.inertia", "tip.inertia") else _TRIED)
         with contextlib.suppress(EngineFailure, ImpossibleMechanism):
@@ -142,5 +146,5 @@ def _factors(scene: Scene, shown: Array, effect: Effect, begin: float) -> Iterat
                 if rms(left) <= _FOUND * rms(shown):
                     break
                 slope = (there - before) / step
-            words = f"{path.replace('drive.', '')} {factor:.4g} times as large"
-            yield Hypothesis(words, f"look where {words.split()[0]} enters", there, fitted=True)
+            words = f"{_key(path)} {factor:.4g} times as large"
+            yield Hypothesis(words, _advice(words), there, fitted=True)

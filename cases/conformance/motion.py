@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import ROUNDING, TELLING, Bench, Motion, bent_start, columns_of, solution, truth
+from quickreturn.cases.conformance.bench import DECISIVE, ROUNDING, Bench, Motion, bent_start, columns_of, solution, truth
 from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, some
 from quickreturn.cases.conformance.models import acts_as_if
 from quickreturn.cases.conformance.rows import output_steps, pieces
@@ -32,9 +32,8 @@ _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
     "the start's deflection rate is ignored: the follower begins bent and is not bending": {"deflection_rate": None},
     "the start's deflection is ignored: the follower begins straight": {"deflection": None},
 }
-#: Part of the bend that a start may miss, and the largest part of a difference that an explanation of it may leave.
+#: Part of the bend that a start may miss.
 _IGNORABLE: Final = 0.05
-_LEFT_OF_START: Final = 0.4
 #: A finer rung that leaves no more than this part of a difference shows that it comes from the resolution.
 FALLS: Final = 0.7
 #: Wrong columns that are told one by one; more than these are told together, unless they are off by this many times their size.
@@ -95,7 +94,7 @@ def amiss(bench: Bench, *, steps: bool = True) -> Amiss:
     if len(found) < 2:
         return Amiss(late, depending, found, None)
     of_rows = {name for name in found if found[name].explained and len(found) == 2}
-    moves = {name: run[name] for name in columns_of(run, TELLING) if name not in late and name not in of_rows}
+    moves = {name: run[name] for name in columns_of(run, DECISIVE) if name not in late and name not in of_rows}
     return Amiss(late, depending, found, acts_as_if(bench.mild, moves, bench.tolerances(bench.mild)))
 
 
@@ -297,7 +296,7 @@ def _ignored(run: Mapping[str, Array], motion: Motion, start: Start) -> str:
     others = (
         Hypothesis(cause, "", bend(solution(replace(motion, start=replace(start, **left_out))))) for cause, left_out in _IGNORED.items()
     )
-    found = explain(bend(run), bend(known), others, most=_LEFT_OF_START)
+    found = explain(bend(run), bend(known), others, coarse=True)
     return "" if found is None else found.words
 
 

@@ -6,21 +6,20 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, solution, truth
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, solution, truth
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
 from quickreturn.cases.conformance.motion import Amiss, already_amiss, falling, findings
 from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.conformance.together import together
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import share_of
+from quickreturn.cases.variation import imagined
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene, changed
+from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, changed
 
 #: Of the effect a quantity must have: less is none.
 _NONE: Final = 0.02
-#: A mistake explains what an engine does with a quantity if it leaves no more than this part of the difference.
-_EXPLAINED: Final = 0.45
 #: What a coarse model may make of a quantity's effect, and how far its own may be from it.
 _HALF_TO_DOUBLE: Final = (0.5, 2.0)
 _APART: Final = 0.9
@@ -74,7 +73,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
     if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
         return "refused: a driven crank is not modelled"
     context = changed(scene, change.context)
-    before, after = Motion(context, change.duration), Motion(changed(context, change.values), change.duration)
+    before, after = Motion(context, change.duration), Motion(change.of(context), change.duration)
     if after.scene == before.scene:
         return "the scene has it already"
     try:
@@ -84,7 +83,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # raised, returned: no adapter says so
         raise kind(f"with another value the run breaks down: {failure.cause}", failure.advice) from failure
     found, known = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
-    names = list(columns_of(runs[0], TELLING, known[1]))
+    names = list(columns_of(runs[0], DECISIVE, known[1]))
     effect = _Effects(known, names)
     shown, due = effect.between(*found), effect.between(*known)
     if rms(shown) <= _NONE * rms(due):
@@ -131,7 +130,7 @@ class _Effects:
 
 
 def _of_drive(change: Change) -> bool:
-    return any(path.startswith("crank.drive.") for path in change.values)
+    return any(path.startswith("crank.drive.") for path in change.given)
 
 
 def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:
@@ -168,19 +167,14 @@ def _mistake(
     share: float | None,
 ) -> str:
     """What the engine does with the quantity, in words; "" where no simple mistake makes it."""
-    scenes = dict[str, Mapping[str, Array]]()
-    for words, values in change.mistakes().items():
-        try:
-            scenes[words] = solution(Motion(changed(context, values), change.duration))
-        except (EngineFailure, ImpossibleMechanism):
-            continue
+    scenes = list(imagined(context, change.mistakes(), lambda scene: solution(Motion(scene, change.duration))))
     for among in (None, _RIGID) if worst else (None,):
         shown, due = (effect.between(first, second, among) for first, second in (found, known))
         tried = [Hypothesis(f"{change.name} acts with the wrong sign", "", -due)]
-        tried += [Hypothesis(words, "", effect.between(known[0], columns, among)) for words, columns in scenes.items()]
+        tried += [Hypothesis(words, "", effect.between(known[0], columns, among)) for words, columns in scenes]
         if share is not None and among is None:
             words = f"{change.name} acts {share:.3g} times as strongly as it should"
             tried.append(Hypothesis(words, "", share * due, fitted=True))
-        if explained := explain(shown, due, tried, most=_EXPLAINED if among is None else _EXPLAINED / 3.0):
+        if explained := explain(shown, due, tried, coarse=among is None):
             return explained.words
     return ""

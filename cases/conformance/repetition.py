@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import TELLING, Bench, Motion, columns_of, found_engine, solution
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, found_engine, solution
 from quickreturn.cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, looked_at
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.jobs.display import answers
@@ -36,8 +36,6 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
 }
 _FIRST: Final = "the mild scene"
 _KEEP: Final = "keep nothing between runs: no class attribute, module variable, random number or clock"
-#: A part kept from an earlier scene explains a difference if it leaves no more than this of it: the engine may be coarse.
-_EXPLAINED: Final = 0.4
 
 #: What was found of each scene in a process: columns, or why there are none.
 Found = Mapping[str, Mapping[str, Array]]
@@ -158,7 +156,7 @@ def _nothing_kept(bench: Bench, part: str, behind: Mapping[str, Array], fresh: M
     if not _differing(fresh, behind, {}) or not (name := _differing(fresh, behind, _errors(bench))):
         return
     scene = _scene(bench, part)
-    names = [column for column in TELLING if column in fresh and rms(fresh[column]) > 0.0]
+    names = [column for column in DECISIVE if column in fresh and rms(fresh[column]) > 0.0]
 
     def stacked(columns: Mapping[str, Array]) -> Array:
         return np.concatenate([columns[column] / rms(fresh[column]) for column in names])
@@ -166,6 +164,6 @@ def _nothing_kept(bench: Bench, part: str, behind: Mapping[str, Array], fresh: M
     right, kept = (solution(Motion(each, _DURATION)) for each in (scene, bench.scene))
     expected, there = stacked(fresh), stacked(behind)
     stale = Hypothesis(f"the {part} of an earlier scene is kept", "", expected + stacked(kept) - stacked(right))
-    explained = explain(there, expected, [stale], most=_EXPLAINED)
+    explained = explain(there, expected, [stale], coarse=True)
     cause = f"behind other scenes {name} comes out another way than in a new process"
     raise Fault(f"{explained.words}: {cause}" if explained else cause, _KEEP)

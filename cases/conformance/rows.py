@@ -24,8 +24,6 @@ _ROWS: Final = 120
 _SAME: Final = 0.02
 #: By how many times what interpolation costs a column may depart from its own interpolation.
 _INTERPOLATED: Final = 2.0
-#: The largest part of a difference that lateness may leave where the rows of both runs are late.
-_LATE: Final = 0.3
 #: Columns that are told one by one.
 _ONE_BY_ONE: Final = 3
 _AT_ITS_INSTANT: Final = (
@@ -60,7 +58,7 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
             if off <= allowed(column, fine, tolerances, 1e-4) + _INTERPOLATED * blurred:
                 continue
             mistakes = lateness(there[column], there[column], np.array([at, np.full(len(at), times - 1.0)]), fine)
-            if explained := explain(there[column], expected, mistakes, most=_LATE):
+            if explained := explain(there[column], expected, mistakes, coarse=True):
                 late[column] = Check(f"{name}: {column}", "failed", f"{column} {explained.words}", IN_TIME)
             else:
                 changed[column] = off / max(_swing(fine), 1e-300)

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final
 
+from quickreturn.cases.variation import Variation
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive, changed
 
 OUTPUT_STEP: Final = 1e-3  # s
@@ -44,25 +45,23 @@ PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
 
 
 @dataclass(frozen=True)
-class Change:
-    """A quantity of the scene, tried."""
+class Change(Variation):
+    """A quantity of the scene, by its key in a case file, with a new value that an engine must follow."""
 
-    name: str  # of the quantity, as in a case file
-    values: dict[str, Any]  # what it is changed to
     # what the scene needs besides for the quantity to matter; it is there before and after
     context: dict[str, Any] = dataclasses.field(default_factory=dict)
     # mistakes that are made with it: what they are -> what the scene would be with them
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
     duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
 
-    def mistakes(self) -> dict[str, dict[str, Any]]:
-        """`alike`, and the quantity half and twice as large: what the mistakes are -> what they make of a scene."""
-        found = dict(self.alike)
-        if len(self.values) == 1:
-            ((path, value),) = self.values.items()
-            for factor, words in ((0.5, "half"), (2.0, "twice")):
-                if isinstance(value, float) and math.isfinite(value):
-                    found[f"{self.name} acts as if it was {words} as large"] = {path: factor * value}
+    def mistakes(self) -> list[Variation]:
+        """What a scene would be with the mistakes of `alike`, and with the quantity half and twice as large."""
+        found = [Variation(words, values) for words, values in self.alike.items()]
+        if len(self.given) == 1:
+            ((path, value),) = self.given.items()
+            if isinstance(value, float) and math.isfinite(value):
+                half_and_twice = {"half": 0.5 * value, "twice": 2.0 * value}.items()
+                found += [Variation(f"{self.name} acts as if it was {words} as large", {path: other}) for words, other in half_and_twice]
         return found
 
 

@@ -2,13 +2,10 @@
 
 import functools
 from dataclasses import dataclass
-from typing import Final
 
 from quickreturn.cases.data import read_table
 from quickreturn.cases.library.thesis import RUNS
-
-INCH: Final = 0.0254  # m
-PERCENT: Final = 0.01  # the unit of printed strain, see cases.library.inconsistencies
+from quickreturn.cases.units import in_si
 
 
 @dataclass(frozen=True)
@@ -39,8 +36,8 @@ def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
     found = []
     for row in read_table("thesis_figure_axes.csv"):
         axes = (
-            ("tip_acceleration", row["tip_acceleration_labels_in_s2"], INCH),
-            ("strain", row["strain_labels_as_printed"], PERCENT),
+            ("tip_acceleration", row["tip_acceleration_labels_in_s2"], in_si("in/s^2")),
+            ("strain", row["strain_labels_as_printed"], in_si("percent")),  # see cases.library.inconsistencies
         )
         for channel, labels, unit in axes:
             if labels and run in (None, int(row["run"])):

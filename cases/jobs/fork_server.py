@@ -33,12 +33,31 @@ PRELOAD: Final = (
 )
 
 _LOCK: Final = threading.Lock()
+#: Number of the fork server as long as no process was asked of it.
+_without_job: Final[list[int]] = []
 
 
 def get_ready(preload: Sequence[str]) -> None:
     """Start the fork server now, so that it has its imports done when the first job comes; what fails here is told then."""
     with contextlib.suppress(OSError, EOFError), _LOCK:
+        before = _number()
         _context(preload)
+        if _number() != before:
+            _without_job.append(_number())
+
+
+def not_needed() -> None:
+    """End the fork server if it was started for a job that has not come: it would go on with its imports."""
+    with _LOCK:
+        for number in (_without_job.pop() for _ in list(_without_job)):
+            if number == _number():
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(number, signal.SIGKILL)
+
+
+def _number() -> Any:
+    """Of the fork server's process; None: there is none."""
+    return vars(forkserver._forkserver)["_forkserver_pid"]
 
 
 class Process:
@@ -57,6 +76,7 @@ class Process:
     def __init__(self, target: Callable[..., None], receives: Sequence[bool], preload: Sequence[str], hide_main: bool) -> None:
         with _LOCK:
             context = _context(preload)
+            _without_job.clear()
             pairs = [context.Pipe(duplex=False) for _ in receives]
             its = [pair[0 if reads else 1] for pair, reads in zip(pairs, receives, strict=True)]
             self.pipes = [pair[1 if reads else 0] for pair, reads in zip(pairs, receives, strict=True)]  # this process' ends

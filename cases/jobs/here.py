@@ -25,7 +25,8 @@ class ThisProcess:
             try:
                 yield done(job)
             finally:
-                progress.listen(None)
+                if watch is not None:
+                    progress.listen(None)
 
 
 class Nobody:

@@ -5,11 +5,15 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
+from quickreturn.reference_model.errors import ToldError
+
 if TYPE_CHECKING:
     from quickreturn.engines.progress import Progress
 
 #: Failure of a job that is not stored where nothing is computed.
 MISSING: Final = "is not stored"
+#: Exceptions that are the machine's doing.
+_OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
 
 T = TypeVar("T")
 V = TypeVar("V")
@@ -30,6 +34,11 @@ def default_limits() -> Limits:
     return Limits(seconds=3600.0, memory=min(8 * 2**30, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
 
 
+def would_come_again(outcome: "Outcome[Any]") -> bool:
+    """Whether a job would end so again: with a result, or with an exception of its own."""
+    return outcome.completed or (isinstance(outcome.error, Exception) and not isinstance(outcome.error, _OF_THE_MACHINE))
+
+
 @dataclass(frozen=True)
 class Job(Generic[T]):
     """A result to be had: `function(*arguments)`, both picklable, the function importable by its name."""
@@ -46,6 +55,7 @@ class Job(Generic[T]):
     # them one after the other. What crashes or hangs there costs its own job and the process.
     brief: bool = False
     points: int = 1  # how much of the whole it is, for the person who waits
+    lasts: Callable[["Outcome[Any]"], bool] | None = would_come_again  # whether an ending is stored; None: none is, nor looked for
 
 
 @dataclass(frozen=True)
@@ -58,6 +68,7 @@ class Outcome(Generic[T]):
     error: BaseException | None = None  # the exception that it raised, where there is one and it can travel between processes
     seconds: float = 0.0  # wall time of the job
     output: str = ""  # the last of what it printed, with the traceback of an exception
+    stored: bool = False  # whether it was in the store before
 
     @property
     def completed(self) -> bool:
@@ -86,7 +97,7 @@ class Outcome(Generic[T]):
 Watch = Callable[[Job[Any], "Progress | None"], None]
 
 
-class ExecutorError(Exception):
+class ExecutorError(ToldError):
     """Jobs cannot be computed where they were sent; the text is one sentence."""
 
 

@@ -5,6 +5,7 @@ one of these with None. A number that is none (NaN) is no result: the store refu
 """
 
 import dataclasses
+import json
 import math
 from collections.abc import Mapping
 from functools import cache
@@ -42,6 +43,15 @@ def encoded(value: Any) -> Record:
         return item
 
     return Record(plain(value, "value"), arrays)
+
+
+def can_be_stored(value: Any) -> bool:
+    """Whether the store takes the record of a result."""
+    try:
+        json.dumps(encoded(value).document, allow_nan=False)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def decoded(kind: Any, record: Record) -> Any:

@@ -26,6 +26,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.errors import ToldError
+
 #: Environment variable that names the folder.
 VARIABLE: Final = "QUICKRETURN_STORE"
 #: Folder under the current directory if the variable is not set.
@@ -36,7 +38,7 @@ _DOCUMENT: Final = "document"
 _ABANDONED: Final = 3600.0  # s: no write takes an hour, so an older temporary file belongs to a run that was killed
 
 
-class StoreError(Exception):
+class StoreError(ToldError):
     """The store's folder cannot be used; the text is one sentence."""
 
 
@@ -59,7 +61,7 @@ class Store:
         StoreError: the folder cannot be created or written to.
     """
 
-    def __init__(self, folder: Path | None = None, tell: Callable[[str], None] | None = None) -> None:
+    def __init__(self, folder: Path | None = None, tell: Callable[[str], object] | None = None) -> None:
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
         self.notices: list[str] = []  # sentences on damaged entries and on results that could not be written, so far
         self.written = self.lost = 0  # numbers of results that were written, and that could not be

@@ -1,24 +1,27 @@
 """Where jobs are done: taken from the store where they are there, else computed by the executor and stored as they come.
 
-Stored is what would come out again: a result, or an exception of the job's own. What the machine did to a job is not: a process that was
-killed, a limit of time or memory, a full disk, a library that is missing. It is tried again the next time.
+Stored is what would come out again (`Job.lasts`): a result, or an exception of the job's own. What the machine did to a job is not: a
+process that was killed, a limit of time or memory, a full disk, a library that is missing. It is tried again the next time.
 """
 
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, get_type_hints
+from typing import Any, get_type_hints
 
-from quickreturn.cases.jobs.display import watched
+from quickreturn.cases.jobs.display import answers, watched
 from quickreturn.cases.jobs.here import Nobody
 from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
 from quickreturn.cases.jobs.key import key_of
-from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record, Store
 
-#: Exceptions that are the machine's doing.
-_OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
+
+def _processes() -> Executor:
+    """Those of this machine; importing them takes a moment that a notebook need not wait."""
+    from quickreturn.cases.jobs.processes import LocalProcesses
+
+    return LocalProcesses()
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Workshop:
     """A store and an executor."""
 
     store: Store
-    executor: Executor = field(default_factory=LocalProcesses)
+    executor: Executor = field(default_factory=_processes)
 
     def outcomes(self, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
         """How each of the jobs ended, in their order, computed in that order; of equal keys the first is.
@@ -35,7 +38,7 @@ class Workshop:
             KeyboardInterrupt: Ctrl-C; what was computed is stored.
             UnknownEngine: a job depends on a name that is no engine's.
         """
-        keys = [key_of(job) for job in jobs]
+        keys = [key_of(job) if job.lasts else f"job {number}" for number, job in enumerate(jobs)]
         wanted = dict(zip(reversed(keys), reversed(jobs), strict=True))
         found = {key: outcome for key in dict.fromkeys(keys) if (outcome := self._stored(wanted[key], key)) is not None}
         missing = {id(wanted[key]): key for key in dict.fromkeys(keys) if key not in found}
@@ -61,6 +64,8 @@ class Workshop:
 
     def kept(self, outcome: Outcome[T], key: str | None = None) -> Outcome[T]:
         """Store how a job ended, where it would end so again; the outcome as it will be read back."""
+        if outcome.job.lasts is None or not outcome.job.lasts(outcome):
+            return outcome
         key = key or key_of(outcome.job)
         if outcome.completed:
             try:
@@ -69,21 +74,25 @@ class Workshop:
                 return replace(outcome, value=decoded(_type_of(outcome.job), record))
             except (TypeError, ValueError, KeyError) as error:  # a third-party engine may hand anything on
                 return replace(outcome, value=None, failure=f"its result cannot be stored: {error}", output="")
-        if isinstance(outcome.error, Exception) and not isinstance(outcome.error, _OF_THE_MACHINE):
-            self.store.put(key, Record({"failure": outcome.explanation}))
+        self.store.put(key, Record({"failure": outcome.explanation}))
         return outcome
 
     def _stored(self, job: Job[T], key: str) -> Outcome[T] | None:
-        record = self.store.get(key)
+        record = self.store.get(key) if job.lasts else None
         if record is None:
             return None
         try:
             if "failure" in record.document:
-                return Outcome(job, failure=str(record.document["failure"]))
-            return Outcome(job, decoded(_type_of(job), replace(record, document=record.document["value"])))
+                return Outcome(job, failure=str(record.document["failure"]), stored=True)
+            return Outcome(job, decoded(_type_of(job), replace(record, document=record.document["value"])), stored=True)
         except (TypeError, ValueError, KeyError) as error:
             self.store.note_damage(key, f"cannot be read ({error})")
             return None
+
+
+def outcomes_of(jobs: Sequence[Job[T]], title: str, executor: Executor, store: Store | None) -> list[Outcome[T]]:
+    """As `Workshop.outcomes`; without a store everything is computed, and nothing is kept."""
+    return answers(executor, jobs, title) if store is None else Workshop(store, executor).outcomes(jobs, title)
 
 
 def _type_of(job: Job[Any]) -> Any:

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
@@ -51,8 +52,8 @@ def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> C
     """The conditioning of a scene from its standard start; times in s. EngineFailure: the reference cannot run the scene at all."""
     nominal = _run(mechanism, duration, output_step)
     differences: dict[str, Array] = {}
-    for name, scene in variants(mechanism).items():
-        run = _run(scene, duration, output_step)
+    for variation in variations(mechanism):
+        run, name = _run(variation.of(mechanism), duration, output_step), variation.name
         rows = min(len(nominal), len(run))
         differences[name] = run["tip_deflection"][:rows] - nominal["tip_deflection"][:rows]
         if name == "speed":
@@ -63,19 +64,11 @@ def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> C
     return Conditioning({name: float(ratio[-1]) for name, ratio in ratios.items()}, _horizon(counting, duration, output_step))
 
 
-def variants(mechanism: Mechanism) -> dict[str, Mechanism]:
-    """The scene with one kind of parameter larger by `CHANGE`: bending stiffness, dampings of beam and pivot, mean crank speed."""
-    factor, follower, drive = 1.0 + CHANGE, mechanism.follower, mechanism.crank.drive
-    if isinstance(drive, TorqueDrive):
-        faster = {"crank.drive.torque": factor * drive.torque, "crank.drive.initial_speed": factor * drive.initial_speed}
-    else:
-        faster = {"crank.drive.speed": factor * drive.speed}
-    more_damping = {"follower.damping": factor * follower.damping, "base.damping": factor * mechanism.base.damping}
-    return {
-        "stiffness": changed(mechanism, {"follower.bending_stiffness": factor * follower.bending_stiffness}),
-        "damping": changed(mechanism, more_damping),
-        "speed": changed(mechanism, faster),
-    }
+def variations(mechanism: Mechanism) -> tuple[Variation, ...]:
+    """One kind of parameter larger by `CHANGE`: bending stiffness, dampings of beam and pivot, mean crank speed."""
+    speed = ("crank.drive.torque", "crank.drive.initial_speed") if mechanism.crank_is_free else ("crank.drive.speed",)
+    kinds = {"stiffness": ("follower.bending_stiffness",), "damping": ("follower.damping", "base.damping"), "speed": speed}
+    return tuple(Variation(name, scaled=dict.fromkeys(paths, 1.0 + CHANGE)) for name, paths in kinds.items())
 
 
 def _run(mechanism: Mechanism, duration: float, output_step: float) -> Trajectory:

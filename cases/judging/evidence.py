@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.judging.conditioning import later_differences
 from quickreturn.cases.judging.verdicts import Breakdown, Evidence, judge
@@ -23,10 +22,8 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Columns, Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
-
-Columns = dict[str, NDArray[np.float64]]
 
 #: What the engine is asked for, in parts of what is requested, while a doubt remains.
 ASKED: Final = (1.0, 0.3, 0.1)

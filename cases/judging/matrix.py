@@ -12,18 +12,17 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.conditioning import Conditioning, conditioning, later_differences
-from quickreturn.cases.judging.evidence import Columns, Trial, TrialScene, gather
+from quickreturn.cases.judging.evidence import Trial, TrialScene, gather
 from quickreturn.cases.judging.verdicts import ACCURATE, ENDED, LATER, OWN_EQUATIONS, Breakdown, Verdict, contradicted, judge
-from quickreturn.engines.registry import MAIN
+from quickreturn.engines.registry import MAIN, MODEL
 from quickreturn.engines.relative import relative_error
+from quickreturn.engines.trajectory import Columns
 
 #: Error of the tip deflection asked of every engine.
 REQUESTED: Final = 0.01
 #: The engine that the converged solution comes from, and the error asked of it.
 CONVERGED: Final = ("reference", 1e-3)
-#: The engine whose discretization is its model: it is held against its own equations, and their distance to the others told apart.
-MODEL: Final = "thesis"
-#: The error asked of its equations' converged solution.
+#: The error asked of the converged solution of `MODEL`'s own equations, against which it is held.
 MODEL_CONVERGED: Final = 1e-4
 #: Columns of a trial that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")

@@ -6,27 +6,19 @@ loading it must be answered by the sentence given there.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.document import Document, document_of
 from quickreturn.cases.library.thesis import run_case, run_document, tip_body
+from quickreturn.cases.variation import Variation
 
 TAG: Final = "hard"
 _ORIGINAL: Final = 24
 
-#: Dotted key -> text as in a case file; None leaves the key out.
+#: Dotted key -> text as in a case file.
 Values = Mapping[str, str | list[str] | None]
-
-
-@dataclass(frozen=True)
-class Variation:
-    """A change of run 24."""
-
-    title: str  # one line for people: what differs from run 24
-    scaled: Mapping[str, float] = field(default_factory=dict)  # dotted key -> factor on run 24's value
-    given: Values = field(default_factory=dict)  # dotted key -> new value. A section's name with None leaves the section out.
 
 
 _NO_PLATES: Final[Values] = tip_body(0)
@@ -36,40 +28,40 @@ _AT_EQUILIBRIUM: Final[Values] = {"crank.initial_speed": None}
 
 def _speed(factor: int, title: str) -> Variation:
     """The same torque against a weaker damping."""
-    return Variation(title, {"crank.damping": 1.0 / factor}, _AT_EQUILIBRIUM)
+    return Variation(title, _AT_EQUILIBRIUM, scaled={"crank.damping": 1.0 / factor})
 
 
 def _crank(length: str, title: str) -> Variation:
-    return Variation(f"crank {length}, no plates: {title}", given={"crank.length": length, **_NO_PLATES})
+    return Variation(f"crank {length}, no plates: {title}", {"crank.length": length, **_NO_PLATES})
 
 
 def _joint(stiffness: str) -> Variation:
-    return Variation(f"slider joint of {stiffness} N/m", given={"slider.joint_stiffness": f"{stiffness} N/m"})
+    return Variation(f"slider joint of {stiffness} N/m", {"slider.joint_stiffness": f"{stiffness} N/m"})
 
 
-#: Name -> scene.
+#: Name -> what differs from run 24, by the keys and texts of a case file; None leaves a key or, by its name, a section out.
 SCENES: Final = MappingProxyType(
     {
-        "hard-ei-x0.1": Variation("bending stiffness x 0.1", {"follower.bending_stiffness": 0.1}),
-        "hard-ei-x10": Variation("bending stiffness x 10", {"follower.bending_stiffness": 10.0}),
-        "hard-ei-x1000": Variation("bending stiffness x 1000", {"follower.bending_stiffness": 1000.0}),
+        "hard-ei-x0.1": Variation("bending stiffness x 0.1", scaled={"follower.bending_stiffness": 0.1}),
+        "hard-ei-x10": Variation("bending stiffness x 10", scaled={"follower.bending_stiffness": 10.0}),
+        "hard-ei-x1000": Variation("bending stiffness x 1000", scaled={"follower.bending_stiffness": 1000.0}),
         "hard-speed-x2": _speed(2, "crank speed x 2"),
         "hard-speed-x3": _speed(3, "crank speed x 3: the slider leaves the follower"),
         "hard-crank-6in": _crank("6 in", "slider up to 96 % of the length"),
         "hard-crank-6.9in": _crank("6.9 in", "slider up to 99.6 % of the length"),
         "hard-crank-6.95in": _crank("6.95 in", "the deflection pushes the slider off"),
-        "hard-no-tip": Variation("no tip body", given={"tip": None}),
-        "hard-tip-x10": Variation("tip body x 10", {"tip.mass": 10.0, "tip.inertia": 10.0}),
-        "hard-mass-x0.1": Variation("follower's mass x 0.1", {"follower.mass_per_length": 0.1}),
+        "hard-no-tip": Variation("no tip body", {"tip": None}),
+        "hard-tip-x10": Variation("tip body x 10", scaled={"tip.mass": 10.0, "tip.inertia": 10.0}),
+        "hard-mass-x0.1": Variation("follower's mass x 0.1", scaled={"follower.mass_per_length": 0.1}),
         "hard-undamped": Variation(
             "neither torque nor damping, 100 cycles",
-            {"crank.torque": 0.0, "crank.damping": 0.0, "base.damping": 0.0, "follower.damping": 0.0},
             {"simulation.duration": "38 s"},  # 2 pi / 16.617773 rad/s = 0.3781 s a cycle
+            scaled=dict.fromkeys(("crank.torque", "crank.damping", "base.damping", "follower.damping"), 0.0),
         ),
         "hard-gravity": Variation(
             "gravity along -n2, crank balanced about O with the same inertia",
             # 0.1 lbf s²/in x (3 in)² + 4.0e-4 lbf s² in: run 24's inertia about O
-            given={
+            {
                 "mechanism.gravity": ["0 m/s^2", "-9.81 m/s^2"],
                 "crank.center_of_mass": "0 in",
                 "crank.inertia": "0.9004 lbf*s^2*in",
@@ -77,17 +69,17 @@ SCENES: Final = MappingProxyType(
         ),
         "hard-prescribed-speed": Variation(
             "crank speed prescribed",
-            given={
+            {
                 "crank.prescribed_speed": "16.617773 rad/s",
                 "crank.torque": None,
                 "crank.damping": None,
                 "crank.initial_speed": None,
             },
         ),
-        "hard-start-at-0deg": Variation("start in the quick return", given={"crank.initial_angle": "0 deg"}),
-        "hard-reversed": Variation("reversed rotation", {"crank.torque": -1.0}, _AT_EQUILIBRIUM),
-        "hard-slider-mass": Variation("slider of 0.5 kg", given={"slider.mass": "0.5 kg"}),
-        "hard-slider-inertia": Variation("slider with inertia", given={"slider.mass": "0.1 kg", "slider.inertia": "2e-5 kg*m^2"}),
+        "hard-start-at-0deg": Variation("start in the quick return", {"crank.initial_angle": "0 deg"}),
+        "hard-reversed": Variation("reversed rotation", _AT_EQUILIBRIUM, scaled={"crank.torque": -1.0}),
+        "hard-slider-mass": Variation("slider of 0.5 kg", {"slider.mass": "0.5 kg"}),
+        "hard-slider-inertia": Variation("slider with inertia", {"slider.mass": "0.1 kg", "slider.inertia": "2e-5 kg*m^2"}),
         "hard-joint-1e3": _joint("1e3"),
         "hard-joint-1e5": _joint("1e5"),
         "hard-joint-1e7": _joint("1e7"),
@@ -107,12 +99,11 @@ IMPOSSIBLE: Final = MappingProxyType(
 
 def scene_title(name: str) -> str:
     """What tells a hard scene from run 24, in one line."""
-    return f"Run {_ORIGINAL}, {SCENES[name].title}"
+    return f"Run {_ORIGINAL}, {SCENES[name].name}"
 
 
 def scene_document(name: str) -> Document:
     """A hard scene as a case file would have it, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
-    scene, original = SCENES[name], document_of(run_case(_ORIGINAL))
-    scaled = {path: factor * original.at(path) for path, factor in scene.scaled.items()}
+    values = SCENES[name].values(document_of(run_case(_ORIGINAL)).at)
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
-    return replace(run_document(_ORIGINAL).changed({**scaled, **scene.given}), source=name, header=header)
+    return replace(run_document(_ORIGINAL).changed(values), source=name, header=header)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.loads.peak import Claim, Peak, of_column, of_vector
+from quickreturn.cases.loads.peak import ErrorAt, Peak, of_column, of_vector
 from quickreturn.cases.loads.resonance import Resonance, of_motion, resonance
 from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -15,7 +15,7 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 if TYPE_CHECKING:
     from quickreturn.cases.runs.request import Run
 
-__all__ = ["Claim", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "of_motion", "resonance"]
+__all__ = ["ErrorAt", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "of_motion", "resonance"]
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ class Loads:
         return None if self.stress is None else self.stress.largest.times(1.0 / self.modulus)
 
 
-def loads_of(scene: Scene, columns: Mapping[str, Array], claim: Claim) -> Loads:
+def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Loads:
     """What the parts bear in a cycle or a trajectory.
 
     Args:

@@ -12,7 +12,7 @@ from quickreturn.cases.measures.extremes import extremes
 Array = NDArray[np.float64]
 
 #: By how much a column may be off at a crank angle (rad), in its unit, by the engine's own estimate; None where it has none.
-Claim = Callable[[str, float], float | None]
+ErrorAt = Callable[[str, float], float | None]
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,12 @@ def peak_of(signal: Array, columns: Mapping[str, Array], claim: Callable[[float]
     return Peak(abs(found.value), turned, found.time, found.uncertainty, claim(angle or 0.0), place)
 
 
-def of_column(name: str, columns: Mapping[str, Array], claim: Claim) -> Peak | None:
+def of_column(name: str, columns: Mapping[str, Array], claim: ErrorAt) -> Peak | None:
     """Peak of a column; None where the engine does not give it."""
     return peak_of(columns[name], columns, lambda angle: claim(name, angle)) if name in columns else None
 
 
-def of_vector(name: str, columns: Mapping[str, Array], claim: Claim) -> Peak | None:
+def of_vector(name: str, columns: Mapping[str, Array], claim: ErrorAt) -> Peak | None:
     """Peak of the length of a vector whose parts are the columns `name`_x and `name`_y."""
     parts = f"{name}_x", f"{name}_y"
     if not set(parts) <= set(columns):

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
@@ -48,7 +49,7 @@ class Resonance:
     def sentence(self) -> str:
         """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
         ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
-        speed, way = 30.0 / math.pi * self.resonant_speed, "faster" if self.detuning > 0.0 else "slower"
+        speed, way = self.resonant_speed / in_si("rpm"), "faster" if self.detuning > 0.0 else "slower"
         nearest = f"the {self.harmonic}{ending} harmonic is nearest to the first mode"
         return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {way}"
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.loads.arm import NEEDED, KnownMoments, between, interpolated, known_moments, left_out
-from quickreturn.cases.loads.peak import Claim, Peak, peak_of
+from quickreturn.cases.loads.peak import ErrorAt, Peak, peak_of
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.reference_model.columns import MOMENTS
 from quickreturn.reference_model.mechanism import Follower, Scene
@@ -53,7 +53,7 @@ def section_modulus(follower: Follower) -> float:
     return follower.width * follower.thickness**2 / 6.0
 
 
-def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: Claim) -> ArmStress | None:
+def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> ArmStress | None:
     """Stress along the arm; None where the engine does not give the moments.
 
     Args:
@@ -102,7 +102,7 @@ class _Field:
         return float(abs(before - 2.0 * middle + after)) / 8.0
 
 
-def _largest(field: _Field, columns: Mapping[str, Array], claim: Claim) -> Peak:
+def _largest(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> Peak:
     """The largest moment: at the slider, which carries the corner along, or at one of the places."""
     sizes, known = np.abs(field.moments), field.known
     row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
@@ -115,7 +115,7 @@ def _largest(field: _Field, columns: Mapping[str, Array], claim: Claim) -> Peak:
     return replace(found, uncertainty=found.uncertainty + beyond + float((sizes + field.open).max() - sizes.max()))
 
 
-def _amplitude(field: _Field, columns: Mapping[str, Array], claim: Claim) -> tuple[Peak, float]:
+def _amplitude(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> tuple[Peak, float]:
     """Half the range of the moment where that is largest, and the mean of its extremes there."""
     time, at = columns["time"], int(np.ptp(field.moments, axis=0).argmax())
     low, high = extremes(time, field.series(at), time[0], time[-1])
@@ -124,7 +124,7 @@ def _amplitude(field: _Field, columns: Mapping[str, Array], claim: Claim) -> tup
     return replace(larger, value=(high.value - low.value) / 2.0, uncertainty=left_open), (high.value + low.value) / 2.0
 
 
-def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: Claim) -> Peak:
+def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: ErrorAt) -> Peak:
     place = float(field.known.places[at])
     return peak_of(field.series(at), columns, _Nearest(place / field.known.spacing, claim), place)
 
@@ -134,7 +134,7 @@ class _Nearest:
     """What an engine claims of the moment at a place: the larger of its claims at the nearest places that it gives."""
 
     twelfth: float  # number of twelfths of the length from P to the place
-    claim: Claim  # of a column
+    claim: ErrorAt  # of a column
 
     def __call__(self, angle: float) -> float | None:
         numbers = {min(max(number, 1), len(MOMENTS)) for number in (math.floor(self.twelfth), math.ceil(self.twelfth))}

@@ -6,8 +6,9 @@ from typing import Any, Final, TypeVar
 
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.orbit import begins_in_orbit, orbits
-from quickreturn.cases.runs.request import CODE, FAILED, UNAVAILABLE, Run, RunRequest
+from quickreturn.cases.runs.request import CODE, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.registry import engine
 
@@ -52,8 +53,8 @@ def carry_out(
     first = len({request.engine for request in usable.values()})
     outcomes = workshop.outcomes([*jobs[:first], *beside, *jobs[first:]], title)
     found = zip(order, [*outcomes[:first], *outcomes[first + len(beside) :]], strict=True)
-    runs = {name: outcome.value or _without(usable[name], FAILED, outcome.explanation) for name, outcome in found}
-    return {name: runs.get(name) or _without(requests[name], UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
+    runs = {name: outcome.value or _without(usable[name], Ending.FAILED, outcome.explanation) for name, outcome in found}
+    return {name: runs.get(name) or _without(requests[name], Ending.UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
 
 
 def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:

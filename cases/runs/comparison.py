@@ -5,6 +5,7 @@ the uncertainty of the measurement. So a coarse engine that says how coarse it i
 an engine is says its accuracy class. An engine whose estimate is not one of its whole error is not judged: its difference is a result.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -13,15 +14,16 @@ from typing import Any, Final, Literal
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import consensus_of, extremes_by_half
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work, carry_out
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
 from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import ASSUMED, LONGER, NOT_SETTLED, NOTHING, REFUSED, SETTLED, TRANSIENT, Run, RunRequest
+from quickreturn.cases.runs.request import LONGER, NOTHING, Run, RunRequest
 from quickreturn.engines.registry import MAIN
+from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
@@ -45,7 +47,7 @@ WORSE: Final = "worse"
 
 @dataclass(frozen=True)
 class Claim:
-    """A number, and how far off it may be: all in its own unit."""
+    """A number, and how far off it may be: all in its own unit, nan where not known."""
 
     value: float
     estimate: float  # the engine's estimate of its error
@@ -61,27 +63,10 @@ class Claim:
 
 @dataclass(frozen=True)
 class Difference:
-    """One number of two engines."""
-
-    case: str
-    quantity: str  # a number of `cases.measures.Measure`, or "consensus_frequency"
-    half: str  # "pre" or "post"
-    channel: str | None  # trajectory column; None for the consensus
-    value: float  # the engine's
-    other: float  # the one it is held against
-    relative: float  # (value - other) / |other|; for an extreme over the channel's largest magnitude in the other's cycle
-
-    @property
-    def ratio(self) -> float:
-        """The value over the other."""
-        return self.value / self.other
-
-
-@dataclass(frozen=True)
-class Check:
-    """One number of two engines.
+    """A number computed by two engines, and whether they agree within their claims.
 
     Attributes:
+        case: name of the scene.
         engine: the one.
         other: the one it is held against.
         quantity: one of `QUANTITIES`, or `CONSENSUS`.
@@ -92,6 +77,7 @@ class Check:
         scale: what differences are shown relative to: the other's value, of an extreme the channel's largest magnitude in its cycle.
     """
 
+    case: str
     engine: str
     other: str
     quantity: str
@@ -105,6 +91,16 @@ class Check:
     def difference(self) -> float:
         """Engine less other."""
         return self.mine.value - self.its.value
+
+    @property
+    def relative(self) -> float:
+        """The difference over the scale."""
+        return self.difference / self.scale
+
+    @property
+    def ratio(self) -> float:
+        """The engine's number over the other's."""
+        return self.mine.value / self.its.value
 
     @property
     def tolerance(self) -> float:
@@ -130,9 +126,9 @@ class CaseResult:
 
     case: Case
     runs: Mapping[str, Run]
-    checks: tuple[Check, ...] = field(default=())
+    checks: tuple[Difference, ...] = field(default=())
     recorded: Mapping[str, Run] = field(default_factory=dict)
-    table_checks: tuple[Check, ...] = field(default=())  # tables against engines
+    table_checks: tuple[Difference, ...] = field(default=())  # tables against engines
 
     def __repr__(self) -> str:
         runs = ", ".join(f"{name} {run.status}" for name, run in self.whole.runs.items())
@@ -168,17 +164,17 @@ class CaseResult:
     @property
     def failures(self) -> tuple[Run, ...]:
         """Runs that failed, did not settle or did not reach the accuracy asked. A refusal is none: the engine says what it is."""
-        return tuple(run for run in self.runs.values() if run.status not in (SETTLED, TRANSIENT, ASSUMED, REFUSED))
+        return tuple(run for run in self.runs.values() if run.ending.exit_code == ExitCode.ENGINE_TROUBLE)
 
     @property
-    def missed(self) -> tuple[Check, ...]:
+    def missed(self) -> tuple[Difference, ...]:
         """Where engines differ by more than they claim."""
         return tuple(check for check in self.checks if not check.passed)
 
     @property
-    def departures(self) -> dict[tuple[str, str], list[Check]]:
+    def departures(self) -> dict[tuple[str, str], list[Difference]]:
         """The same by pair of engines."""
-        found: dict[tuple[str, str], list[Check]] = {}
+        found: dict[tuple[str, str], list[Difference]] = {}
         for check in self.missed:
             found.setdefault((check.engine, check.other), []).append(check)
         return found
@@ -196,12 +192,9 @@ class CaseResult:
             return None
         sizes = [size for half in HALVES for size in _own_sizes(run, half)]
         if known and reference is not None:
-            sizes += [abs(found.relative) for found in self.differences(name, "frequency")]
-            if run.recording:
-                held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
-                sizes += [abs(check.difference) / check.scale for check in held]
-            else:
-                sizes += [abs(found.relative) for found in self.differences(name, "extreme")]
+            held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
+            extremes = held if run.recording else self.differences(name, "extreme")
+            sizes += [abs(found.relative) for found in (*self.differences(name, "frequency"), *extremes)]
         return next((f"{100.0 * width:g} %" for width in CLASSES if max(sizes) <= width), WORSE) if sizes else None
 
     def differences(
@@ -211,14 +204,10 @@ class CaseResult:
         run, opposite = self.runs.get(name), self.runs.get(other)
         if run is None or opposite is None or not (run.usable and opposite.usable):
             return []
-        found = []
         halves, channels = HALVES if half is None else (half,), CHANNELS if channel is None else (channel,)
-        for where, column, quantity in product(halves, (None,) if kind == "frequency" else channels, KINDS[kind]):
-            pair = values(run, opposite, quantity, where, column)
-            scale = opposite.peak(column) if kind == "extreme" and column else abs(pair[1]) if pair else 0.0
-            if pair is not None and scale > 0.0:
-                found.append(Difference(self.case.name, quantity, where, column, *pair, (pair[0] - pair[1]) / scale))
-        return found
+        places = product(halves, (None,) if kind == "frequency" else channels, KINDS[kind])
+        found = (_difference(self.case, run, opposite, quantity, where, column) for where, column, quantity in places)
+        return [each for each in found if each is not None]
 
 
 def cross_validate(
@@ -301,16 +290,16 @@ def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | N
     """
     judged = {name: run for name, run in runs.items() if not not_judged(run)}
     against = judged.get(REFERENCE) or next(iter(judged.values()), None)
-    checks = [check for run in judged.values() if against is not None and run is not against for check in _checks(run, against)]
+    checks = [check for run in judged.values() if against is not None and run is not against for check in _checks(case, run, against)]
     turns = {run.turn for run in runs.values()}
     tables = {name: run if run.turn is None or run.turn in turns else _unsettled(run) for name, run in (recorded or {}).items()}
-    of_tables = [check for run in tables.values() if run.usable for other in judged.values() for check in _table_checks(run, other)]
+    of_tables = [check for run in tables.values() if run.usable for other in judged.values() for check in _table_checks(case, run, other)]
     return CaseResult(case, runs, tuple(checks), tables, tuple(of_tables))
 
 
 def _unsettled(run: Run) -> Run:
     told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` holds it against that turn"
-    return replace(run, status=NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
+    return replace(run, status=Ending.NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
 
 
 def not_judged(run: Run) -> str:
@@ -324,23 +313,15 @@ def not_judged(run: Run) -> str:
     return f"no estimates: {run.unestimated}" if run.unestimated else ""
 
 
-def _checks(run: Run, other: Run) -> list[Check]:
-    found = []
-    for half in HALVES:
-        places = [(CONSENSUS, None), *((quantity, channel) for quantity in QUANTITIES for channel in CHANNELS)]
-        for quantity, channel in places:
-            mine, its = (claim(*pair, quantity, half, channel) for pair in ((run, other), (other, run)))
-            if mine is None or its is None:
-                continue
-            scale = other.peak(channel) if channel and quantity in EXTREMES else abs(its.value)
-            if scale > 0.0:
-                found.append(Check(run.engine, other.engine, quantity, half, channel, mine, its, scale))
-    return found
+def _checks(case: Case, run: Run, other: Run) -> list[Difference]:
+    places = [(CONSENSUS, None), *product(QUANTITIES, CHANNELS)]
+    found = (_difference(case, run, other, quantity, half, channel, claimed=True) for half in HALVES for quantity, channel in places)
+    return [check for check in found if check is not None]
 
 
-def _table_checks(table: Run, other: Run) -> list[Check]:
+def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
     """A recorded table held against an engine: what both resolve of the first mode, and the extremes of every column that both have."""
-    found = [check for check in _checks(table, other) if check.quantity not in EXTREMES]
+    found = [check for check in _checks(case, table, other) if check.quantity not in EXTREMES]
     filtered = table.recording is not None and table.recording.filtered
     time, angle = other.cycle["time"], other.cycle["crank_angle"]
     for channel in dict.fromkeys(measure.channel for measure in table.measures if measure.channel in other.extreme_estimates):
@@ -348,35 +329,68 @@ def _table_checks(table: Run, other: Run) -> list[Check]:
         known = (other.settling_errors or {}).get(channel)
         unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole where no more is known
         for half in HALVES:
-            measure = table.measure(half, channel)
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
-                mine = claim(table, other, quantity, half, channel) if measure else None
-                if mine is not None and scale > NOTHING:
+                mine = claim(table, quantity, half, channel)
+                if mine is not None and not math.isnan(mine.width) and scale > NOTHING:
                     its = Claim(extreme.value, other.extreme_estimates[channel][half], extreme.uncertainty + unsettled)
-                    found.append(Check(table.engine, other.engine, quantity, half, channel, mine, its, scale))
+                    found.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, mine, its, scale))
     return found
 
 
-def claim(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> Claim | None:
-    """What a run says of a number that is to be held against another run's; None where it has no number or no estimate of its error.
+def _difference(
+    case: Case, run: Run, other: Run, quantity: str, half: str, channel: str | None, claimed: bool = False
+) -> Difference | None:
+    """A number of two runs; arguments as of `pair_of`. None also where there is no scale."""
+    pair = pair_of(run, other, quantity, half, channel, claimed)
+    if pair is None:
+        return None
+    scale = other.peak(channel) if channel and quantity in EXTREMES else abs(pair[1].value)
+    return Difference(case.name, run.engine, other.engine, quantity, half, channel, *pair, scale) if scale > 0.0 else None
 
-    The consensus is that of the channels that both runs resolve and have estimates of.
+
+def pair_of(
+    run: Run, other: Run, quantity: str, half: str, channel: str | None = None, claimed: bool = False
+) -> tuple[Claim, Claim] | None:
+    """The same number of two runs, or None where one of them cannot resolve it.
+
+    Args:
+        run: one run.
+        other: the other.
+        quantity: `CONSENSUS` or a number of `cases.measures.Measure`.
+        half: "pre" or "post".
+        channel: a trajectory column; None for the consensus, which is over the channels that both resolve.
+        claimed: whether numbers without an estimate of their error are left out, and their channels out of the consensus.
     """
-    value: float | None
     if channel is None:
-        shared = [name for name in CHANNELS if all(one.has_frequency(half, name) for one in (run, other))]
-        found = _consensus(run, half, shared)
-        value, estimate, uncertainty = found.first_mode_frequency, mean_estimate(run.measures, half, shared), found.uncertainty
+        shared = [name for name in CHANNELS if pair_of(run, other, VIBRATION[0], half, name, claimed)]
+        mine, its = (_consensus(one, half, shared) for one in (run, other))
     else:
-        measure = run.measure(half, channel)
-        if measure is None:
-            return None
-        value, estimate = measure.number(quantity), measure.estimate(quantity)
-        uncertainty = measure.number(f"{quantity}_uncertainty")
-        if quantity in EXTREMES:
-            unsettled = (run.settling_errors or {}).get(channel)
-            uncertainty = None if unsettled is None or uncertainty is None else uncertainty + unsettled
-    return None if value is None or estimate is None or uncertainty is None else Claim(value, estimate, uncertainty)
+        mine, its = (claim(one, quantity, half, channel) for one in (run, other))
+    if mine is None or its is None or (claimed and math.isnan(mine.width + its.width)):
+        return None
+    return mine, its
+
+
+def claim(run: Run, quantity: str, half: str, channel: str) -> Claim | None:
+    """What a run says of a number of a channel; None where it cannot resolve it."""
+    measure = run.measure(half, channel)
+    value = None if measure is None else measure.number(quantity)
+    if measure is None or value is None:
+        return None
+    estimate, uncertainty = _known(measure.estimate(quantity)), _known(measure.number(f"{quantity}_uncertainty"))
+    unsettled = _known((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
+    return Claim(float(value), estimate, uncertainty + unsettled)
+
+
+def _consensus(run: Run, half: str, channels: Sequence[str]) -> Claim | None:
+    found = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
+    if found.first_mode_frequency is None:
+        return None
+    return Claim(found.first_mode_frequency, _known(mean_estimate(run.measures, half, channels)), _known(found.uncertainty))
+
+
+def _known(number: float | None) -> float:
+    return math.nan if number is None else number
 
 
 def _own_sizes(run: Run, half: str) -> Iterator[float]:
@@ -388,26 +402,3 @@ def _own_sizes(run: Run, half: str) -> Iterator[float]:
     frequency, estimate = run.consensus_frequency(half), mean_estimate(run.measures, half)
     if frequency and estimate is not None:
         yield estimate / frequency
-
-
-def values(run: Run, other: Run, quantity: str, half: str, channel: str | None) -> tuple[float, float] | None:
-    """The same quantity of two runs, or None where one of them cannot resolve it.
-
-    Args:
-        run: one run.
-        other: the other.
-        quantity: "consensus_frequency" or a number of `cases.measures.Measure`.
-        half: "pre" or "post".
-        channel: a trajectory column; None for the consensus, which is over the channels that both resolve.
-    """
-    if quantity == CONSENSUS or channel is None:
-        shared = [name for name in CHANNELS if values(run, other, "first_mode_frequency", half, name)]
-        pair = [_consensus(one, half, shared).first_mode_frequency for one in (run, other)]
-    else:
-        measures = run.measure(half, channel), other.measure(half, channel)
-        pair = [None if measure is None else measure.number(quantity) for measure in measures]
-    return None if pair[0] is None or pair[1] is None else (float(pair[0]), float(pair[1]))
-
-
-def _consensus(run: Run, half: str, channels: Sequence[str]) -> Consensus:
-    return consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case import Case
+from quickreturn.cases.explanation import Hypothesis
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.mistakes import diagnose
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.noise import white_noise
 from quickreturn.cases.runs.other_case import OtherCases, other_cases
-from quickreturn.cases.runs.recorded import GROWING, TELLING
+from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import relative_error, rms
 from quickreturn.reference_model.columns import COLUMNS
@@ -23,8 +24,8 @@ Array = NDArray[np.float64]
 
 #: Columns that differ by a smaller part are not explained.
 NEAR: Final = 0.02
-#: Lateness explains a column's difference if it leaves less than this part of the column, and less than a third of the difference.
-ALIKE: Final = 0.1
+#: What to do about a column that is late.
+_SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
 #: In place of a column: what is told of a table as a whole.
 WHOLE: Final = "case"
 #: A table with as many columns that vibrate, all off by more than this part, does not fit if fewer than half of them are explained ...
@@ -56,16 +57,14 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
         if noise := _noise_of(name, run, other):
             found[name], left[name] = noise, 0.0
             continue
-        finding = diagnose(name, mine, its, NEAR * rms(its), right, case.mechanism)
-        if finding is None:
-            continue
         lag = _lag(mine, its)
-        unlike = rms(np.roll(mine, -lag) - its)
-        if unlike < min(ALIKE * rms(its), rms(mine - its) / 3.0) and (finding.left is None or unlike < finding.left):
-            late[name], found[name], left[name] = lag, f"{name} is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", unlike
-        elif finding.left is not None:
+        shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(its, lag), fitted=True)
+        finding = diagnose(name, mine, its, NEAR * rms(its), right, case.mechanism, [shifted])
+        if finding is not None and finding.left is not None:
             found[name], left[name] = f"{finding.cause}; {finding.advice}", finding.left
-    vibrating = [name for name in grids if name in TELLING]
+            if finding.advice == _SHIFTED:
+                late[name] = lag
+    vibrating = [name for name in grids if name in VIBRATING]
     if len(vibrating) > 1 and late.keys() >= set(vibrating) and max(late.values()) - min(late.values()) <= 1:
         lag = late[vibrating[0]]
         off = f"{_degrees(abs(lag)):.3g} deg too {'large' if lag > 0 else 'small'}"

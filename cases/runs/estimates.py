@@ -24,8 +24,9 @@ from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import CycleMeasures, Measure
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.marching import Columns, channels_of
+from quickreturn.cases.runs.marching import channels_of
 from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
+from quickreturn.engines.trajectory import Columns
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.measures.mean_cycle import AVERAGED
 from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, Cycle, Settling, cut_cycles
@@ -16,12 +15,10 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Simulation, SteadyState
 from quickreturn.engines.one_run import check_trajectory
-from quickreturn.engines.trajectory import Trajectory, join
+from quickreturn.engines.trajectory import Columns, Trajectory, join
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
-
-Columns = dict[str, NDArray[np.float64]]
 
 #: Cycles are recorded with so many samples in a period of the third mode, so that extremes are met to 1 % ...
 SAMPLES: Final = 12

@@ -22,10 +22,12 @@ from quickreturn.cases.measures.cycle import Measure, extremes_by_half, measure_
 from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
 from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.marching import columns_of
 from quickreturn.cases.runs.other_case import cases_of_pace
-from quickreturn.cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, STANDARD, TRANSIENT, Recording, Run
+from quickreturn.cases.runs.request import STANDARD, Recording, Run
+from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
@@ -40,7 +42,7 @@ LEFT_OUT: Final = ("constraint_gap", *SHAPE)
 #: Of a column's largest magnitude: numbers are taken to be written with five digits, no more.
 ROUNDED: Final = 1e-5
 #: Columns by which a table is told to have settled, where it has any of them.
-TELLING: Final = (*CHANNELS, "tip_deflection", "slider_force")
+VIBRATING: Final = (*CHANNELS, "tip_deflection", "slider_force")
 #: Of a turn: rows may lie so far apart, and a single turn may lack so much at its ends.
 LARGEST_GAP: Final = 0.01
 #: Rows in a period of the first mode that its measurement takes.
@@ -62,8 +64,8 @@ DEVIATIONS: Final = 4.0
 #: Times the usual step of the crank angle that a step between two rows may be.
 WRAPPED: Final = 100.0
 #: Units that may be meant where a heading has none, with their sizes: of time (s) and of angle (rad).
-_TIMES: Final = {"": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
-_ANGLES: Final = {"": 1.0, "deg": math.pi / 180.0, "turn": 2.0 * math.pi}
+_TIMES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("ms", "us", "min")}
+_ANGLES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("deg", "turn")}
 NOTHING_TO_FIT: Final = "extremes alone are measured of this column"
 
 
@@ -108,13 +110,14 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if not settling.settled:
             remarks.append(_unsettled(settling, far, odd))
+    unsettled = Ending.NOT_SETTLED if far else Ending.ASSUMED
     measures, consensus = _measured(mechanism, last, recording.filtered, gap)
     return Run(
         engine=table.name,
         method=table.declared.get("source", "recorded table"),
         version=table.declared.get("version"),
         estimate_of="recorded",
-        status=TRANSIENT if turn is not None else SETTLED if settling.settled else NOT_SETTLED if far else ASSUMED,
+        status=Ending.TRANSIENT if turn is not None else Ending.SETTLED if settling.settled else unsettled,
         remark="; ".join(remarks),
         start=STANDARD if begins else None,
         settled=settling.settled,
@@ -265,7 +268,7 @@ def _settling(cycles: list[Cycle]) -> Settling:
 
 def _telling(cycle: Cycle) -> list[str]:
     """Columns by which a table is told to have settled."""
-    return [name for name in cycle.channels if name in TELLING] or [name for name in cycle.channels if name not in GROWING]
+    return [name for name in cycle.channels if name in VIBRATING] or [name for name in cycle.channels if name not in GROWING]
 
 
 def _is_far(settling: Settling, last: Cycle) -> bool:

@@ -8,12 +8,13 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.cases.measures.steady_state import Outlook
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
-from quickreturn.cases.runs.marching import Columns
 from quickreturn.cases.runs.orbit import Orbit
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
 
 #: What a run depends on besides what the simulation does.
@@ -24,15 +25,6 @@ LONGER: Final = 1.01
 
 #: Cycles from the orbit on in which an engine's error is estimated (`cases.runs.estimates` says what of it is seen so early).
 ESTIMATED_CYCLES: Final = 2
-
-SETTLED: Final = "settled"  # and the accuracy reached by the engine's own estimate; or it repeats in statistics, which are measured
-INACCURATE: Final = "inaccurate"  # settled, but the estimate misses the accuracy asked
-NOT_SETTLED: Final = "not settled"
-FAILED: Final = "failed"
-REFUSED: Final = "refused"  # the engine cannot model this scene, and says so
-UNAVAILABLE: Final = "unavailable"  # the engine cannot be used on this machine
-TRANSIENT: Final = "transient"  # a turn on the way from the standard start, as asked
-ASSUMED: Final = "taken as settled"  # a recorded table that does not show whether it repeats
 
 #: A column that is never larger, in its SI unit, is zero but for rounding.
 NOTHING: Final = 1e-12
@@ -108,9 +100,9 @@ class Run:
     version: str | None = None
     estimate_of: str  # what its estimates are of, see `engines.base.Engine.estimates`
     accuracy: float | None = None  # error of the tip deflection that was aimed at
-    status: str = REFUSED  # one of those above, and so is `start`
+    status: str = Ending.REFUSED  # the word of an `Ending`
     remark: str = ""  # a sentence, where not all is well
-    start: str | None = None
+    start: str | None = None  # one of those above
     settled: bool = False
     cycles: int = 0  # that were made, or the work of the direct search in cycles
     averaged_cycles: int = 1  # last ones that the measures are means over; 1: of the last cycle alone, which repeats
@@ -159,12 +151,12 @@ class Run:
     @property
     def usable(self) -> bool:
         """Whether there is a cycle with measures."""
-        return self.status in (SETTLED, INACCURATE, TRANSIENT, ASSUMED)
+        return self.ending.usable
 
-    def has_frequency(self, half: str, channel: str) -> bool:
-        """Whether it resolves a channel's first mode in a half, and has an estimate of the frequency's error."""
-        measure = self.measure(half, channel)
-        return measure is not None and measure.first_mode_frequency_estimate is not None
+    @property
+    def ending(self) -> Ending:
+        """How it ended."""
+        return Ending(self.status)
 
     def measure(self, half: str, channel: str) -> EstimatedMeasure | None:
         """The measure of a half and channel, or None if there is none."""

@@ -28,23 +28,11 @@ from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.mean_cycle import mean_measures
 from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from quickreturn.cases.runs.marching import Columns, March, columns_of, output_step, settle, whole_cycles
+from quickreturn.cases.runs.marching import March, columns_of, output_step, settle, whole_cycles
 from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
-from quickreturn.cases.runs.request import (
-    DIRECT,
-    ESTIMATED_CYCLES,
-    FAILED,
-    FROM_ORBIT,
-    INACCURATE,
-    NOT_SETTLED,
-    SETTLED,
-    STANDARD,
-    TRANSIENT,
-    PeriodicOrbit,
-    Run,
-    RunRequest,
-)
+from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, PeriodicOrbit, Run, RunRequest
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
@@ -53,7 +41,7 @@ from quickreturn.engines.one_run import Made, check_trajectory
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Columns, Trajectory
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4
@@ -77,15 +65,16 @@ def steady_state(request: RunRequest) -> Run:
     except (Refusal, SettingError) as refusal:
         way.know(remark=str(refusal))
     except Hopeless as reason:
-        way.know(status=NOT_SETTLED)
+        way.know(status=Ending.NOT_SETTLED)
         way.say(str(reason))
     except EngineFailure as failure:
         partial = {} if failure.partial is None else dict(failure.partial.columns)
-        way.know(status=FAILED, remark=str(failure), cause=failure.cause, advice=failure.advice, failure_time=failure.time, cycle=partial)
+        about = {"cause": failure.cause, "advice": failure.advice, "failure_time": failure.time}
+        way.know(status=Ending.FAILED, remark=str(failure), cycle=partial, **about)
     except (MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
-        way.know(status=FAILED, remark=_words_of(error), cause=_words_of(error), cycle={})
+        way.know(status=Ending.FAILED, remark=_words_of(error), cause=_words_of(error), cycle={})
     way.measure()
     return replace(way.run, wall_seconds=time.perf_counter() - began)
 
@@ -135,9 +124,9 @@ class _Way:
             self._cycles = self._found_cycles()
         self.know(cycle=self._cycles[-1] if self._cycles else Columns())
         if self.run.turn is None and not self.run.settled:
-            self.know(status=NOT_SETTLED)
+            self.know(status=Ending.NOT_SETTLED)
             return
-        self.know(status=TRANSIENT if self.run.turn is not None else SETTLED if self.run.reached else INACCURATE)
+        self.know(status=Ending.TRANSIENT if self.run.turn is not None else Ending.SETTLED if self.run.reached else Ending.INACCURATE)
         if self._engine.estimates == "integration":
             self.know(unestimated="its own estimates are of the integration alone")
         elif not self._request.estimated:

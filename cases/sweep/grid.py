@@ -15,8 +15,9 @@ from quickreturn.cases.errors import CaseError, nearest_or_all
 from quickreturn.cases.errors import as_written as shown
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.reading import case_of
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import CODE as CODE_OF_RUNS
-from quickreturn.cases.sweep.rows import OPEN, REFUSED, Asked, Impossible, Row, row
+from quickreturn.cases.sweep.rows import OPEN, Asked, Impossible, Row, row
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
@@ -158,7 +159,7 @@ def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanis
         except CaseError as wrong:
             impossible = wrong.__cause__  # what the parts do not fit together by
             open_loop = isinstance(impossible, ImpossibleMechanism) and impossible.key == "crank.length"
-            return Impossible(OPEN if open_loop else REFUSED, str(wrong))
+            return Impossible(OPEN if open_loop else Ending.REFUSED, str(wrong))
 
     return [scene(overrides) for overrides in changes]
 

@@ -27,7 +27,7 @@ NOTHING: Final[Measured] = (math.nan, math.nan)
 
 
 @dataclass(frozen=True)
-class Motion:
+class SettledMotion:
     """A settled motion."""
 
     mechanism: Mechanism
@@ -47,7 +47,7 @@ class Measure:
     name: str  # as asked for
     unit: str  # SI
     meaning: str  # in words
-    of: Callable[[Motion], Measured]  # takes it
+    of: Callable[[SettledMotion], Measured]  # takes it
     columns: tuple[str, ...] = ()  # of the cycle that it needs
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
 
@@ -63,7 +63,7 @@ def measure(name: str) -> Measure:
 
 def of_columns(name: str, unit: str) -> Iterator[Measure]:
     """The measures of a column of the trajectory."""
-    kinds: tuple[tuple[str, str, Callable[[str, Motion], Measured]], ...] = (
+    kinds: tuple[tuple[str, str, Callable[[str, SettledMotion], Measured]], ...] = (
         ("peak", f"largest magnitude of {name} in a turn", _peak),
         ("min", f"least value of {name} in a turn", partial(_extreme, 0)),
         ("max", f"greatest value of {name} in a turn", partial(_extreme, 1)),
@@ -73,7 +73,7 @@ def of_columns(name: str, unit: str) -> Iterator[Measure]:
         yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), (name,))
 
 
-def _where_given(column: str, of: Callable[[str, Motion], Measured], motion: Motion) -> Measured:
+def _where_given(column: str, of: Callable[[str, SettledMotion], Measured], motion: SettledMotion) -> Measured:
     """A measure of a column; `NOTHING` where the engine does not deliver it."""
     return of(column, motion) if column in motion.run.cycle else NOTHING
 
@@ -82,68 +82,68 @@ def _of_peak(peak: Peak | None) -> Measured:
     return NOTHING if peak is None else (peak.value, _known(peak.error))
 
 
-def _peak(name: str, motion: Motion) -> Measured:
+def _peak(name: str, motion: SettledMotion) -> Measured:
     return _of_peak(of_column(name, motion.run.cycle, motion.claim))
 
 
-def _bearing(name: str, motion: Motion) -> Measured:
+def _bearing(name: str, motion: SettledMotion) -> Measured:
     return _of_peak(of_vector(name, motion.run.cycle, motion.claim))
 
 
-def _stress(what: str, motion: Motion) -> Measured:
+def _stress(what: str, motion: SettledMotion) -> Measured:
     stress = arm_stress(motion.mechanism, motion.run.cycle, motion.claim)
     return _of_peak(None if stress is None else getattr(stress, what))
 
 
-def _extreme(which: int, column: str, motion: Motion) -> Measured:
+def _extreme(which: int, column: str, motion: SettledMotion) -> Measured:
     """The least (0) or greatest (1) value."""
     cycle = motion.run.cycle
     found = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])[which]
     return found.value, _known(motion.claim(column, float(np.interp(found.time, cycle["time"], cycle["crank_angle"])))) + found.uncertainty
 
 
-def _rms(column: str, motion: Motion) -> Measured:
+def _rms(column: str, motion: SettledMotion) -> Measured:
     time, values = motion.run.cycle["time"], motion.run.cycle[column]
     return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0])), _largest_claim(motion, column)
 
 
-def _per_turn(column: str, motion: Motion) -> Measured:
+def _per_turn(column: str, motion: SettledMotion) -> Measured:
     values = motion.run.cycle[column]
     return float(values[-1] - values[0]), 2.0 * _largest_claim(motion, column)
 
 
-def _largest_claim(motion: Motion, column: str) -> float:
+def _largest_claim(motion: SettledMotion, column: str) -> float:
     begin, end = motion.run.cycle["crank_angle"][[0, -1]]
     known = [motion.claim(column, float(begin + part * (end - begin))) for part in (0.25, 0.75)]
     return max(map(_known, known)) if None not in known else math.nan
 
 
-def _consensus(half: str, motion: Motion) -> Measured:
+def _consensus(half: str, motion: SettledMotion) -> Measured:
     found = next((each for each in motion.run.consensus if each.half == half), None)
     if found is None or found.first_mode_frequency is None:
         return NOTHING
     return found.first_mode_frequency, _known(found.first_mode_frequency_estimate) + _known(found.uncertainty)
 
 
-def _vibration(half: str, channel: str, quantity: str, motion: Motion) -> Measured:
+def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) -> Measured:
     found = next((each for each in motion.run.measures if each.half == half and each.channel == channel), None)
     if found is None or (value := found.number(quantity)) is None:
         return NOTHING
     return value, _known(found.estimate(quantity)) + _known(found.number(f"{quantity}_uncertainty"))
 
 
-def _of_orbit(number: Callable[[PeriodicOrbit], float], motion: Motion) -> Measured:
+def _of_orbit(number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -> Measured:
     if motion.run.periodic_orbit is None:
         return NOTHING
     return _beside_finer(number(motion.run.periodic_orbit), number, motion)
 
 
-def _period(motion: Motion) -> Measured:
+def _period(motion: SettledMotion) -> Measured:
     time = motion.run.cycle["time"]
     return _beside_finer(float(time[-1] - time[0]), lambda orbit: orbit.period, motion)
 
 
-def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion: Motion) -> Measured:
+def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -> Measured:
     """A value with its error, estimated from the orbit with finer settings."""
     if motion.finer is None:
         return value, math.nan

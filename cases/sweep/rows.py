@@ -15,20 +15,20 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from quickreturn.cases.runs.marching import Columns, output_step
+from quickreturn.cases.runs.marching import output_step
 from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
-from quickreturn.cases.runs.request import FAILED, NOT_SETTLED, SETTLED, PeriodicOrbit, Run, RunRequest
-from quickreturn.cases.runs.request import INACCURATE as MISSED
-from quickreturn.cases.runs.request import REFUSED as ENGINE_REFUSED
+from quickreturn.cases.runs.request import PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.measures import Motion, measure
+from quickreturn.cases.sweep.measures import SettledMotion, measure
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.error_parts import Compared
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import engine as engine_of_name
+from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import instability
 
@@ -38,10 +38,9 @@ Array = NDArray[np.float64]
 UNSTABLE: Final = "unstable: {}"  # fold, period doubling or torus
 LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
-REFUSED: Final = "refused"
 NOT_CONVERGED: Final = "not converged"
-#: Status of a run -> status of its point.
-_ENDINGS: Final = {SETTLED: SETTLED, MISSED: NOT_CONVERGED, NOT_SETTLED: NOT_CONVERGED, FAILED: FAILED, ENGINE_REFUSED: REFUSED}
+#: Status of a run -> status of its point, where that is another.
+_ENDINGS: Final = {Ending.INACCURATE: NOT_CONVERGED, Ending.NOT_SETTLED: NOT_CONVERGED, Ending.UNAVAILABLE: Ending.FAILED}
 
 
 @dataclass(frozen=True)
@@ -126,8 +125,9 @@ class _Point:
     def __init__(self, scene: Mechanism, asked: Asked) -> None:
         self._scene, self._asked = scene, asked
         self._engine = engine_of_name(asked.engine)
-        self.motion: Motion | None = None
-        self.status, self.sentence = FAILED, ""
+        self.motion: SettledMotion | None = None
+        self.status: str = Ending.FAILED
+        self.sentence = ""
 
     def settle(self, near: OwnSimulation | None) -> OwnSimulation | None:
         """Find the settled motion, from a neighbour's or anew; return the periodic state from which the next point may begin."""
@@ -141,9 +141,9 @@ class _Point:
         except NoSteadyState as reason:
             self.status, self.sentence = _ending(str(reason), NOT_CONVERGED), f"no periodic state was found: {reason}"
         except Refusal as refusal:
-            self.status, self.sentence = REFUSED, str(refusal)
+            self.status, self.sentence = Ending.REFUSED, str(refusal)
         except EngineFailure as failure:
-            self.status, self.sentence = _ending(str(failure), FAILED), str(failure)
+            self.status, self.sentence = _ending(str(failure), Ending.FAILED), str(failure)
         else:
             return near if found is None else simulation_in(found)
         return near
@@ -164,7 +164,7 @@ class _Point:
             self.status = UNSTABLE.format(kind)
             self.sentence = f"a disturbance grows {abs(found.multipliers[0]):.7g}-fold in a turn ({kind})"
         else:
-            self.status = SETTLED
+            self.status = Ending.SETTLED
         step = output_step(self._scene)
         cycle, beside, finer = _turn(found, step), [], None
         if self._asked.claims:
@@ -176,7 +176,7 @@ class _Point:
                 beside, finer = [Compared(cycle, _turn(other, step), pair.factor)], (_orbit(other), pair.factor)
             except NoSteadyState as reason:
                 self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
-        self.motion = Motion(self._scene, self._measured(found, cycle, beside), finer)
+        self.motion = SettledMotion(self._scene, self._measured(found, cycle, beside), finer)
 
     def _measured(self, found: SteadyState, cycle: Columns, beside: Sequence[Compared[Columns]]) -> Run:
         """The turn as `run` would report it, reduced to what the measures need."""
@@ -193,7 +193,7 @@ class _Point:
         run = Run(
             engine=self._engine.name,
             estimate_of="total",
-            status=SETTLED,
+            status=Ending.SETTLED,
             settled=True,
             settling_error=found.residual,
             periodic_orbit=_orbit(found),
@@ -222,11 +222,11 @@ class _Point:
                 orbit=orbit,
             )
         )
-        self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.status, FAILED)), run.remark
-        if found is not None and not found.stable and run.status == NOT_SETTLED:
+        self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.ending, run.status)), run.remark
+        if found is not None and not found.stable and run.status == Ending.NOT_SETTLED:
             self.status = UNSTABLE.format(instability(np.array(found.multipliers)))
         if run.usable:
-            self.motion = Motion(self._scene, run)
+            self.motion = SettledMotion(self._scene, run)
 
 
 def _turn(found: SteadyState, step: float) -> Columns:

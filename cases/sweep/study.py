@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.runs.request import FAILED, SETTLED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, job
 from quickreturn.cases.sweep.rows import Asked, Row
 
@@ -45,7 +45,7 @@ class Study:
         one, other = self.values[..., known]
         claimed = np.nan_to_num(np.nansum(self.errors[..., known], axis=0))
         least = np.maximum(TWO * claimed, APART * np.fmax(np.abs(one), np.abs(other)))
-        both = np.all(self.statuses == SETTLED, axis=0)
+        both = np.all(self.statuses == Ending.SETTLED, axis=0)
         return np.asarray(both & np.any(np.abs(one - other) > least, axis=-1))
 
 
@@ -88,4 +88,4 @@ def _point_by_point(died: Job[Row], workshop: Workshop) -> Row:
     case, changes, asked = died.arguments
     outcomes = workshop.outcomes([job(case, [each], asked) for each in changes], "points of a row whose process died")
     nothing = np.full((1, len(asked.measures)), np.nan)
-    return joined([each.value or Row(nothing, nothing, (FAILED,), (f"its process {each.explanation}",)) for each in outcomes])
+    return joined([each.value or Row(nothing, nothing, (Ending.FAILED,), (f"its process {each.explanation}",)) for each in outcomes])

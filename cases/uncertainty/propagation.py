@@ -21,7 +21,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.sweep.grid import job
 from quickreturn.cases.sweep.measures import measure
@@ -96,7 +96,7 @@ class Scatter(Shown):
     def of(self, measure: str) -> tuple[NDArray[np.bool_], Array]:
         """Which points have a measure, shape (n,), and its values there."""
         column = self.values[:, self.measures.index(measure)]
-        known = np.isfinite(column) & (np.array(self.statuses) == SETTLED)
+        known = np.isfinite(column) & (np.array(self.statuses) == Ending.SETTLED)
         return known, column[known]
 
     def quantiles(self, measure: str, probabilities: Sequence[float] = PROBABILITIES) -> list[Quantile]:

@@ -10,9 +10,10 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.marching import output_step, periodic_cycle
 from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import NOT_SETTLED, STANDARD
+from quickreturn.cases.runs.request import STANDARD
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -42,7 +43,7 @@ class TableModel:
     def __init__(self, case: Case, table: RecordedTable) -> None:
         run = recorded_run(table, case)
         self.begins = run.start == STANDARD  # whether the table begins in the standard start
-        if not self.begins and run.status == NOT_SETTLED:
+        if not self.begins and run.status == Ending.NOT_SETTLED:
             raise CaseError(table.shown, None, None, "neither begins in the standard start nor has settled", run.remark)
         self.names = tuple(name for name in COMPARED if name in table.columns and np.any(table.columns[name]))
         if not self.names:

@@ -11,7 +11,7 @@ from quickreturn.cases.experiment import statements
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import Asked
 from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
 
@@ -100,7 +100,7 @@ def claimed(found: Scatter) -> tuple[float, ...]:
 
 def band(run: int, found: Scatter, claims: tuple[float, ...] = ()) -> Band:
     """The band of a run."""
-    settled = np.array(found.statuses) == SETTLED
+    settled = np.array(found.statuses) == Ending.SETTLED
     columns = dict(zip(MEASURES, found.values.T, strict=True))
     pre, post = columns["pre.frequency"], columns["post.frequency"]
     peaks = np.array([columns[name] for name in MEASURES[2:]])

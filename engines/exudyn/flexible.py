@@ -12,8 +12,8 @@ from quickreturn.engines.exudyn.cable import Cable, Kink, direction, dot, turned
 from quickreturn.engines.exudyn.damping import Dampers
 from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.record import (
+    Kinematics,
     Model,
-    Motion,
     Record,
     accumulated,
     bearing_columns,
@@ -175,12 +175,12 @@ class CableModel(Model):
         if self._dampers is not None:
             self._dampers.follow(coordinates, rates, duration)
 
-    def _line(self, record: Record) -> Motion:
+    def _line(self, record: Record) -> Kinematics:
         places = self._node_indices[:, None] + np.arange(4)
         return record.coordinates[:, places], record.rates[:, places], record.accelerations[:, places]
 
     def _follower_columns(
-        self, record: Record, line: Motion, frame: Motion, kink: Kink | None = None, pushed: Array | float = 0.0
+        self, record: Record, line: Kinematics, frame: Kinematics, kink: Kink | None = None, pushed: Array | float = 0.0
     ) -> dict[str, Array]:
         """Place, bend and acceleration of the follower, and the force that holds its base.
 
@@ -211,7 +211,7 @@ class CableModel(Model):
             **bearing_columns("pivot", self._pivot_force(record, line, frame, pushed)),
         }
 
-    def _pivot_force(self, record: Record, line: Motion, frame: Motion, pushed: Array | float) -> Array:
+    def _pivot_force(self, record: Record, line: Kinematics, frame: Kinematics, pushed: Array | float) -> Array:
         """Force of the ground on the base, N, shape (rows, 2): across the follower the pin's multipliers, along it Newton's law.
 
         From its unstretched start the cable rings along its axis, in run 24 at 2 kHz and with 0.9 N at the pivot, until the integrator's
@@ -221,7 +221,7 @@ class CableModel(Model):
         held = pin_force(self.assembly, record, "base" if "base" in self.assembly.pins else "follower")
         return dot(across, held)[:, None] * across + dot(along, self._momentum_rate(line) - pushed)[:, None] * along
 
-    def _momentum_rate(self, line: Motion) -> Array:
+    def _momentum_rate(self, line: Kinematics) -> Array:
         """Rate of the momentum of cable and tip body, less their weight, N, shape (rows, 2), by the tangents alone, without the stretch.
 
         With r(x) = ∫ e dξ, e the unit tangent, ∫ ρA r dx = ∫ ρA (L - ξ) e dξ.
@@ -235,7 +235,7 @@ class CableModel(Model):
         weight = (cable.mass_per_length * cable.length + tip.mass) * np.array(scene.gravity)
         return np.einsum("n,rnc->rc", weights, turning) - weight
 
-    def _stored(self, line: Motion, frame: Motion, turning: Array | float = 0.0, moment: Array | float = 0.0) -> dict[str, Array]:
+    def _stored(self, line: Kinematics, frame: Kinematics, turning: Array | float = 0.0, moment: Array | float = 0.0) -> dict[str, Array]:
         """Energies, with the crank's inertia times the square of its rate (J) and its first moment of mass (kg m, (rows, 2))."""
         scene, cable, (q, rates, _) = self.assembly.scene, self._cable, line
         kinetic = 0.5 * (turning + scene.base.inertia * frame[1] ** 2)
@@ -252,7 +252,9 @@ class CableModel(Model):
             "gravity_energy": -moment @ np.array(scene.gravity),
         }
 
-    def _damped(self, line: Motion, frame: Motion, crank: Array | float = 0.0, crank_change: Array | float = 0.0) -> tuple[Array, Array]:
+    def _damped(
+        self, line: Kinematics, frame: Kinematics, crank: Array | float = 0.0, crank_change: Array | float = 0.0
+    ) -> tuple[Array, Array]:
         """Power of all dampers but the slider's, exactly as they are built, and its derivative; of the crank's that and half of this."""
         damping, (q, rates, accelerations), (_, turn, turn_rate) = self.assembly.scene.base.damping, line, frame
         radius = q[:, :, :2] - np.array([self.assembly.scene.pivot_distance, 0.0])

@@ -14,7 +14,7 @@ from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 #: Values with their first and second derivatives in time.
-Motion = tuple[Array, Array, Array]
+Kinematics = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ ENDINGS: Final = (".webp", ".html")
 )
 @options.accuracy
 @options.assignments
+@options.stored
 @options.output(f"Where it goes: {', '.join(ENDINGS)}.")
 def command(
     case: str,
@@ -38,7 +39,7 @@ def command(
     A .webp is a picture of the last turn, slowed down. A .html is a page that opens from disk, to be played, stopped and slowed down;
     there the deflection is magnified as the reader likes.
     """
-    from quickreturn.commands.simulate import trajectories
+    from quickreturn.commands.trajectories import trajectories
     from quickreturn.reports.output import check_writable, write_file
 
     overrides, settings = options.read_assignments(assignments)
@@ -48,7 +49,7 @@ def command(
     check_writable(Path(output), "", *ENDINGS)
     found = {name: trajectory for (_, name), trajectory in trajectories([loaded], engines, settings, accuracy).items()}
     options.begin(f"drawing {output}")
-    from quickreturn.animation import moving
+    from quickreturn.reports.drawing.animation import moving
 
     write_file(Path(output), moving(loaded, found, Path(output).suffix.lower(), magnify))
     click.echo(output)

@@ -45,8 +45,8 @@ def command(
     """
     from quickreturn.cases.benchmark import SCENES, compiling, measure
     from quickreturn.cases.benchmark.scenes import ENGINES
-    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
     from quickreturn.engines.base import EngineFailure
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import print_json
 
     loaded = options.load_all(cases, tag, options.read_overrides(assignments), otherwise=SCENES)
@@ -72,8 +72,8 @@ def command(
         for name, reason in table.failures.items():
             options.tell(f"{table.case}: engine {name} was left out: {reason}")
     if failed or any(table.failures for table in tables):
-        return ENGINE_TROUBLE
-    return BAD_INPUT if workshop.store.lost else GOOD
+        return ExitCode.ENGINE_TROUBLE
+    return ExitCode.BAD_INPUT if workshop.store.lost else ExitCode.GOOD
 
 
 def _print(table: "Benchmark") -> None:

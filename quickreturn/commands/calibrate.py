@@ -28,7 +28,7 @@ def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str
     this table cannot tell is named.
     """
     from quickreturn.calibration import calibrate
-    from quickreturn.command_line import GOOD
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import check_writable, print_json, write_file
 
     loaded = options.load(case, options.read_overrides(assignments))
@@ -41,4 +41,4 @@ def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str
         print_json(found.as_document())
     else:
         click.echo(repr(found))
-    return GOOD
+    return ExitCode.GOOD

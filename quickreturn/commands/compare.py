@@ -42,7 +42,7 @@ def command(
     from quickreturn.cases.runs.comparison import hold_against_engines
     from quickreturn.cases.shown import in_lines
     from quickreturn.catalogue import prepared
-    from quickreturn.commands.run import as_document, exit_code
+    from quickreturn.commands.verdicts import as_document, exit_code
     from quickreturn.reports.output import check_writable, print_json
     from quickreturn.table_comparison import parts_of_tables, refuse_same_names, tables_in
 
@@ -67,8 +67,8 @@ def command(
         for result in results:
             click.echo(in_lines(parts_of_tables(result, tables_in(result))))
     if output:
+        from quickreturn.reports.drawing.recorded import drawn
         from quickreturn.reports.output import write_file
-        from quickreturn.reports.plots.recorded import drawn
 
         write_file(Path(output), drawn(results, Path(output).suffix.lower()))
     return exit_code(results, workshop, engines)

@@ -19,9 +19,9 @@ def command(engine: str, quick: bool, as_json: bool) -> int:
     from quickreturn.cases.conformance import QUICK, conform, job
     from quickreturn.cases.jobs.fork_server import get_ready
     from quickreturn.cases.jobs.job import Outcome
-    from quickreturn.command_line import CLAIMS_BROKEN, ENGINE_TROUBLE, GOOD
     from quickreturn.engines.registry import usable_engine
     from quickreturn.questions import COMPUTING
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import print_json
 
     usable_engine(engine)
@@ -42,4 +42,4 @@ def command(engine: str, quick: bool, as_json: bool) -> int:
         if found.left_out:
             click.echo(f"{'left out':10}  for lack of time: {', '.join(found.left_out)}")
         click.echo(f"{engine}: {found.verdict}")
-    return {True: GOOD, False: CLAIMS_BROKEN, None: ENGINE_TROUBLE}[found.conforms]
+    return {True: ExitCode.GOOD, False: ExitCode.CLAIMS_BROKEN, None: ExitCode.ENGINE_TROUBLE}[found.conforms]

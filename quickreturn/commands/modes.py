@@ -3,14 +3,11 @@
 import itertools
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
 from quickreturn.commands import options
-
-if TYPE_CHECKING:
-    from quickreturn.frequencies import Modes
 
 
 @click.command(name="modes")
@@ -35,6 +32,7 @@ if TYPE_CHECKING:
     help="How many at most, 1 to 100.",
 )
 @options.assignments
+@options.stored
 @options.json
 def command(
     cases: Sequence[str],
@@ -52,10 +50,9 @@ def command(
     """
     from quickreturn import questions
     from quickreturn.cases.jobs.fork_server import get_ready
-    from quickreturn.cases.jobs.job import Job
-    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn.cases.solving import frequencies_job
     from quickreturn.engines.base import EngineFailure
-    from quickreturn.frequencies import frozen_crank
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import print_json
 
     overrides, settings = options.read_assignments(assignments)
@@ -67,38 +64,40 @@ def command(
         questions.check(name, case.mechanism, texts[name])
     options.tell_doubts(loaded)
     angles = [math.radians(angle) for angle in crank_angles]
-    jobs = [Job(f"{case.name} {name}", frozen_crank, (case, name, angles, count, texts[name])) for case, name in asked]
+    jobs = [frequencies_job(f"{case.name} {name}", case.mechanism, name, angles, count, texts[name]) for case, name in asked]
     found = []
-    for (case, name), outcome in zip(asked, questions.asked(jobs, "natural frequencies", quiet=options.quiet()), strict=True):
+    for (case, name), outcome in zip(asked, options.answered(jobs, "natural frequencies")[0], strict=True):
         try:
-            found.append(questions.value_of(outcome))
+            each = questions.value_of(outcome)
         except EngineFailure as failure:  # its own text tells of an instant, which there is none of here
             options.tell(f"{case.name}: engine {name}: {failure.cause}; {failure.advice}")
-            return ENGINE_TROUBLE
+            return ExitCode.ENGINE_TROUBLE
+        about = {"case": case.name, "engine": name, "version": each.version, "settings": each.settings}
+        found.append([about | {"crank_angle": angle, "frequencies": row} for angle, row in zip(angles, each.values, strict=True)])
     if as_json:
-        documents = [vars(each) for angled in found for each in angled]
+        documents = [each for angled in found for each in angled]
         print_json(documents[0] if len(documents) == 1 else documents)
     else:
         for angled in found:
             _print(angled)
-    return GOOD
+    return ExitCode.GOOD
 
 
-def _print(angled: "list[Modes]") -> None:
+def _print(angled: list[dict[str, Any]]) -> None:
     """One angle: a line for each mode; several: a line for each angle."""
     from quickreturn.reports.output import print_table
     from quickreturn.reports.words import within_turn
 
-    degrees = [f"{within_turn(math.degrees(each.crank_angle)):g}" for each in angled]
+    degrees = [f"{within_turn(math.degrees(each['crank_angle'])):g}" for each in angled]
     first = angled[0]
     if len(angled) == 1:
-        click.echo(f"{first.case}, crank at {degrees[0]} deg, {first.engine} ({first.version})")
-        if first.frequencies:
-            print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(first.frequencies, 1)])
+        click.echo(f"{first['case']}, crank at {degrees[0]} deg, {first['engine']} ({first['version']})")
+        if first["frequencies"]:
+            print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(first["frequencies"], 1)])
     else:
-        click.echo(f"{first.case}, {first.engine} ({first.version}): natural frequencies in Hz")
-        most = max(len(each.frequencies) for each in angled)
-        rows = [[angle, *(f"{value:.6g}" for value in each.frequencies)] for angle, each in zip(degrees, angled, strict=True)]
+        click.echo(f"{first['case']}, {first['engine']} ({first['version']}): natural frequencies in Hz")
+        most = max(len(each["frequencies"]) for each in angled)
+        rows = [[angle, *(f"{value:.6g}" for value in each["frequencies"])] for angle, each in zip(degrees, angled, strict=True)]
         print_table([row + ["-"] * (most + 1 - len(row)) for row in rows], ["crank deg", *map(str, range(1, most + 1))])
-    if not any(each.frequencies for each in angled):
+    if not any(each["frequencies"] for each in angled):
         click.echo("no natural frequency: nothing in this model can vibrate with the crank held")

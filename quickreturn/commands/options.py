@@ -5,7 +5,8 @@ import functools
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import click
 from click.shell_completion import CompletionItem
@@ -16,9 +17,11 @@ from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_n
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
-    from quickreturn.cases.jobs.job import Limits
+    from quickreturn.cases.jobs.job import Job, Limits, Outcome
+    from quickreturn.cases.jobs.store import Store
     from quickreturn.cases.jobs.workshop import Workshop
 
+T = TypeVar("T")
 #: Makes a value of an option's name and text; raises UsageError if it cannot.
 Reader = Callable[[str, str], Any]
 
@@ -66,9 +69,13 @@ def angles(option: str, text: str) -> list[float]:
 
 LONGEST_MESSAGE: Final = 600  # characters; what is longer repeats somebody's megabyte argument
 
-#: In a context's `meta`: whether to be quiet, and where results are kept.
+#: In a context's `meta`: whether to be quiet, where results are kept, and whether none are.
 QUIET: Final = "quickreturn.quiet"
-WORKSHOP: Final = "quickreturn.workshop"
+STORE: Final = "quickreturn.store"
+NO_STORE: Final = "--no-store"
+
+#: Pictures that can be written.
+PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 def single(*names: str, read: Reader = lambda _, text: text, default: str | None = None, **more: Any) -> Callable[[Any], Any]:
@@ -264,12 +271,38 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
         workshop = Workshop(store, context.with_resource(cluster(address, limits(), quiet())))
     else:
         workshop = Workshop(store, LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
-    meta[WORKSHOP] = workshop
+    meta[STORE] = store
     tell_doubts(cases)
     if cases:
         what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
         begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
     return workshop
+
+
+def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()) -> "tuple[list[Outcome[T]], Store | None]":
+    """How each of the jobs ended, as `limited` and `stored` say, and the store, if there is one; what comes from there is told.
+
+    `meanwhile`: modules that this process imports while others get ready to compute.
+    """
+    from quickreturn import questions
+    from quickreturn.cases.jobs import fork_server
+    from quickreturn.cases.jobs.processes import LocalProcesses
+    from quickreturn.cases.jobs.workshop import outcomes_of
+    from quickreturn.engines.registry import OWN
+    from quickreturn.solution import opened_store
+
+    meta = click.get_current_context().meta
+    # another's engine: its version and code, which the key contains, would load its library here
+    jobs = [job if OWN.issuperset(job.engines) else replace(job, lasts=None) for job in jobs]
+    store = None if meta.get(NO_STORE) or not any(job.lasts for job in jobs) else opened_store(tell)
+    meta[STORE] = store
+    executor = LocalProcesses(limits=limits(), preload=questions.COMPUTING, quiet=quiet(), meanwhile=meanwhile)
+    outcomes = outcomes_of(jobs, title, executor, store)
+    if store is not None and (known := [outcome.job.name for outcome in outcomes if outcome.stored]):
+        begin(f"{', '.join(known)}: computed before and kept in {store.folder}; {NO_STORE} computes anew")
+    if all(outcome.stored for outcome in outcomes):
+        fork_server.not_needed()
+    return outcomes, store
 
 
 def begin(what: str) -> None:
@@ -308,6 +341,15 @@ def limited(command: Callable[..., Any]) -> Callable[..., Any]:
     memory = "Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less."
     command = single("--memory-limit", metavar="GIB", read=number(1e-3, 1e6, 4, of=" of GiB"), expose_value=False, help=memory)(command)
     return single("--time-limit", metavar="S", read=seconds, expose_value=False, help=time)(command)
+
+
+def _off(context: click.Context, option: click.Parameter, given: bool) -> None:
+    context.meta[NO_STORE] = given
+
+
+stored: Final[Callable[[Any], Any]] = click.option(
+    NO_STORE, is_flag=True, expose_value=False, callback=_off, help="Compute anew what was computed before, and keep nothing."
+)
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,17 +1,12 @@
 """`quickreturn plot`: a picture of cases, or curves of trajectories."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Any
 
 import click
 
 from quickreturn.commands import options
-
-if TYPE_CHECKING:
-    from quickreturn.curves import Columns
-
-ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 @click.command(name="plot")
@@ -22,7 +17,8 @@ ENDINGS: Final = (".png", ".svg", ".pdf", ".webp")
 @options.duration
 @options.accuracy
 @options.assignments
-@options.output(f"Where the picture goes: {', '.join(ENDINGS)}.")
+@options.stored
+@options.output(f"Where the picture goes: {', '.join(options.PICTURES)}.")
 def command(
     sources: Sequence[str],
     tag: str | None,
@@ -39,9 +35,9 @@ def command(
     others.
     """
     from quickreturn.cases.recorded import is_table
-    from quickreturn.commands.simulate import trajectories
+    from quickreturn.commands.trajectories import trajectories
+    from quickreturn.reports.drawing.style import picture
     from quickreturn.reports.output import check_writable, write_file
-    from quickreturn.reports.plots.style import picture
 
     overrides, settings = options.read_assignments(assignments)
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
@@ -52,17 +48,17 @@ def command(
     for what, value in given.items():
         if value and not engines:
             raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
-    check_writable(Path(output), "", *ENDINGS)
+    check_writable(Path(output), "", *options.PICTURES)
     options.begin(f"drawing {output}")
     if not engines and not files:
-        from quickreturn.drawing import mechanisms
+        from quickreturn.reports.drawing.mechanism import mechanisms
 
         figure = mechanisms(loaded)
     else:
         from quickreturn.cases.recorded import read_table
-        from quickreturn.curves import curves
+        from quickreturn.reports.drawing.curves import curves
 
-        shown: dict[str, Columns] = {Path(file).stem: read_table(file).columns for file in files}
+        shown: dict[str, Mapping[str, Any]] = {Path(file).stem: read_table(file).columns for file in files}
         solved = trajectories(loaded, engines, settings, accuracy)
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
         figure = curves(shown, columns, title=f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else "")

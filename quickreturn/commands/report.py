@@ -53,7 +53,7 @@ def command(
     as they come: an interrupted report continues where it stopped.
     """
     from quickreturn.catalogue import prepared
-    from quickreturn.command_line import BAD_INPUT, ENGINE_TROUBLE, GOOD
+    from quickreturn.reference_model.errors import ExitCode
 
     overrides, settings = options.read_assignments(assignments)
     for key, value in overrides.items():
@@ -72,8 +72,8 @@ def command(
     for case, run in written.unusable:
         options.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
     if written.failed:
-        return ENGINE_TROUBLE
-    return BAD_INPUT if workshop.store.lost else GOOD
+        return ExitCode.ENGINE_TROUBLE
+    return ExitCode.BAD_INPUT if workshop.store.lost else ExitCode.GOOD
 
 
 def _print(written: "Written") -> None:

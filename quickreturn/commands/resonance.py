@@ -7,7 +7,7 @@ from typing import Final
 import click
 
 from quickreturn.commands import options
-from quickreturn.commands.plot import ENDINGS as PICTURES
+from quickreturn.commands.options import PICTURES
 
 TABLES: Final = (".csv", ".nc", ".parquet")
 
@@ -45,10 +45,10 @@ def command(
     Exit code 3: no periodic motion was found in the range.
     """
     from quickreturn.cases.resonance_curve import SPEED, USUAL, job, range_of
-    from quickreturn.command_line import GOOD
     from quickreturn.questions import value_of
+    from quickreturn.reference_model.errors import ExitCode
+    from quickreturn.reports.drawing.style import picture
     from quickreturn.reports.output import check_writable, print_json, write_file
-    from quickreturn.reports.plots.style import picture
     from quickreturn.resonance_curves import Resonance, speed_of
 
     loaded = options.load(case, options.read_overrides(assignments))
@@ -72,4 +72,4 @@ def command(
         print_json({"case": loaded.name, "output": output, **found.document()})
     else:
         click.echo(repr(found))
-    return GOOD
+    return ExitCode.GOOD

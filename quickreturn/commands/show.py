@@ -28,7 +28,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
     With several cases the JSON document is a list.
     """
     from quickreturn.cases.jobs.fork_server import get_ready
-    from quickreturn.questions import TELLING
+    from quickreturn.questions import DESCRIBING
     from quickreturn.reports.output import print_json
 
     overrides = options.read_overrides(assignments)
@@ -37,7 +37,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
             raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
         _print_for_others(options.load_all(cases, tag, overrides), overrides)
         return
-    get_ready(TELLING)
+    get_ready(DESCRIBING)
     loaded = options.load_all(cases, tag, overrides)
     around = _resonances(loaded) if resonance else [{}] * len(loaded)
     documents = [_document(case) | more for case, more in zip(loaded, around, strict=True)]

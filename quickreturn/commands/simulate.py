@@ -3,7 +3,6 @@
 import itertools
 import shlex
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,7 +12,7 @@ from quickreturn.commands import options
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
-    from quickreturn.cases.jobs.job import Outcome
+    from quickreturn.commands.trajectories import Attempt
     from quickreturn.engines.base import EngineFailure
     from quickreturn.engines.trajectory import Trajectory
     from quickreturn.questions import EngineDied
@@ -23,12 +22,13 @@ if TYPE_CHECKING:
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
-#: Modules that serve to tell what a worker found: they are imported while it imports its own.
-_TELLING: Final = ("quickreturn.solution", "quickreturn.reports.tables.strength", "scipy.interpolate")
+#: Modules that are preloaded to show what a worker found.
+_SHOWING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
 
 #: What the JSON document holds of a simulation besides; these where a failure leaves nothing to say.
 _NOTHING: Final[dict[str, Any]] = {
     "version": None,
+    "stored": False,
     "rows": 0,
     "reached": False,
     "error_estimate": None,
@@ -65,6 +65,7 @@ _NOTHING: Final[dict[str, Any]] = {
     required=False,
 )
 @options.limited
+@options.stored
 @options.json
 def command(
     cases: Sequence[str],
@@ -88,7 +89,8 @@ def command(
     """
     from quickreturn import questions
     from quickreturn.cases.jobs.fork_server import get_ready
-    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
+    from quickreturn.commands.trajectories import attempts
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import check_writable, print_json
 
     if no_estimate and accuracy is not None:
@@ -98,17 +100,16 @@ def command(
     overrides, settings = options.read_assignments(assignments)
     get_ready(questions.COMPUTING)
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
-    for module in _TELLING:
-        import_module(module)
     places = _places(output, loaded, engines)
     for case, name in itertools.product(loaded, engines):
         if (file := places[case.name, name]) is not None:
             check_writable(Path(file), case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
-    for case, name, outcome in _attempted(loaded, engines, settings, accuracy, not no_estimate):
+    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate, _SHOWING):
+        case, name = attempt.case, attempt.engine
         try:
-            known, found = _written(outcome, places[case.name, name])
+            known, found = _written(attempt, places[case.name, name])
         except Exception as error:  # the others' results are written before it is told
             refusal = refusal or error
             continue
@@ -130,65 +131,7 @@ def command(
         options.tell(f"{document['case']}: engine {document['engine']}: {document['remark']}; {kept}")
     if refusal is not None:
         raise refusal
-    return ENGINE_TROUBLE if missed else GOOD
-
-
-def trajectories(
-    cases: "Sequence[Case]", engines: Sequence[str], settings: Mapping[str, Mapping[str, str]], accuracy: float | None
-) -> "dict[tuple[str, str], Trajectory]":
-    """Trajectories by case and engine, computed in workers; what is missed of the accuracy is told.
-
-    Raises:
-        Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: one cannot, or failed.
-    """
-    from quickreturn.questions import value_of
-
-    found = {}
-    for case, name, outcome in _attempted(cases, engines, settings, accuracy):
-        _, solution = value_of(outcome)
-        if isinstance(solution, Exception):
-            raise solution
-        if not solution.reached:
-            options.tell(f"{case.name}: engine {name}: {solution.remark}")
-        found[case.name, name] = solution.trajectory
-    return found
-
-
-def _attempted(
-    cases: "Sequence[Case]",
-    engines: Sequence[str],
-    settings: Mapping[str, Mapping[str, str]],
-    accuracy: float | None,
-    estimate: bool = True,
-) -> "list[tuple[Case, str, Outcome[tuple[str, Solution | EngineFailure]]]]":
-    """How each engine fares on each case, in a worker, as far as that cannot be known beforehand. Raises as `questions.check`."""
-    from quickreturn import questions
-    from quickreturn.cases.jobs.job import Job
-
-    texts = questions.settings_of(settings, engines)
-    pairs = list(itertools.product(cases, engines))
-    for case, name in pairs:
-        questions.check(name, case.scene, texts[name])
-    options.tell_doubts(cases)
-    limits = options.limits()
-    jobs = [Job(f"{case.name} {name}", attempt, (case, name, texts[name], accuracy, estimate, limits.seconds)) for case, name in pairs]
-    outcomes = questions.asked(jobs, "simulating", limits, options.quiet())
-    return [(case, name, outcome) for (case, name), outcome in zip(pairs, outcomes, strict=True)]
-
-
-def attempt(
-    case: "Case", engine: str, settings: Mapping[str, str], accuracy: float | None, estimate: bool, time_limit: float | None
-) -> "tuple[str, Solution | EngineFailure]":
-    """Simulate, in a worker: version of the engine, and what came of it. Raises as `quickreturn.simulate` but for failures."""
-    from quickreturn.engines.base import EngineFailure
-    from quickreturn.engines.registry import usable_engine
-    from quickreturn.solution import simulate
-
-    version = usable_engine(engine).version()
-    try:
-        return version, simulate(case, engine, accuracy=accuracy, settings=settings, estimate=estimate, time_limit=time_limit)
-    except EngineFailure as failure:
-        return version, failure
+    return ExitCode.ENGINE_TROUBLE if missed else ExitCode.GOOD
 
 
 def _places(output: str | None, cases: "Sequence[Case]", engines: Sequence[str]) -> dict[tuple[str, str], str | None]:
@@ -206,23 +149,27 @@ def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:
     return f"{cases[0].name if len(cases) == 1 else '{case}'}{'-{engine}' if len(engines) > 1 else ''}.csv"
 
 
-def _written(outcome: "Outcome[tuple[str, Solution | EngineFailure]]", path: str | None) -> "tuple[dict[str, Any], Found]":
+def _written(attempt: "Attempt", path: str | None) -> "tuple[dict[str, Any], Found]":
     """Write the trajectory, as far as there is one and a file is named: what the JSON document says of it, and what it is made of.
 
-    Raises as `value_of`.
+    Raises as `Attempt.answer`.
     """
     from quickreturn.engines.base import EngineFailure
-    from quickreturn.questions import EngineDied, value_of
+    from quickreturn.questions import EngineDied
     from quickreturn.reports.output import write_file
     from quickreturn.solution import as_csv
 
+    found: Found
+    trajectory: Trajectory | None
     try:
-        version, found = value_of(outcome)
+        known: dict[str, Any] = {"version": attempt.answer().version, "stored": attempt.outcome.stored}
+        found = attempt.solution()
+        trajectory = found.trajectory
+    except EngineFailure as failed:
+        found, trajectory = failed, failed.partial
     except EngineDied as death:
-        failure: dict[str, Any] = {"time": None, "cause": outcome.explanation, "advice": _ADVICE}
-        return {"remark": f"{outcome.explanation}; {_ADVICE}", "failure": failure}, death
-    known: dict[str, Any] = {"version": version}
-    trajectory = found.partial if isinstance(found, EngineFailure) else found.trajectory
+        failure: dict[str, Any] = {"time": None, "cause": attempt.outcome.explanation, "advice": _ADVICE}
+        return {"remark": f"{attempt.outcome.explanation}; {_ADVICE}", "failure": failure}, death
     if trajectory is not None:
         if path is not None:
             write_file(Path(path), as_csv(trajectory))

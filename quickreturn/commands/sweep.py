@@ -7,7 +7,7 @@ from typing import Final
 import click
 
 from quickreturn.commands import options
-from quickreturn.commands.plot import ENDINGS as PICTURES
+from quickreturn.commands.options import PICTURES
 
 ENDINGS: Final = (".nc", ".csv", ".parquet")
 
@@ -62,8 +62,8 @@ def command(
     import numpy as np
 
     from quickreturn.cases.sweep.grid import ENGINE, axis
-    from quickreturn.command_line import ENGINE_TROUBLE, GOOD
     from quickreturn.engines.settings import SettingError
+    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import check_writable, print_json, write_file
     from quickreturn.sweeping import USUAL, computed, dataset_of, summary
     from quickreturn.table_files import dataset_file
@@ -77,7 +77,7 @@ def command(
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
     if plot is not None:
-        from quickreturn.reports.plots.study import LINES, drawable
+        from quickreturn.reports.drawing.study import LINES, drawable
 
         check_writable(Path(plot), "" if loaded.source == "library" else case, *PICTURES)
         if not drawable(varied):
@@ -88,8 +88,8 @@ def command(
     dataset = dataset_of(found)
     write_file(Path(output), dataset_file(dataset, Path(output).suffix.lower()))
     if plot is not None:
-        from quickreturn.reports.plots.study import draw
-        from quickreturn.reports.plots.style import picture
+        from quickreturn.reports.drawing.study import draw
+        from quickreturn.reports.drawing.style import picture
 
         write_file(Path(plot), picture(draw(found), Path(plot).suffix.lower()))
     if as_json:
@@ -97,6 +97,6 @@ def command(
     else:
         click.echo("\n".join(summary(dataset)))
     if np.isfinite(found.values).any():
-        return GOOD
+        return ExitCode.GOOD
     options.tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
-    return ENGINE_TROUBLE
+    return ExitCode.ENGINE_TROUBLE

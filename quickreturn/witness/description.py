@@ -3,9 +3,10 @@
 Nothing of the equations derived by hand stands here. Shared with them is the table of the follower's shapes.
 """
 
+from collections.abc import Callable
 from functools import cache
 from math import pi
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -13,12 +14,15 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from quickreturn.derive import Beam, System, turned, vector
+from quickreturn.derive.system import column
 from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE
 from quickreturn.reference_model.mechanism import ROUNDING, Mechanism, TorqueDrive
 from quickreturn.reference_model.motion.layout import ShapeRow, Tables
 
 Array = NDArray[np.float64]
 
+#: Of a system with its follower to place, angle from n1 (rad) and curvature (1/m), at the slider, of the line that it rides on.
+Line = Callable[[System, "Follower"], tuple[ca.SX, ca.SX, ca.SX]]
 #: Units of the constants; all are SI, so that a scene's values need no conversion.
 UNITS: Final = {
     "pivot_distance": "m", "crank_length": "m", "length": "m",
@@ -53,14 +57,27 @@ def constants(scene: Mechanism) -> dict[str, float]:
     }  # fmt: skip
 
 
-def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False) -> System:
+class Follower(NamedTuple):
+    """The described follower: its places, where it ends, and what it stores; at the slider its place, tangent's angle and curvature."""
+
+    beam: Beam
+    end: ca.SX
+    strain: ca.SX
+    slider_cell: int
+    place: ca.SX
+    angle: ca.SX
+    curvature: ca.SX
+
+
+def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None) -> System:
     """Crank, slider, follower, tip body and base.
 
     Args:
         tables: shapes of the follower, at Gauss points of cells that move with the slider.
         shapes: their number.
-        rigid: whether the slider stays on the centre line; else it leaves it by a gap, across which joint and friction act.
+        rigid: whether the slider stays on its line; else it leaves it by a gap, across which joint and friction act.
         prescribed: whether the crank turns at a known speed; else a torque drives it.
+        line: on which the slider rides; else the follower itself.
     """
     system = System("quick-return")
     p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
@@ -68,51 +85,24 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     q1 = system.coordinate("crank_angle", "rad", rate="crank_speed")
     q2 = system.coordinate("follower_angle", "rad", rate="follower_rate", guess=pi)
     s = system.coordinate("slider_position", "m", guess=0.5 * (tables.low + tables.high))
-    eta = system.amplitudes("eta", shapes, "kg**0.5*m")
-    pivot, center, crank_tip = vector(p.pivot_distance, 0), turned(q1, p.crank_center), turned(q1, p.crank_length)
+    arm = follower(system, p, q2, s, tables, shapes)
+    center, crank_tip = turned(q1, p.crank_center), turned(q1, p.crank_length)
+    pivot, torque, strain = vector(p.pivot_distance, 0), p.torque, arm.strain
 
-    # the follower: its tangent's angle is a sum of shapes at points that move with the slider
-    now = system.freeze(s)
-    table = system.table(s, tables.low, tables.step, tables.coefficients)
-    where, angle = columns_of(tables, shapes), "1/(kg**0.5*m)"
-    psi = ca.reshape(table.function(angle, *where["psi"]), -1, shapes) @ eta
-    slope = q2 + ca.dot(table.function(angle, *where["at slider"]), eta)
-    curvature = ca.dot(table.function(f"{angle}/m", where["curvature"]), eta)
-    edges = [0, now, p.length]
-    if tables.cells > 2:  # shapes that stay: more cells to either side of the slider
-        edges = [0, *ca.vertsplit(ca.cumsum(table.function("m", where["lengths"])))]
-    cell = int(tables.slider_cell[0])
-    beam = Beam(
-        system, "follower", origin=pivot, angle=q2, edges=edges, tangent=lambda _: psi, points=tables.gauss_points,
-        mass_per_length=p.mass_per_length, damping=p.beam_damping,
-    )  # fmt: skip
-    strain = ca.dot(table.function("1/s^2", *where["squares"]), eta**2) / 2
-    system.energy("follower", strain)
-    bent = _curvatures(psi, beam.lengths, tables.gauss_points)
-    system.damper("material", bent, p.damping_moment * beam.shares)
-
-    # bodies, drive and friction of the pivot
-    end, turn = beam.end(), beam.end_slope()
-    tip = end + turned(turn, p.tip_center)
+    # bodies and drive
     system.body("crank", p.crank_mass, center, p.crank_inertia, q1)
-    system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, slope)
-    system.body("base", inertia=p.base_inertia, angle=q2)
-    system.body("tip", p.tip_mass, tip, p.tip_inertia, turn)
+    system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, arm.angle)
     tool = _share_of_turn(q1, p) * vector(p.force_1, p.force_2)
-    system.load("tool", end, tool)
+    system.load("tool", arm.end, tool)
     system.damper("crank bearing", q1, p.crank_damping)
-    system.damper("pivot", q2, p.base_damping)
-    # friction as a damper, so that its work counts as lost: tanh(u)/u, where a rate of zero leaves 1
-    u = ca.sqrt((system.rate(q2) / p.pivot_friction_rate) ** 2 + 1e-24)
-    system.damper("friction of the pivot", q2, p.pivot_friction / p.pivot_friction_rate * ca.tanh(u) / u)
-    torque = p.torque
     if prescribed:
         system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
     else:
         system.load("motor", q1, torque)
 
     # the joint: the slider on the line, or beside it by a gap along the normal, towards +n
-    foot, gap, normal = beam.slider(cell, s - now, curvature), ca.SX(0), turned(slope, 0, 1)
+    foot, slope, curvature = line(system, arm) if line else (arm.place, arm.angle, arm.curvature)
+    gap, normal = ca.SX(0), turned(slope, 0, 1)
     if rigid:
         held = system.loop("slider", foot - crank_tip, gives=[q2, s])
     else:
@@ -128,9 +118,9 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     # the slider's force on the follower: its rotary inertia makes a moment, which a force along the bent line must balance
     beside = 1 - gap * curvature
     moment = -p.slider_inertia * system.rate(system.rate(slope)) / beside
-    along, tangent, arm = -moment * curvature, turned(slope, 1), foot - pivot
+    along, tangent, lever = -moment * curvature, turned(slope, 1), foot - pivot
     if rigid:  # what few shapes leave along the tangent counts for nothing: the moment about P alone
-        across = (_cross(arm, held) - along * _cross(arm, tangent)) / ca.dot(arm, tangent)
+        across = (_cross(lever, held) - along * _cross(lever, tangent)) / ca.dot(lever, tangent)
     else:
         across = p.joint_stiffness * gap + p.joint_damping * system.rate(gap) + p.joint_force
         across += p.joint_inertia * system.rate(system.rate(gap))
@@ -138,29 +128,73 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     on_follower = across * normal + along * tangent
     of_crank = p.crank_mass * (_acceleration(system, center) - system.gravity)
     of_slider = p.slider_mass * (_acceleration(system, crank_tip) - system.gravity) + on_follower
-    on_crank = of_crank + of_slider
     if prescribed:  # what the force on the follower asks for; the drive's own force differs by what few shapes leave of equilibrium
         torque = p.crank_inertia * system.rate(system.rate(q1)) + _cross(center, of_crank) + _cross(crank_tip, of_slider)
+    _show(
+        system,
+        ("slider_force", across, "N"), ("slider_on_follower", on_follower, "N"), ("slider_moment", moment, "N*m"), ("tool", tool, "N"),
+        ("crank_torque", torque, "N*m"), ("crank_force", of_crank + of_slider, "N"), ("strain_energy", strain, "J"), ("foot", lever, "m"),
+    )  # fmt: skip
+    return system
+
+
+def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes: int) -> Follower:
+    """Follower, tip body and base at an angle q2, with the slider at s, and what is read off them; else as for `quick_return`."""
+    eta = system.amplitudes("eta", shapes, "kg**0.5*m")
+    pivot = vector(p.pivot_distance, 0)
+
+    # the tangent's angle is a sum of shapes at points that move with the slider
+    now = system.freeze(s)
+    table = system.table(s, tables.low, tables.step, tables.coefficients)
+    where, angle, points = columns_of(tables, shapes), "1/(kg**0.5*m)", tables.cells * (tables.gauss_points + 1)
+    psi = ca.reshape(table.function(angle, *where["psi"]), points, shapes) @ eta
+    slope = q2 + ca.dot(table.function(angle, *where["at slider"]), eta)
+    curvature = ca.dot(table.function(f"{angle}/m", where["curvature"]), eta)
+    edges = [0, now, p.length]
+    if tables.cells > 2:  # shapes that stay: more cells to either side of the slider
+        edges = [0, *ca.vertsplit(ca.cumsum(table.function("m", where["lengths"])))]
+    beam = Beam(
+        system, "follower", origin=pivot, angle=q2, edges=edges, tangent=lambda _: psi, points=tables.gauss_points,
+        mass_per_length=p.mass_per_length, damping=p.beam_damping,
+    )  # fmt: skip
+    strain = ca.dot(table.function("1/s^2", *where["squares"]), eta**2) / 2
+    system.energy("follower", strain)
+    bent = _curvatures(psi, beam.lengths, tables.gauss_points)
+    system.damper("material", bent, p.damping_moment * beam.shares)
+
+    # bodies and friction of the pivot
+    end, turn = beam.end(), beam.end_slope()
+    tip = end + turned(turn, p.tip_center)
+    system.body("base", inertia=p.base_inertia, angle=q2)
+    system.body("tip", p.tip_mass, tip, p.tip_inertia, turn)
+    system.damper("pivot", q2, p.base_damping)
+    # friction as a damper, so that its work counts as lost: tanh(u)/u, where a rate of zero leaves 1
+    u = ca.sqrt((system.rate(q2) / p.pivot_friction_rate) ** 2 + 1e-24)
+    system.damper("friction of the pivot", q2, p.pivot_friction / p.pivot_friction_rate * ca.tanh(u) / u)
 
     # of the points: place from P, velocity against the base's frame, acceleration
     c, n = ca.cos(q2), ca.sin(q2)
     place_x, place_y = c * beam.x - n * beam.y, n * beam.x + c * beam.y
     drift_x, drift_y = system.rate(beam.x), system.rate(beam.y)
-    for name, value, unit in (
-        ("slider_force", across, "N"), ("slider_on_follower", on_follower, "N"), ("slider_moment", moment, "N*m"),
-        ("crank_torque", torque, "N*m"), ("crank_force", on_crank, "N"), ("tool", tool, "N"),
-        ("strain_energy", strain, "J"),
-        ("foot", foot - pivot, "m"), ("tip", end - pivot, "m"), ("tip_center", tip - pivot, "m"),
+    _show(
+        system,
+        ("tip", end - pivot, "m"), ("tip_center", tip - pivot, "m"),
         ("tip_center_acceleration", _acceleration(system, tip), "m/s^2"), ("tip_turning", system.rate(system.rate(turn)), "rad/s^2"),
         ("tip_acceleration", ca.dot(_acceleration(system, end), turned(turn, 0, 1)), "m/s^2"),
-        ("place_x", place_x, "m"), ("place_y", place_y, "m"),
+        ("lengths", column(*beam.lengths), "m"), ("place_x", place_x, "m"), ("place_y", place_y, "m"),
         ("drift_x", c * drift_x - n * drift_y, "m/s"), ("drift_y", n * drift_x + c * drift_y, "m/s"),
         ("acceleration_x", _acceleration(system, place_x), "m/s^2"), ("acceleration_y", _acceleration(system, place_y), "m/s^2"),
         ("bending_rate", system.rate(bent), "rad/(m*s)"),
-    ):  # fmt: skip
+    )  # fmt: skip
+    cell = int(tables.slider_cell[0])
+    return Follower(beam, end, strain, cell, beam.slider(cell, s - now, curvature), slope, curvature)
+
+
+def _show(system: System, *outputs: tuple[str, Any, str]) -> None:
+    """Name, value and unit of results; a column's are NAME_k."""
+    for name, value, unit in outputs:
         for k, each in enumerate(ca.vertsplit(ca.SX(value))):
             system.output(name if ca.SX(value).numel() == 1 else f"{name}_{k}", each, unit)
-    return system
 
 
 def _share_of_turn(crank_angle: ca.SX, p: Any) -> ca.SX:
@@ -201,7 +235,8 @@ def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
     """
     row = ShapeRow.of(np.arange(tables.coefficients.shape[2], dtype=np.float64), shapes, tables)
     row = ShapeRow(*(part.astype(int) for part in row))
-    kinds = [kind.reshape(-1, tables.cells, tables.cell_size) for kind in (row.shape, row.shape_s, row.shape_ss) if kind.size]
+    kinds = (row.shape, row.shape_s, row.shape_ss)[: 3 if tables.moves else 1]
+    kinds = [kind.reshape(shapes, tables.cells, tables.cell_size) for kind in kinds]
     return {
         "psi": [kind[:, :, : tables.gauss_points + 1].ravel().tolist() for kind in kinds],
         "squares": [row.squares.tolist(), row.squares_s.tolist()],

@@ -22,7 +22,7 @@ AS_THEY_ARE: Final = ("crank_angle", "crank_speed", "tip_acceleration", "slider_
 
 
 class _Span(NamedTuple):
-    """Gauss points between P and the slider, or between slider and tip.
+    """Gauss points of a cell.
 
     Attributes:
         begin, length: arc lengths, m, shape (rows, 1).
@@ -62,12 +62,15 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
 
     place, drift = along("place_x") + 1j * along("place_y"), along("drift_x") + 1j * along("drift_y")
     weight = along("acceleration_x") + 1j * along("acceleration_y") - gravity
-    points = place.shape[1] // 2
+    lengths = along("lengths")
+    cells, begins = lengths.shape[1], np.cumsum(lengths, axis=1) - lengths
+    points = place.shape[1] // cells
     gauss, weights = legendre.leggauss(points)
     series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
     s = shown["slider_position"][:, None]
-    spans = (_Span(0.0 * s, s, series), _Span(s, beam.length - s, series))
-    parts = slice(0, points), slice(points, 2 * points)
+    spans = [_Span(begins[:, [k]], lengths[:, [k]], series) for k in range(cells)]
+    parts = [slice(k * points, (k + 1) * points) for k in range(cells)]
+    slider_cell = int(np.argmin(np.abs(begins + lengths - s)[0]))  # ends at the slider
 
     # forces outboard of a place, and their moment about P: what inertia, weight, damping, tip body, tool and slider do
     force = -beam.mass_per_length * weight - beam.damping * drift
@@ -75,12 +78,11 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     body = -scene.tip_body.mass * (vector("tip_center_acceleration") - gravity)
     end_force = body + vector("tool")
     end_moment = _cross(center, body) + _cross(tip, vector("tool")) - scene.tip_body.inertia * shown["tip_turning"]
-    moments: list[Array] = [np.empty(0), np.empty(0)]
-    at_slider = np.empty(0)
-    for k in (1, 0):
+    moments, at_slider = [np.empty(0)] * cells, np.empty(0)
+    for k in reversed(range(cells)):
         span, f, z = spans[k], force[:, parts[k]], place[:, parts[k]]
         turning = _cross(z, f)
-        if k == 0:
+        if k == slider_cell:
             at_slider = end_moment - _cross(foot, end_force)
             end_force, end_moment = end_force + on_follower, end_moment + _cross(foot, on_follower) + shown["slider_moment"]
         inboard_force, inboard_moment = span.integral(f, np.append(gauss, 1.0)), span.integral(turning, np.append(gauss, 1.0))
@@ -103,11 +105,12 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
         tangents.append(directions[:, -1])
     crank_tip = scene.crank.length * np.exp(1j * shown["crank_angle"]) - scene.pivot_distance
     gap = shown.get("gap", np.zeros(len(s)))
-    beside = ends[0] + 1j * gap * tangents[0]
-    ahead = 0.5 * (np.abs(crank_tip) ** 2 - np.abs(beside) ** 2) / (beside * tangents[0].conj()).real
-    base = crank_tip / (beside + ahead * tangents[0])
+    tangent = tangents[slider_cell]
+    beside = ends[slider_cell] + 1j * gap * tangent
+    ahead = 0.5 * (np.abs(crank_tip) ** 2 - np.abs(beside) ** 2) / (beside * tangent.conj()).real
+    base = crank_tip / (beside + ahead * tangent)
     base /= np.abs(base)
-    at_tip = base * ends[1]
+    at_tip = base * ends[-1]
 
     pivot = np.sum(beam.mass_per_length * weight * np.hstack([0.5 * span.length * weights for span in spans]), axis=1)
     pivot = pivot - body - vector("tool") - on_follower
@@ -119,7 +122,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
         "slider_position": s[:, 0] + ahead,
         "tip_x": scene.pivot_distance + at_tip.real,
         "tip_y": at_tip.imag,
-        "tip_deflection": ends[1].imag,
+        "tip_deflection": ends[-1].imag,
         "dissipated_energy": shown["dissipated_energy"],
         "drive_work": shown["work"],
         "gravity_energy": shown["potential_energy"] - shown["strain_energy"],
@@ -129,17 +132,19 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
         "crank_force_x": crank.real,
         "crank_force_y": crank.imag,
     }
-    strains = 0.5 * beam.thickness * _along(spans, bent, np.array(beam.strain_gauges), s)
+    strains = 0.5 * beam.thickness * _along(spans, bent, np.array(beam.strain_gauges))
     found |= {f"strain_{k + 1}": strains[:, k] for k in range(3)}
-    found |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths, s).T, strict=True))
-    of_moments = np.column_stack([_along(spans, moments, twelfths, s), at_slider])
+    found |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths).T, strict=True))
+    of_moments = np.column_stack([_along(spans, moments, twelfths), at_slider])
     return found | dict(zip(BENDING, of_moments.T, strict=True))
 
 
-def _along(spans: tuple[_Span, _Span], values: list[Array], x: Array, s: Array) -> Array:
-    """A field that may jump or kink at the slider, at arc lengths (k,); shape (rows, k)."""
-    inboard, outboard = (span.at(each, np.broadcast_to(x, (len(s), len(x)))) for span, each in zip(spans, values, strict=True))
-    return np.where(x <= s, inboard, outboard)
+def _along(spans: list[_Span], values: list[Array], x: Array) -> Array:
+    """A field that may jump or kink between cells, at arc lengths (k,); shape (rows, k)."""
+    found, x = spans[0].at(values[0], x), np.broadcast_to(x, (len(spans[0].begin), len(x)))
+    for span, each in zip(spans[1:], values[1:], strict=True):
+        found = np.where(x > span.begin * (1.0 + 1e-12), span.at(each, x), found)
+    return np.asarray(found)
 
 
 def _cross(a: Any, b: Any) -> Any:

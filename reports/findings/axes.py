@@ -7,7 +7,7 @@ import numpy as np
 
 from quickreturn.cases.experiment import AxisLabels, axis_labels
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
-from quickreturn.reports.findings.conclusions import MODEL
+from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.runs import thesis_runs
 
 #: Channel of an axis -> trajectory columns that it shows.

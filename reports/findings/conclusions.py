@@ -8,8 +8,9 @@ from typing import Any, Final
 
 from quickreturn.cases.experiment import Statement, statements
 from quickreturn.cases.finding.study import Row
-from quickreturn.cases.frozen_crank import ELEMENTS, FrozenCrank
 from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.cases.thesis_modes import ELEMENTS, ThesisModes
+from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.agreement import differences, summary_of
 from quickreturn.reports.findings.runs import thesis_runs
 from quickreturn.reports.templates import environment
@@ -21,7 +22,6 @@ CANNOT_FOLLOW: Final = "cannot follow from the model"
 UNCHECKABLE: Final = "cannot be checked"
 OUTCOMES: Final = (HOLDS, IN_PART, NOT, CANNOT_FOLLOW, UNCHECKABLE)
 
-MODEL: Final = "thesis"
 #: "Accurate", said of a frequency, is read as: within these ratios to the converged one.
 ACCURATE: Final = (0.97, 1.05)
 #: An effect that differs between the halves by less than this part of itself is the same in both.
@@ -49,7 +49,7 @@ class Basis:
     """What conclusions are drawn from."""
 
     results: Sequence[CaseResult]  # cases shown
-    frozen_crank: FrozenCrank | None  # on the run that the thesis shows as its example; None if that run is not among the cases
+    thesis_modes: ThesisModes | None  # on the run that the thesis shows as its example; None if that run is not among the cases
     # quantity of a statement -> run -> ratio simulation / experiment; empty as long as no measured waveform exists
     measured: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
     finding: Sequence[Row] = ()  # the recorded study of what each effect changes; empty where there is none
@@ -74,7 +74,7 @@ def post_over_pre(results: Sequence[CaseResult], engine: str) -> dict[int, float
 def _conclusion(statement: Statement, basis: Basis) -> Conclusion:
     if statement.id not in _CRANK_HELD:
         return _RULES.get(statement.id, _relation)(statement, basis)
-    frozen = basis.frozen_crank
+    frozen = basis.thesis_modes
     return _told("not_shown", statement, UNCHECKABLE) if frozen is None else _CRANK_HELD[statement.id](statement, frozen, basis)
 
 
@@ -97,7 +97,7 @@ def _relation(statement: Statement, basis: Basis) -> Conclusion:
     return _told("relation", statement, outcome, share=share, counted=sum(run in values for run in statement.runs))
 
 
-def _first_mode(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+def _first_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     found = frozen.converged[0]
     overlap = max(0.0, min(found.high, statement.high) - max(found.low, statement.low)) / (statement.high - statement.low)
     outcome = HOLDS if overlap == 1.0 else IN_PART if overlap > 0.0 else NOT
@@ -107,7 +107,7 @@ def _first_mode(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conc
     return _told("first_mode", statement, outcome, found=found, overlap=overlap, means=[mean for mean in means if mean is not None])
 
 
-def _second_mode(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+def _second_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     second, third = frozen.converged[1:3]
     holds = second.holds(statement.low)
     is_third = not holds and third.holds(statement.low)
@@ -115,7 +115,7 @@ def _second_mode(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Con
     return _told("second_mode", statement, HOLDS if holds else NOT, inference=is_third, **facts)
 
 
-def _signs(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+def _signs(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     fast = [mode for mode, share in enumerate(frozen.alternating, start=1) if share >= MOSTLY]
     holds = frozen.alike[0] >= MOSTLY and bool(fast)
     facts = {"alternating": frozen.alternating, "alike": frozen.alike[0], "modes": fast if holds else ()}
@@ -182,10 +182,10 @@ def _two_modes(statement: Statement, basis: Basis) -> Conclusion:
     ratios = [found.ratio for found in differences(basis.results, MODEL, "frequency")]
     inside = [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in ratios]
     outcome = UNCHECKABLE if not ratios else HOLDS if all(inside) else IN_PART if any(inside) else NOT
-    return _told("two_modes", statement, outcome, ratios=summary_of(ratios), frozen=basis.frozen_crank)
+    return _told("two_modes", statement, outcome, ratios=summary_of(ratios), frozen=basis.thesis_modes)
 
 
-def _more_elements(statement: Statement, frozen: FrozenCrank, basis: Basis) -> Conclusion:
+def _more_elements(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     """Whether more elements of the same kind are a way to a better response."""
     falls = all(finer < FALLS * coarser for coarser, finer in pairwise(frozen.elements))
     return _told("more_elements", statement, HOLDS if falls else NOT, excess=dict(zip(ELEMENTS, frozen.elements, strict=True)))
@@ -198,7 +198,7 @@ _RULES: Final[Mapping[str, Callable[[Statement, Basis], Conclusion]]] = {
     "two-modes": _two_modes,
 }
 #: What takes the run that the thesis shows as its example, with its crank held.
-_CRANK_HELD: Final[Mapping[str, Callable[[Statement, FrozenCrank, Basis], Conclusion]]] = {
+_CRANK_HELD: Final[Mapping[str, Callable[[Statement, ThesisModes, Basis], Conclusion]]] = {
     "first-mode-range": _first_mode,
     "second-mode": _second_mode,
     "second-mode-signs": _signs,

@@ -16,8 +16,8 @@ from scipy.signal import find_peaks
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
 from quickreturn.cases.runs.request import Run
+from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.agreement import Summary, summary_of
-from quickreturn.reports.findings.conclusions import MODEL
 
 Array = NDArray[np.float64]
 

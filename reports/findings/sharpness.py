@@ -1,7 +1,7 @@
 """How small an error the comparison of engines would have found: errors are planted in what was measured, and judged as before.
 
 An error is planted by scaling a number of one engine, in every case alike, as an engine would show that is wrong by a factor. What both
-engines claim stays as it is. The judgement is `cases.runs.comparison.Check.passed`.
+engines claim stays as it is. The judgement is `cases.runs.comparison.Difference.passed`.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import KINDS, CaseResult, Check, Kind
+from quickreturn.cases.runs.comparison import KINDS, CaseResult, Difference, Kind
 
 #: Relative errors between which the smallest that is found is searched, and the precision of the search.
 SEARCHED: Final = (1e-9, 1e9)
@@ -33,7 +33,7 @@ class Sharpness:
 
 def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
     """Of every pair of engines that was compared, and every kind of numbers."""
-    groups: dict[tuple[str, str, Kind], list[Check]] = {}
+    groups: dict[tuple[str, str, Kind], list[Difference]] = {}
     kinds = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
     for check in (check for result in results for check in result.checks if check.quantity in kinds):
         groups.setdefault((check.engine, check.other, kinds[check.quantity]), []).append(check)
@@ -41,7 +41,7 @@ def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
     return [_of(*pair, kind, groups[*pair, kind]) for pair in pairs for kind in KINDS if (*pair, kind) in groups]
 
 
-def smallest_found(check: Check, sign: int) -> float:
+def smallest_found(check: Difference, sign: int) -> float:
     """The smallest relative error of one sign (1 or -1) in the engine's number that the comparison finds; infinite where it finds none."""
 
     def found(error: float) -> bool:
@@ -58,7 +58,7 @@ def smallest_found(check: Check, sign: int) -> float:
     return high
 
 
-def _of(engine: str, other: str, kind: Kind, checks: Sequence[Check]) -> Sharpness:
+def _of(engine: str, other: str, kind: Kind, checks: Sequence[Difference]) -> Sharpness:
     by_sign = [sorted(smallest_found(check, sign) for check in checks) for sign in (1, -1)]
     return Sharpness(
         engine,

@@ -18,8 +18,10 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
+from quickreturn.cases import studies
 from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.benchmark.findings import Point
+from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.classes.map import Map
@@ -31,7 +33,6 @@ from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
 from quickreturn.cases.judging.conditioning import Conditioning
 from quickreturn.cases.judging.matrix import Judged, Matrix
-from quickreturn.cases.studies import StudiedRun
 from quickreturn.cases.uncertainty.thesis import Band
 from quickreturn.engines.registry import MAIN
 
@@ -42,7 +43,7 @@ FOLDER: Final = Path(__file__).parent
 CODE: Final[Mapping[str, tuple[str, ...]]] = {
     "benchmark": (*SIMULATION, "quickreturn.cases.benchmark"),
     "hard scenes": (*SIMULATION, "quickreturn.cases.judging"),
-    "confirmation": (*SIMULATION, "quickreturn.cases.studies"),
+    "confirmation": (*SIMULATION, *studies.CODE),
     "conformance": (*SIMULATION, "quickreturn.cases.conformance"),
     "finding": (*SIMULATION, "quickreturn.cases.finding", "quickreturn.cases.measures", "quickreturn.cases.runs"),
     "unprinted": (
@@ -76,7 +77,7 @@ class About:
 
 
 @dataclass(frozen=True)
-class RecordedPoint:
+class PointRow:
     """A point of a benchmark, and its scene."""
 
     case: str
@@ -84,7 +85,7 @@ class RecordedPoint:
 
 
 @dataclass(frozen=True)
-class RecordedConditioning:
+class ConditioningRow:
     """The conditioning of a hard scene, and the claimed error of its converged solution."""
 
     scene: str
@@ -93,7 +94,7 @@ class RecordedConditioning:
 
 
 @dataclass(frozen=True)
-class RecordedConformance:
+class ConformanceRow:
     """Whether an engine does what it says, and in how many checks that was found out."""
 
     engine: str
@@ -104,7 +105,7 @@ class RecordedConformance:
     not_judged: int
 
     @classmethod
-    def of(cls, found: Conformance, version: str) -> "RecordedConformance":
+    def of(cls, found: Conformance, version: str) -> "ConformanceRow":
         """The outcome for a version of an engine."""
         counts = Counter(check.status for check in found.checks)
         return cls(found.engine, version, found.verdict, counts["passed"], counts["failed"], counts["not judged"])
@@ -126,7 +127,7 @@ def about(study: str) -> About | None:
 def benchmarks() -> Mapping[str, Benchmark]:
     """Scene -> what was measured of it."""
     points: dict[str, list[Point]] = {}
-    for each in table("benchmark", RecordedPoint):
+    for each in table("benchmark", PointRow):
         points.setdefault(each.case, []).append(each.point)
     return {scene.case: dataclasses.replace(scene, points=tuple(points[scene.case])) for scene in table("benchmark_scenes", Benchmark)}
 
@@ -144,12 +145,12 @@ def conformance() -> dict[str, str]:
         return {}
     older = "" if made.current else ", which is older than this page’s"
     told = f"recorded on {made.date} with code {made.code[:12]}{older}"
-    return {found.engine: f"{found.words} ({told})" for found in table("conformance", RecordedConformance)}
+    return {found.engine: f"{found.words} ({told})" for found in table("conformance", ConformanceRow)}
 
 
-def confirming() -> list[StudiedRun]:
+def confirming() -> list[Confirmation]:
     """Solutions that confirm the converged one of the studies."""
-    return table("confirmation", StudiedRun)
+    return table("confirmation", Confirmation)
 
 
 def finding() -> list[finding_study.Row]:
@@ -164,7 +165,7 @@ def bands() -> list[Band]:
 
 def class_map() -> Map:
     """What each method takes in each class; empty if it was not recorded."""
-    return Map(tuple(table("classes_scenes", classes.Scene)), tuple(table("classes", Reach)))
+    return Map(tuple(table("classes_scenes", classes.ClassScene)), tuple(table("classes", Reach)))
 
 
 def matrix(cases: Iterable[Case]) -> Matrix | None:
@@ -172,7 +173,7 @@ def matrix(cases: Iterable[Case]) -> Matrix | None:
     cells = {(cell.scene, cell.engine): cell for cell in table("hard_scenes", Judged)}
     if not cells:
         return None
-    known = table("hard_scenes_conditioning", RecordedConditioning)
+    known = table("hard_scenes_conditioning", ConditioningRow)
     shown = tuple(case for case in cases if any(scene == case.name for scene, _ in cells))
     return Matrix(shown, MAIN, cells, {each.scene: each.conditioning for each in known}, {each.scene: each.converged for each in known})
 

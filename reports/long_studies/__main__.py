@@ -26,7 +26,7 @@ from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.studies import confirming
 from quickreturn.cases.uncertainty.thesis import bands
 from quickreturn.engines.registry import MAIN, engine
-from quickreturn.reports.long_studies import CODE, FOLDER, About, RecordedConditioning, RecordedConformance, RecordedPoint, about, text_of
+from quickreturn.reports.long_studies import CODE, FOLDER, About, ConditioningRow, ConformanceRow, PointRow, about, text_of
 from quickreturn.reports.machine import version
 
 #: What the page shows of a solver's statistics.
@@ -86,7 +86,7 @@ _RECORDERS: Final[Mapping[str, Callable[[Workshop], str]]] = {
 }
 
 
-def _conforming(workshop: Workshop) -> list[RecordedConformance]:
+def _conforming(workshop: Workshop) -> list[ConformanceRow]:
     """The outcomes of all engines, from the store where they are there, those that are missing computed unless nothing shall be."""
     found = []
     for name in ENGINES:
@@ -95,7 +95,7 @@ def _conforming(workshop: Workshop) -> list[RecordedConformance]:
         if outcome is None and workshop.computes:
             outcome = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
         if outcome is not None and outcome.value is not None:
-            found.append(RecordedConformance.of(outcome.value, engine(name).version()))
+            found.append(ConformanceRow.of(outcome.value, engine(name).version()))
     return found
 
 
@@ -111,7 +111,7 @@ def _write_benchmarks(found: Sequence[Benchmark]) -> None:
             measured = point.measured and dataclasses.replace(
                 point.measured, statistics={name: value for name, value in point.measured.statistics.items() if name in STATISTICS}
             )
-            points.append(RecordedPoint(table.case, dataclasses.replace(point, measured=measured)))
+            points.append(PointRow(table.case, dataclasses.replace(point, measured=measured)))
     _write("benchmark", points)
     _write("benchmark_scenes", [dataclasses.replace(table, points=()) for table in found])
 
@@ -119,7 +119,7 @@ def _write_benchmarks(found: Sequence[Benchmark]) -> None:
 def _write_matrix(matrix: Matrix) -> None:
     _write("hard_scenes", [matrix.cells[case.name, name] for case in matrix.cases for name in MAIN if (case.name, name) in matrix.cells])
     known = [(case.name, matrix.conditionings[case.name]) for case in matrix.cases if case.name in matrix.conditionings]
-    _write("hard_scenes_conditioning", [RecordedConditioning(name, matrix.converged.get(name), found) for name, found in known])
+    _write("hard_scenes_conditioning", [ConditioningRow(name, matrix.converged.get(name), found) for name, found in known])
 
 
 def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:

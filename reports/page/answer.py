@@ -9,10 +9,9 @@ import numpy as np
 from quickreturn.cases.benchmark import Benchmark, fastest_at
 from quickreturn.cases.benchmark.findings import LEVELS
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
-from quickreturn.cases.runs.request import SETTLED
-from quickreturn.engines.registry import OWN
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import Spread, differences, engines_of, spread
-from quickreturn.reports.findings.conclusions import MODEL
 from quickreturn.reports.findings.sufficiency import Split, splits
 from quickreturn.reports.page.content import Content
 
@@ -81,7 +80,7 @@ def answer_of(content: Content) -> Answer:
         compared=sum(bool(result.checks) for result in results),
         engines=engines_of(results),
         simulations=len(runs),
-        settled=sum(run.status == SETTLED for run in runs),
+        settled=sum(run.status == Ending.SETTLED for run in runs),
         alike=[*others, *alike],
         departing=[name for name in judged if name not in alike],
         **found,

@@ -7,13 +7,14 @@ from functools import cached_property
 from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.classes.map import Map
 from quickreturn.cases.finding.study import Row
-from quickreturn.cases.frozen_crank import FrozenCrank
 from quickreturn.cases.judging.matrix import Matrix
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import Studies
+from quickreturn.cases.thesis_modes import ThesisModes
 from quickreturn.cases.uncertainty.thesis import Band
-from quickreturn.reports.findings.conclusions import MODEL, Basis, Conclusion, conclusions
+from quickreturn.engines.registry import MODEL
+from quickreturn.reports.findings.conclusions import Basis, Conclusion, conclusions
 from quickreturn.reports.findings.failures import troubles
 from quickreturn.reports.findings.loads import CaseLoads, loads_of_cases
 from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
@@ -32,7 +33,7 @@ class Content:
         studies: None where the cases that they are about are not all among the results.
         benchmarks: of the scenes on which methods are compared, those that there are.
         compiling: what it takes to compile engines, where that was measured.
-        frozen_crank: on the thesis' example run; None where that is not among the results.
+        thesis_modes: on the thesis' example run; None where that is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
         finding: the recorded study of what the thesis' finding comes from.
@@ -50,7 +51,7 @@ class Content:
     studies: Studies | None = None
     benchmarks: Sequence[Benchmark] = ()
     compiling: Sequence[Compiling] = ()
-    frozen_crank: FrozenCrank | None = None
+    thesis_modes: ThesisModes | None = None
     hard_scenes: Matrix | None = None
     classes: Map = field(default_factory=Map)
     finding: Sequence[Row] = ()
@@ -86,7 +87,7 @@ class Content:
     @property
     def conclusions(self) -> list[Conclusion]:
         """On the thesis' statements."""
-        return conclusions(Basis(self.thesis_results, self.frozen_crank, statement_values(self.comparisons, MODEL), self.finding))
+        return conclusions(Basis(self.thesis_results, self.thesis_modes, statement_values(self.comparisons, MODEL), self.finding))
 
     @property
     def troubles(self) -> list[tuple[str, Run]]:

@@ -30,6 +30,7 @@ KINDS: Final = {
     "stiff-spring": "stiff spring",
     "nodal-load": "force on nodes",
     "moving-boundaries": "two moving spans",
+    "derived": "derived by computer",
 }
 
 

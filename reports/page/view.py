@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from quickreturn.cases.case import Case
 from quickreturn.cases.library.thesis import RUNS
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.request import NOT_SETTLED, Run
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
@@ -19,7 +20,7 @@ from quickreturn.reports.findings.loads import CaseLoads
 from quickreturn.reports.findings.runs import of_library, run_number
 from quickreturn.reports.looks import Look, looks
 from quickreturn.reports.page.packing import packed
-from quickreturn.reports.tables.table import SHOWN
+from quickreturn.reports.words import per_unit
 
 Array = NDArray[np.float64]
 
@@ -78,12 +79,11 @@ class View:
     @property
     def document(self) -> dict[str, Any]:
         """What goes to the script besides the blobs."""
-        factors = {unit: SHOWN[unit][1] if unit in SHOWN else 1.0 for _, unit in SIGNALS.values()}
         return {
             "axis": self.axis,
             "looks": {name: vars(look) for name, look in self.looks.items()},
             "engines": self.engines,
-            "signals": {name: {"label": label, "unit": unit, "factor": factors[unit]} for name, (label, unit) in SIGNALS.items()},
+            "signals": {name: {"label": label, "unit": unit, "factor": per_unit(unit)} for name, (label, unit) in SIGNALS.items()},
             "units": {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)},
             "runs": self.runs,
         }
@@ -101,7 +101,7 @@ def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequenc
     view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
     for result in results:
         runs = result.whole.runs
-        motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == NOT_SETTLED) and run.cycle}
+        motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == Ending.NOT_SETTLED) and run.cycle}
         view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()}, stressed.get(result.case.name))
     return view
 
@@ -119,13 +119,13 @@ def _stress(loads: CaseLoads | None) -> dict[str, Any] | None:
     if loads is None or found is None:
         return None
     places = np.linspace(0.0, found.places[-1], ALONG)
-    low, high = (np.interp(places, found.places, 1e-6 * values) for values in (found.lowest, found.highest))
+    low, high = (np.interp(places, found.places, per_unit("MPa") * values) for values in (found.lowest, found.highest))
     largest = found.largest
     return {
         "engine": loads.lead,
         "low": [float(f"{value:.4g}") for value in low],
         "high": [float(f"{value:.4g}") for value in high],
-        "largest": 1e-6 * largest.value,
+        "largest": per_unit("MPa") * largest.value,
         "at": None if largest.place is None else largest.place / float(found.places[-1]),
     }
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 from quickreturn.cases.benchmark import Benchmark, Compiling, fastest_at, observed_order, pareto_front
 from quickreturn.cases.benchmark.findings import LEVELS, Point, completed, error_of, soonest_at
 from quickreturn.cases.benchmark.measurement import NOT_TRIED
-from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import case_label, duration, settings_words
 
 _ERRORS: Final = {"tip_deflection": "deflection", "tip_acceleration": "tip acc.", "strain": "worst strain", "slider_force": "force"}
@@ -119,7 +119,7 @@ def _errors(group: str = "error") -> list[Column]:
     return [Column(key, head, "%", ".2g", group=group) for key, head in _ERRORS.items()]
 
 
-_POINT: Columns = (
+_POINT: ColumnList = (
     "method",
     "settings",
     Column("degrees_of_freedom", "dof", form="d"),

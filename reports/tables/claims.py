@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import CLASSES, WORSE, CaseResult, Check
+from quickreturn.cases.runs.comparison import CLASSES, WORSE, CaseResult, Difference
 from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.reports.findings.agreement import engines_of, outward
 from quickreturn.reports.findings.sharpness import Sharpness
@@ -65,7 +65,7 @@ def table_departures(results: Sequence[CaseResult]) -> Table:
     return found
 
 
-def _compared(result: CaseResult, check: Check) -> dict[str, Any]:
+def _compared(result: CaseResult, check: Difference) -> dict[str, Any]:
     return {
         "case": result.case.name,
         "value": check.mine.value,
@@ -75,11 +75,11 @@ def _compared(result: CaseResult, check: Check) -> dict[str, Any]:
     }
 
 
-def _shown_difference(check: Check) -> float:
+def _shown_difference(check: Difference) -> float:
     return outward(check.quantity, check.difference) / check.scale
 
 
-def cause(result: CaseResult, check: Check) -> str:
+def cause(result: CaseResult, check: Difference) -> str:
     """What the numbers at hand suggest as the cause of a departure; the thresholds are in the words."""
     found = []
     if check.quantity in EXTREMES and _slider_at_gauge(result, check):
@@ -91,7 +91,7 @@ def cause(result: CaseResult, check: Check) -> str:
     return "; ".join(found) or "not explained by the numbers at hand"
 
 
-def _slider_at_gauge(result: CaseResult, check: Check) -> bool:
+def _slider_at_gauge(result: CaseResult, check: Difference) -> bool:
     """Whether the other engine's extreme of a strain happens while the slider is within `KINK` of the gauge."""
     follower = result.case.mechanism.follower
     if check.channel is None or not check.channel.startswith("strain_"):
@@ -118,7 +118,7 @@ def summary(results: Sequence[CaseResult]) -> Table:
         Column("used_most", "most", "1", ".2f", group="used"),
     )
     found = Table("compared", columns)
-    groups: dict[tuple[str, str, str], list[Check]] = {}
+    groups: dict[tuple[str, str, str], list[Difference]] = {}
     for check in (check for result in results for check in result.checks):
         groups.setdefault((check.engine, check.other, check.quantity), []).append(check)
     for (engine, other, quantity), checks in groups.items():

@@ -8,7 +8,7 @@ from typing import Any, Final
 from quickreturn.cases.classes.grid import CENTRE, name_of
 from quickreturn.cases.classes.map import STATUSES, TIMES, Map
 from quickreturn.cases.classes.measurement import LEVELS, REACHED, Reach
-from quickreturn.cases.classes.study import Scene
+from quickreturn.cases.classes.study import ClassScene
 from quickreturn.reports.looks import looks
 from quickreturn.reports.tables.table import Cell, Column, Table
 from quickreturn.reports.words import counted, duration, number, percent, size
@@ -32,13 +32,13 @@ def class_map(known: Map, level: float, by: str) -> Table:
     return table
 
 
-def _machine(scene: Scene) -> str:
+def _machine(scene: ClassScene) -> str:
     """What tells a row of the map from the others."""
     _, _, others = name_of(replace(scene.groups, speed=CENTRE.speed)).partition(", ")
     return (others or f"tip {CENTRE.tip:g}").replace("inf", "rigid")
 
 
-def _cell(known: Map, scene: Scene, level: float, by: str) -> Cell:
+def _cell(known: Map, scene: ClassScene, level: float, by: str) -> Cell:
     """The winner and the runner-up; the remark has everybody. The winner's colour is the stronger the farther the runner-up is behind."""
     reaches, ranked = known.at(scene, level), known.ranked(scene, level, by)
     lost = [_lost(reach) for reach in reaches if reach.engine not in ranked]

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, values
+from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, pair_of
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES
-from quickreturn.cases.runs.request import INACCURATE, SETTLED, Run
+from quickreturn.cases.runs.request import Run
 from quickreturn.reports.findings.runs import mean_crank_speed
-from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Mark, Table, Value
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Mark, Table, Value
 from quickreturn.reports.words import channel_name, cost, listed, settings_words, short_name
 
 #: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.
@@ -20,8 +21,8 @@ _UNITS: Final = {"tip_acceleration": ("m/s²", ".2f")} | dict.fromkeys(CHANNELS[
 
 def run_by_engine(results: Sequence[CaseResult]) -> Table:
     """One row per case and engine; cases in which every number shown can be measured come first."""
-    settled = all(run.status == SETTLED for result in results for run in result.runs.values())
-    columns: Columns = (
+    settled = all(run.status == Ending.SETTLED for result in results for run in result.runs.values())
+    columns: ColumnList = (
         *(CASE, "engine"),
         Column("status", in_page=not settled),
         Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
@@ -81,7 +82,7 @@ def _number_columns() -> list[Column]:
 
 
 def _status(run: Run) -> Cell:
-    return Cell(run.status, note=run.remark, mark="open" if run.status == INACCURATE else "" if run.usable else "failed")
+    return Cell(run.status, note=run.remark, mark="open" if run.status == Ending.INACCURATE else "" if run.usable else "failed")
 
 
 def _peak_cells(run: Run, other: Run | None, channel: str) -> dict[str, Value | Cell]:
@@ -120,8 +121,8 @@ def _amplitude_cells(run: Run, other: Run | None, half: str, channel: str) -> di
 
 
 def _difference(run: Run, other: Run | None, quantity: str, half: str, channel: str | None, mark: Mark = "") -> Cell:
-    pair = None if other is None else values(run, other, quantity, half, channel)
-    return Cell(pair[0] / pair[1] - 1.0, mark=mark) if pair and pair[1] else Cell(None)
+    pair = None if other is None else pair_of(run, other, quantity, half, channel)
+    return Cell(pair[0].value / pair[1].value - 1.0, mark=mark) if pair and pair[1].value else Cell(None)
 
 
 def measures(results: Sequence[CaseResult]) -> Table:
@@ -140,7 +141,7 @@ def measures(results: Sequence[CaseResult]) -> Table:
 
 def settings(results: Sequence[CaseResult]) -> Table:
     """How each engine was run on each case."""
-    columns: Columns = (
+    columns: ColumnList = (
         *(CASE, "engine"),
         Column("accuracy", "asked", "%", ".2g"),
         Column("error_estimate", "estimate", "%", ".2g"),
@@ -160,7 +161,7 @@ def settings(results: Sequence[CaseResult]) -> Table:
 
 def case_table(result: CaseResult) -> Table:
     """The small table of one case: extremes, frequencies, peaks and cost per engine."""
-    columns: Columns = (
+    columns: ColumnList = (
         "engine",
         "status",
         Column("pre_frequency", "f₁ pre", "Hz", ".2f"),

@@ -11,7 +11,7 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.reports.findings.axes import AxisComparison
 from quickreturn.reports.findings.measured import MeasuredHalf
 from quickreturn.reports.findings.runs import mean_crank_speed, thesis_runs
-from quickreturn.reports.tables.table import CASE, CHANNEL, HALF_COLUMN, Cell, Column, Columns, Table
+from quickreturn.reports.tables.table import CASE, CHANNEL, HALF_COLUMN, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import channel_name
 
 
@@ -54,7 +54,7 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
 def measured_alone(axes: Sequence[AxisComparison], engines: Sequence[str]) -> Table:
     """Simulated peaks over the largest label of each figure that shows measured curves alone."""
     ratios = [Column(engine, engine, "1", ".2f", group="simulated peak over label") for engine in engines]
-    columns: Columns = ("figure", Column("run", form="d"), CHANNEL, Column("largest_label", "largest label", "SI", ".3g"), *ratios)
+    columns: ColumnList = ("figure", Column("run", form="d"), CHANNEL, Column("largest_label", "largest label", "SI", ".3g"), *ratios)
     found = Table("measured_alone", columns)
     for axis in axes:
         found.add(axis, **{engine: axis.ratios.get(engine) for engine in engines})
@@ -97,7 +97,7 @@ def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> T
         group, meaning = f"first-mode {quantity}", "engine / table"
         return [Column(f"{quantity}_{name}", name, "1", ".3f", group=group, meaning=meaning) for name in engines]
 
-    columns: Columns = (
+    columns: ColumnList = (
         *(CASE, "table", CHANNEL, "origin", HALF_COLUMN),
         Column("frequency", "table", "Hz", ".2f", uncertainty="frequency_uncertainty", group="first-mode frequency"),
         Column("frequency_uncertainty", unit="Hz", in_page=False),

@@ -9,7 +9,7 @@ from quickreturn.cases.finding.effects import name_of
 from quickreturn.cases.finding.study import SAMPLE, SECOND, Row
 from quickreturn.cases.runs.comparison import REFERENCE
 from quickreturn.reports.findings.sufficiency import Sufficiency, Tried
-from quickreturn.reports.tables.table import Cell, Column, Columns, Table
+from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import HALF, listed, percent
 
 #: How the columns of both formulations begin -> the engine.
@@ -101,7 +101,7 @@ def second(pairs: Sequence[tuple[Row, Row]]) -> Table:
 def sets(found: Sequence[Tried]) -> Table:
     """Every set, the choices it takes, and what it shows."""
     shares = [Column(name, head, "%", ".0f", group="share of the runs") for name, head in RELATIONS.items()]
-    columns: Columns = ("effect", "strength", Column("choices", form="d"), Column("chosen", in_page=False), *shares)
+    columns: ColumnList = ("effect", "strength", Column("choices", form="d"), Column("chosen", in_page=False), *shares)
     table = Table(
         "sufficiency_sets", (*columns, Column("ring", "at the return", "Hz", ".0f", group="run 24"), Column("statements", form="d"))
     )

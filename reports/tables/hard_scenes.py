@@ -6,7 +6,7 @@ from typing import Any, Final
 from quickreturn.cases.judging.conditioning import CHANGE, ILL
 from quickreturn.cases.judging.matrix import Judged, Matrix
 from quickreturn.cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, OWN_EQUATIONS, REFUSED, Verdict
-from quickreturn.reports.tables.table import Cell, Column, Columns, Mark, Table
+from quickreturn.reports.tables.table import Cell, Column, ColumnList, Mark, Table
 from quickreturn.reports.words import TIED, number, percent, size
 
 #: How a verdict looks. Its words are in the cell, so that nothing rests on colour.
@@ -106,7 +106,7 @@ def _key(change: str) -> str:
 def cells(matrix: Matrix) -> Table:
     """Every cell with its evidence, as a file."""
     numbers = {"claimed_error": "1", "stretch": "s", "time": "s", "true_error": "1"}
-    columns: Columns = (
+    columns: ColumnList = (
         *("scene", "engine", "verdict", "reason"),
         *(Column(key, unit=unit) for key, unit in numbers.items()),
         "claim_holds",

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.studies import BothStarts
-from quickreturn.reports.tables.table import CASE, Column, Columns, Table
+from quickreturn.reports.tables.table import CASE, Column, ColumnList, Table
 from quickreturn.reports.words import number
 
 #: What is left of the way to the steady state when a marched run counts as settled, and a distance at which no measure sees it any more.
@@ -19,7 +19,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         results: of all cases.
         marching: engines that wait for their steady state, whose cycles stand beside.
     """
-    columns: Columns = (
+    columns: ColumnList = (
         CASE,
         Column("period", unit="s", form=".4f"),
         Column("iterations", "Newton steps", form="d"),

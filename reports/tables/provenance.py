@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.request import SETTLED, UNAVAILABLE, Run
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import OWN
 from quickreturn.reports.findings.agreement import engines_of
-from quickreturn.reports.findings.failures import INCOMPLETE
 from quickreturn.reports.tables.table import CASE, Cell, Column, Table
 
 
@@ -34,13 +34,15 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
             version=next((run.version for run in runs if run.version), None) or _no_version(first),
             conformance=None if first.recording else conformance.get(name, f"not tested: run quickreturn conform {name}"),
             runs=len(runs),
-            settled=sum(run.status == SETTLED for run in runs),
+            settled=sum(run.status == Ending.SETTLED for run in runs),
         )
     return found
 
 
 def _no_version(run: Run) -> Cell:
-    return Cell(None) if run.recording else Cell(None, "not available" if run.status == UNAVAILABLE else "unknown", run.remark, "failed")
+    if run.recording:
+        return Cell(None)
+    return Cell(None, "not available" if run.status == Ending.UNAVAILABLE else "unknown", run.remark, "failed")
 
 
 def machine(facts: Mapping[str, str]) -> Table:
@@ -55,7 +57,7 @@ def troubles(runs: Sequence[tuple[str, Run]]) -> Table:
     """Every run that is not simply settled, with the name of its case."""
     found = Table("failures", (CASE, "engine", "status", Column("remark", "in the engine's words")))
     for case, run in runs:
-        found.add(run, case=case, status=Cell(run.status, mark="failed" if run.status in INCOMPLETE else "open"))
+        found.add(run, case=case, status=Cell(run.status, mark="failed" if run.ending.incomplete else "open"))
     return found
 
 

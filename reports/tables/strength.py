@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from quickreturn.cases.loads import UNITS, Factor, Loads, Peak
 from quickreturn.reports.findings.loads import CaseLoads
-from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import TIED, off_by, quantity
 
 #: Number -> its name in the page, and the unit that it is written in there.
@@ -69,7 +69,7 @@ def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
 
 def strength(cases: Sequence[CaseLoads]) -> Table:
     """The table."""
-    columns: Columns = (
+    columns: ColumnList = (
         *(CASE, "engine", Column("quantity", words=lambda name: NAMES[name][0])),
         Column("value", unit="[SI]", form=".4g"),
         Column("error", "off by", unit="[SI]", form=".2g", meaning="what rows and places leave open, and the engine's own estimate"),

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from quickreturn.cases.benchmark.findings import Point, completed
+from quickreturn.cases.benchmark.truth import Confirmation, Converged
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.studies import StudiedRun
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
-from quickreturn.reports.tables.table import CASE, Cell, Column, Columns, Table
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import cost, settings_words, short_name
 
 #: Columns of the errors, with their headings.
@@ -17,7 +19,7 @@ _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error")
 
 def accuracy(runs: Sequence[StudiedRun]) -> Table:
     """Error of each engine at its default accuracy, and what it costs."""
-    columns: Columns = (
+    columns: ColumnList = (
         "engine",
         Column("solve_seconds", "solve", "s", ".2f"),
         Column("setup_seconds", unit="s", in_page=False),
@@ -33,19 +35,19 @@ def accuracy(runs: Sequence[StudiedRun]) -> Table:
     return found
 
 
-def confirmation(converged: StudiedRun | None, confirming: Sequence[StudiedRun]) -> Table:
+def confirmation(converged: Converged | None, confirming: Sequence[Confirmation]) -> Table:
     """Difference of the solutions that stand for the truth."""
     errors = [replace(column, group="difference") for column in _ERRORS]
     found = Table("confirmation", (Column("engine", "converged"), "settings", "confirmed_by", Column("with_settings", "settings"), *errors))
     for run in confirming if converged else ():
         assert converged is not None
         words = {"settings": settings_words(converged.settings), "with_settings": settings_words(run.settings)}
-        found.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.errors)
+        found.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.differences)
     return found
 
 
-def convergence(runs: Sequence[StudiedRun]) -> Table:
-    """Modes by tolerance."""
+def convergence(points: Sequence[Point]) -> Table:
+    """Modes by tolerance; errors are those against the last."""
     columns = (
         Column("modes", form="d"),
         Column("tolerance", unit="1", form=".2g"),
@@ -56,8 +58,9 @@ def convergence(runs: Sequence[StudiedRun]) -> Table:
         Column("is_reference", in_page=False),
     )
     found = Table("convergence", columns)
-    for run in runs:
-        found.add(run, **run.settings, **run.errors)
+    for point, measured in completed(points):
+        calls = measured.statistics.get("right_hand_side_calls")
+        found.add(measured, **point.settings, **measured.errors, right_hand_side_calls=calls, is_reference=point is points[-1])
     return found
 
 

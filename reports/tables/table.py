@@ -11,7 +11,7 @@ from importlib.resources import files
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, number
+from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, number, per_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,19 +20,10 @@ Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed", "model"]
 
 CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("quickreturn.reports") / "templates" / "captions.toml").read_text("utf-8"))
-#: Units of the page that are not those of the CSV file -> its unit, value in the page / value in the file.
-SHOWN: Final = {
-    "%": ("1", 100.0),
-    "% of range": ("1", 100.0),
-    "10⁻⁶": ("1", 1e6),
-    "mm": ("m", 1e3),
-    "ms": ("s", 1e3),
-    "µs": ("s", 1e6),
-    "kN/m": ("N/m", 1e-3),
-    "MPa": ("Pa", 1e-6),
-    "°": ("rad", 180.0 / math.pi),
-    "rpm": ("rad/s", 30.0 / math.pi),
-}
+#: Units of the page that are not those of the CSV file -> its unit.
+_SI: Final = {
+    "%": "1", "% of range": "1", "10⁻⁶": "1", "mm": "m", "ms": "s", "µs": "s", "kN/m": "N/m", "MPa": "Pa", "°": "rad", "rpm": "rad/s",
+}  # fmt: skip
 #: Letters of a text that is kept on one line.
 LONGEST_LINE: Final = 26
 
@@ -80,7 +71,7 @@ class Column:
     @property
     def csv_unit(self) -> str:
         """Unit in the CSV file."""
-        return SHOWN[self.unit][0] if self.unit in SHOWN else self.unit.strip("[]")
+        return _SI.get(self.unit, self.unit.strip("[]"))
 
     @property
     def csv_head(self) -> str:
@@ -102,11 +93,11 @@ class Column:
 
     def number(self, value: float) -> str:
         """A number of the CSV file as the page shows it."""
-        return number(value * SHOWN[self.unit][1] if self.unit in SHOWN else value, self.form)  # counts stay whole
+        return number(value * per_unit(self.unit.removesuffix(" of range")) if self.unit in _SI else value, self.form)  # counts stay whole
 
 
 #: Of a table; a text is the key of a column of texts.
-Columns = Sequence[Column | str]
+ColumnList = Sequence[Column | str]
 
 #: Columns that many tables have.
 CASE: Final = Column("case", "run", words=case_label)
@@ -126,7 +117,7 @@ class Table:
         numbers: what is put into the caption.
     """
 
-    def __init__(self, name: str, columns: Columns, of: str = "", in_page: bool = True, **numbers: object) -> None:
+    def __init__(self, name: str, columns: ColumnList, of: str = "", in_page: bool = True, **numbers: object) -> None:
         self.name = name + of
         self.caption = CAPTIONS[name].format(**numbers)
         self.columns = [Column(column) if isinstance(column, str) else column for column in columns]

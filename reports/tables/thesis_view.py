@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, Kind
+from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.agreement import Summary, differences, summary_of
-from quickreturn.reports.findings.conclusions import HOLDS, IN_PART, MODEL, NOT, Conclusion
+from quickreturn.reports.findings.conclusions import HOLDS, IN_PART, NOT, Conclusion
 from quickreturn.reports.findings.raw_extremes import Excess
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.words import HALF, channel_name
@@ -44,7 +45,7 @@ def _peak_ratios(found: Sequence[Difference]) -> list[float]:
     peaks: dict[str, list[Difference]] = {}
     for difference in found:
         peaks.setdefault(difference.case, []).append(difference)
-    return [max(abs(d.value) for d in pair) / max(abs(d.other) for d in pair) for pair in peaks.values()]
+    return [max(abs(d.mine.value) for d in pair) / max(abs(d.its.value) for d in pair) for pair in peaks.values()]
 
 
 def counted(excesses: Sequence[Excess]) -> Table:

@@ -5,7 +5,7 @@ import math
 from quickreturn.cases.classes.grid import grid, name_of
 from quickreturn.cases.classes.map import Map
 from quickreturn.cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, SLOW_ANSWER, Reach
-from quickreturn.cases.classes.study import Scene
+from quickreturn.cases.classes.study import ClassScene
 
 SCENES = tuple(groups for groups in grid() if groups.tip == 0.5 and groups.crank == 0.25 and math.isinf(groups.joint))
 BY_SPEED = {groups.speed: groups for groups in SCENES if groups.damping == 0.003}
@@ -17,7 +17,7 @@ def made_up_map() -> Map:
     `thesis` is 60 % off everywhere, `multiplier` refuses, and `exudyn` at 0.2 gets there and does not know it.
     """
     scenes = tuple(
-        Scene(name_of(BY_SPEED[speed]), BY_SPEED[speed], difference, failure)
+        ClassScene(name_of(BY_SPEED[speed]), BY_SPEED[speed], difference, failure)
         for speed, difference, failure in ((0.05, 1e-5, ""), (0.2, 3e-4, ""), (0.5, None, "the slider left the follower"))
     )
     slow, fast = (scene.name for scene in scenes[:2])

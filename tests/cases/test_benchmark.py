@@ -20,8 +20,9 @@ from quickreturn.cases.benchmark import (
     observed_order,
     pareto_front,
     stored,
+    truth,
 )
-from quickreturn.cases.benchmark.findings import LEVELS, Confirmation, Converged, Measured, Point, completed, error_of, soonest_at
+from quickreturn.cases.benchmark.findings import LEVELS, Measured, Point, completed, error_of, soonest_at
 from quickreturn.cases.benchmark.methods import Method, methods
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
@@ -119,7 +120,7 @@ def test_scenes_are_in_the_library() -> None:
 @pytest.fixture(scope="module")
 def table() -> Benchmark:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measurement, "CONFIRMING", ("mujoco", ({"links": "8"}, {"links": "16"})))
+        patch.setattr(truth, "CONFIRMING", {"mujoco": ({"links": "8"}, {"links": "16"})})
         return measurement.benchmark(short(), ("reference", "thesis"), repetitions=2)
 
 
@@ -187,7 +188,7 @@ def test_calls_per_period_are_those_of_the_highest_mode_kept(table: Benchmark) -
 def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypatch: pytest.MonkeyPatch) -> None:
     ladder = tuple(FakeSettings(step=step, behaviour=kind) for step, kind in ((0.1, "fails"), (0.1, "good"), (0.05, "good")))
     monkeypatch.setattr(measurement, "methods", lambda *_: [Method("fake", FakeEngine(), ladder)])
-    monkeypatch.setattr(measurement, "CONFIRMING", ("thesis", ({},)))
+    monkeypatch.setattr(truth, "CONFIRMING", {"mujoco": ({"links": "4"},)})
     found = measurement.benchmark(short(), (), repetitions=2, longest=0.1).points  # the fake engine claims 0.125 s
     assert found[0].status == "failed at t = 0.002 s: the beam snapped; try another beam"
     assert found[0].measured is None
@@ -233,8 +234,8 @@ def test_an_engine_that_dies_at_finer_settings_is_left_out(tmp_path: Any, monkey
 
 def test_who_is_at_work_is_announced(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(os, "sched_setaffinity", lambda *_: None)
-    monkeypatch.setattr(measurement, "CONFIRMING", ("thesis", ({},)))
-    monkeypatch.setattr(measurement, "TRUTH", ("thesis", {}))
+    monkeypatch.setattr(truth, "CONFIRMING", {"mujoco": ({"links": "4"},)})
+    monkeypatch.setattr(truth, "TRUTH", ("thesis", {}))
     measurement.pinned(short(), ("thesis",), 1)
     assert measurement.last_at_work(capsys.readouterr().out)[0] == "thesis"
     assert measurement.last_at_work("something else") == (None, 0.0)
@@ -285,8 +286,8 @@ def _deadly(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
 
 def _quick(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
     sizes = dict.fromkeys(("tip_deflection",), float(np.float64(1.0)))
-    truth, confirmation = Converged("none", {}, sizes), Confirmation("none", {}, failure="no")
-    return Benchmark(case.name, case.title, case.duration, truth, confirmation, (), repetitions, 10.0, {})
+    none, confirmation = truth.Converged("none", {}, sizes), truth.Confirmation("none", {}, failure="no")
+    return Benchmark(case.name, case.title, case.duration, none, confirmation, (), repetitions, 10.0, {})
 
 
 def _broken(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:

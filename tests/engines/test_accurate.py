@@ -182,7 +182,7 @@ def test_what_is_compiled_or_loaded_is_booked_apart(estimate: bool) -> None:
 @pytest.mark.parametrize("name", ["mujoco", "reference"])
 def test_an_engine_that_compiles_says_so(name: str, tmp_path: Path) -> None:
     """On a machine without compiled code, where compiling takes 15 to 40 s and all else a second or two."""
-    code = f"import quickreturn as qr; r = qr.simulate(qr.case('thesis-24', duration=0.1), '{name}').result"
+    code = f"import quickreturn as qr; r = qr.simulate(qr.case('thesis-24', duration=0.1), '{name}', store=False).result"
     code += "; print(r.compile_seconds, r.setup_seconds + r.solve_seconds + r.estimate_seconds)"
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)

@@ -14,10 +14,11 @@ from quickreturn.derive import Model
 from quickreturn.derive.equations import Equations
 from quickreturn.reference_model import motion
 from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.slider_constraint import CLOSED
 from quickreturn.witness.description import constants, quick_return
 from tests.engines.scenes import run_24
-from tests.quickreturn.derived_terms import DerivedTerms, sizes, terms_by_hand
 from tests.reference_model.beam_states import rates
+from tests.reference_model.derived_beam import TERMS, DerivedBeam, by_hand, sizes
 
 EVALUATIONS = 300
 REPETITIONS = 15
@@ -52,8 +53,8 @@ def fastest(calls: Sequence[Callable[[], Any]]) -> list[float]:
 
 def main() -> None:
     """Print lines, times to derive and compile, times of an evaluation, and the largest difference of a term."""
-    (by_hand,), (kit,), (described,) = (list(package.__path__) for package in (motion, derive, witness))
-    print("lines of code: by hand", lines_of_code(sorted(Path(by_hand).glob("*.py"))))
+    (written,), (kit,), (described,) = (list(package.__path__) for package in (motion, derive, witness))
+    print("lines of code: by hand", lines_of_code(sorted(Path(written).glob("*.py"))))
     print("description", lines_of_code([Path(described) / "description.py"]), "kit", lines_of_code(sorted(Path(kit).glob("*.py"))))
     for modes in (1, 2, 5, 9):
         scene = run_24()
@@ -65,13 +66,12 @@ def main() -> None:
         began = time.perf_counter()
         model = Model(system)
         compiled = time.perf_counter() - began
-        terms = DerivedTerms(hand)
-        y = terms.random_state(1)
-        rates(hand, y)
-        expected, found = terms.terms(), terms_by_hand(hand, hand.workspace)
-        each = sizes(expected, y[hand.parameters.speeds + 1 :])
-        error = max(float(np.max(np.abs(found[name] - expected[name]))) / size for name, size in each.items())
-        x = model.input(0.0, model.state(terms.q, terms.v), model.values(constants(scene)))
+        state = DerivedBeam(hand, CLOSED).random_state(1)
+        y, size = state.y, sizes(state)
+        found = by_hand(hand, hand.workspace, rates(hand, y), {})
+        terms = {name: value for name, value in state.expected.items() if name in TERMS}
+        error = max(float(np.max(np.abs(found[name] - value))) / size[name] for name, value in terms.items())
+        x = model.input(0.0, model.state(state.q, state.v), model.values(constants(scene)))
         code, interpreter, out = model._rates, model._rates.interpreter, np.empty_like(y)
         p, w = hand._at
         from quickreturn.reference_model.motion.equations import evaluate, kernel

@@ -81,7 +81,7 @@ def test_what_cannot_be_compared_is_told_in_a_sentence(ours: object, words: list
 
 
 def test_files_frames_and_solutions_alike(tmp_path: Path) -> None:
-    solution = qr.simulate(qr.case("rigid", duration=0.1), "reference")
+    solution = qr.simulate(qr.case("rigid", duration=0.1), "reference", store=False)
     frame = solution.frame
     frame.to_csv(tmp_path / "table.csv", index=False)
     off = frame.assign(tip_x=frame["tip_x"] + 1e-3)

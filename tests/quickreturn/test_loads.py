@@ -9,7 +9,7 @@ import pytest
 import quickreturn as qr
 from quickreturn.cases.loads import loads_of_run
 from quickreturn.cases.shown import in_lines
-from quickreturn.commands.run import as_document
+from quickreturn.commands.verdicts import as_document
 from quickreturn.cross_validation import CrossValidation
 from quickreturn.reports.output import plain
 from quickreturn.verdict_text import parts_of
@@ -44,7 +44,7 @@ def loads_of_reference(result: object) -> float:
 
 
 def test_a_simulation_says_its_largest_stress() -> None:
-    solution = qr.simulate(qr.case("example", duration=0.1), "reference", settings={"modes": 2})
+    solution = qr.simulate(qr.case("example", duration=0.1), "reference", settings={"modes": 2}, store=False)
     stress = solution.loads.stress
     assert stress is not None
     follower = solution.case.scene.follower

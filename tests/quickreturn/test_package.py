@@ -60,7 +60,7 @@ def test_importing_it_loads_nothing_else() -> None:
     ("code", "needless"),
     [
         (
-            "qr.simulate('thesis-24', quiet=True)",
+            "qr.simulate('thesis-24', store=False, quiet=True)",
             {"pandas", "pint", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "scipy.sparse"},
         ),
         ('main(["show", "thesis-24"])', {"numba", "pandas", "pint", "scipy.interpolate", "scipy.optimize"}),

@@ -10,14 +10,14 @@ import pytest
 from PIL import Image
 
 import quickreturn as qr
-from quickreturn.animation import FRAMES, last_turn, moving
 from quickreturn.cases.case_file import load_case
-from quickreturn.drawing import POINTS, SHOWN, factor_for, motion_of, unbent
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reports.drawing.animation import FRAMES, last_turn, moving
+from quickreturn.reports.drawing.mechanism import POINTS, SHOWN, factor_for, positions_of, unbent
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -34,7 +34,7 @@ def trajectory() -> Trajectory:
 def test_the_drawn_follower_passes_through_the_slider_and_ends_at_the_tip(trajectory: Trajectory) -> None:
     mechanism, rows = CASE.mechanism, slice(0, None, 50)
     times = trajectory["time"][rows]
-    motion = motion_of(mechanism, trajectory, times)
+    motion = positions_of(mechanism, trajectory, times)
     pivot = np.array([mechanism.pivot_distance, 0.0])
     largest = np.abs(trajectory["tip_deflection"]).max()
     placed = motion.placed(pivot, 1.0)
@@ -50,7 +50,7 @@ def test_the_drawn_follower_passes_through_the_slider_and_ends_at_the_tip(trajec
 
 
 def test_the_deflection_is_magnified_by_a_round_factor(trajectory: Trajectory) -> None:
-    motion, length = motion_of(CASE.scene, trajectory, trajectory["time"]), CASE.scene.follower.length
+    motion, length = positions_of(CASE.scene, trajectory, trajectory["time"]), CASE.scene.follower.length
     largest, factor = np.abs(motion.follower[..., 1]).max(), factor_for([motion], length)
     assert 0.4 * SHOWN * length < factor * largest <= SHOWN * length
     assert factor in (1.0, 2.0, 5.0, 10.0)
@@ -80,11 +80,11 @@ def test_the_moving_picture_moves_and_is_small(trajectory: Trajectory) -> None:
 def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajectory) -> None:
     columns = {name: values for name, values in trajectory.columns.items() if name != SHAPE[3]}
     with pytest.raises(qr.UnknownColumn, match=SHAPE[3]):
-        motion_of(CASE.scene, Trajectory(columns, 0.0), trajectory["time"])
+        positions_of(CASE.scene, Trajectory(columns, 0.0), trajectory["time"])
 
 
 def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajectory, tmp_path: Path) -> None:
-    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6})
+    solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6}, store=False)
     solution.animate(tmp_path / "out.html")
     page = (tmp_path / "out.html").read_text()
     assert "<canvas" in page

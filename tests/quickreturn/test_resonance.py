@@ -12,8 +12,8 @@ import xarray as xr
 
 import quickreturn as qr
 from quickreturn.cases.resonance_curve import range_of, scene_with
+from quickreturn.reports.drawing.style import picture
 from quickreturn.reports.findings.resonance import Around
-from quickreturn.reports.plots.style import picture
 from tests.quickreturn.conftest import Call
 
 RPM = math.pi / 30.0

@@ -1,7 +1,8 @@
-"""One sign flipped at a time in the source of the equations, run as plain Python so that a mutant costs milliseconds.
+"""One sign, product or constant changed at a time in the source of the equations, run as plain Python: a mutant costs milliseconds.
 
-What is flipped: every sum and difference (a + b to a - b, and a - b to a + b; the left operand's sign where it is no sum itself), every
-minus sign, every conjugate, every augmented += and -=, and every assigned or returned product.
+What is changed: every sum and difference (a + b to a - b, and a - b to a + b; the left operand's sign where it is no sum itself), every
+minus sign, every conjugate, every augmented += and -=, every assigned or returned product, every product (a * b to a / b), and every
+floating-point constant (to half as much again).
 
 What is left alone, by rule: index arithmetic (subscripts, `range`, comparisons, everything that evaluates to an int), the solution of
 a linear system, and in `_locate` and `place_at` the gradient that only steers Newton's iteration to the root of the same equation.
@@ -48,7 +49,7 @@ PROBE = "_probe"
 
 @dataclass(frozen=True)
 class Site:
-    """One place where a sign can be flipped."""
+    """One place where the source can be changed."""
 
     module: str
     statement: int  # of the module, a function as a rule
@@ -120,11 +121,17 @@ class _Marker(ast.NodeTransformer):
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
         node.left, node.right = self.visit(node.left), self.visit(node.right)
+        if isinstance(node.op, ast.Mult):
+            quotient = ast.BinOp(node.left, ast.Div(), node.right)
+            if self._site(node, quotient):
+                return quotient
+            if self.probe is not None:
+                node.right = self._probed(node.right)
         if not isinstance(node.op, (ast.Add, ast.Sub)):
             return node
         left_is_sum = isinstance(node.left, ast.BinOp) and isinstance(node.left.op, (ast.Add, ast.Sub))
         left_is_minus = isinstance(node.left, ast.UnaryOp)
-        if not (left_is_sum or left_is_minus or self._is_probe(node.left)):
+        if not (left_is_sum or left_is_minus):
             flipped_left = ast.BinOp(ast.UnaryOp(ast.USub(), node.left), node.op, node.right)
             if self._site(node, flipped_left):
                 return flipped_left
@@ -136,6 +143,14 @@ class _Marker(ast.NodeTransformer):
         if self.probe is not None:
             node.right = self._probed(node.right)
         return node
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        if not isinstance(node.value, float) or not node.value:
+            return node
+        changed = ast.Constant(1.5 * node.value)
+        if self._site(node, changed):
+            return changed
+        return self._probed(node) if self.probe is not None else node
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
         operand = self.visit(node.operand)
@@ -167,9 +182,6 @@ class _Marker(ast.NodeTransformer):
         text = ast.unparse(flipped) if self.flip is self.probe is None else ""
         self.sites.append((self.function, node.lineno, text))
         return len(self.sites) - 1 == self.flip
-
-    def _is_probe(self, node: ast.expr) -> bool:
-        return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == PROBE
 
     def _probed(self, value: Any) -> ast.expr:
         place = [ast.Constant(self.probe), ast.Constant(len(self.sites) - 1)]
@@ -223,7 +235,7 @@ def original(source: Source) -> Any:
 
 
 def mutant(source: Source, site: Site) -> Any:
-    """The source with one sign flipped."""
+    """The source with one change."""
     codes = list(_unchanged(site.module))
     codes[site.statement] = _compiled(_statements(site.module)[site.statement], _Marker(source, flip=site.number))
     return _execute(source, {site.module: codes})

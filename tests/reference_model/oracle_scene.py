@@ -1,6 +1,6 @@
-"""Scenes and states of the oracles handed to the explicit model, and what both say about them under common names."""
+"""Scenes and states handed to the thesis' model, and what it and the computer's derivation say about them under common names."""
 
-import math
+import cmath
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -27,8 +27,8 @@ from quickreturn.reference_model.thesis.parameters import (
     state_size,
     workspace_at,
 )
-from tests.symbolic import exact_model, symbolic_model
-from tests.symbolic.random_states import random_case
+from tests.reference_model.derived_thesis import of_shapes, one_cubic
+from tests.reference_model.random_states import random_case
 
 Array = NDArray[np.float64]
 Values = dict[str, Array]
@@ -168,28 +168,13 @@ def computed(equations: Equations, p: Parameters, y: Array) -> Values:
 
 
 def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) -> Values:
-    """What the symbolic oracle says about the single cubic."""
-    o = symbolic_model.evaluate(parameters, state)
-    free = o["accelerations"][list(symbolic_model.FREE)]
-    normal_angle = o["coordinates"][1] + state["tip_slope"]
-    return {
-        "follower": np.array([o["coordinates"][1], o["rates"][1]]),
-        "slider": np.array([o["coordinates"][4], o["rates"][4]]),
-        "projected_mass_matrix": o["projected_mass_matrix"],
-        "projected_force": o["projected_force"],
-        "accelerations": free,
-        "follower_acceleration": o["accelerations"][1:2],
+    """What the computer's derivation says about the single cubic."""
+    eta, eta_rate = flexible(state)
+    found = one_cubic().at(parameters, state, eta, eta_rate)
+    return found | {
         "shape": _cubic(parameters["length"], state),
-        "moments": _moments_of_cubic(parameters, state, float(o["coordinates"][4])),
-        "slider_force": np.array([o["slider_force"]]),
-        "kinetic_energy": np.array([o["kinetic_energy"]]),
-        "strain_energy": np.array([o["strain_energy"]]),
-        "gravity_energy": np.array([o["gravity_energy"]]),
-        "state_rate": np.r_[state["crank_speed"], flexible(state)[1], free],
-        "dissipated_power": np.array([o["dissipated_power"]]),
-        "drive_power": np.array([o["drive_power"]]),
-        "tip_position": o["tip_position"],
-        "tip_acceleration": np.array([o["tip_acceleration"] @ [-math.sin(normal_angle), math.cos(normal_angle)]]),
+        "moments": _moments_of_cubic(parameters, state, float(found["slider"][0])),
+        "state_rate": np.r_[state["crank_speed"], eta_rate, found["accelerations"]],
     }
 
 
@@ -210,27 +195,9 @@ def _moments_of_cubic(parameters: Mapping[str, float], state: Mapping[str, float
 def expected_shapes(
     parameters: Mapping[str, float], state: Mapping[str, float], shapes: ShapeSet, eta: Array, eta_rate: Array, *, exact: bool
 ) -> Values:
-    """What the d'Alembert oracle says about shapes on cells of equal length."""
-    h = float(shapes.edges[1])
-    coefficients = shapes.coefficients / h ** np.arange(shapes.coefficients.shape[1])[:, None]
-    geometry: exact_model.Geometry = "exact" if exact else "second order"
-    o = exact_model.accelerations(parameters, coefficients.transpose(2, 0, 1), state, eta, eta_rate, geometry=geometry)
-    end_slope = float(shapes.evaluate(shapes.edges[-1:], 1)[0] @ eta)
-    normal_angle = o["follower_angle"] + (math.asin(end_slope) if exact else end_slope)
-    return {
-        "follower": np.array([o["follower_angle"], o["follower_speed"]]),
-        "slider": np.array([o["slider_position"], o["slider_speed"]]),
-        "projected_mass_matrix": o["projected_mass_matrix"],
-        "projected_force": o["projected_force"],
-        "accelerations": o["accelerations"],
-        "slider_force": np.array([o["slider_force"]]),
-        "bearings": o["bearings"],
-        "kinetic_energy": np.array([o["kinetic_energy"]]),
-        "strain_energy": np.array([o["strain_energy"]]),
-        "gravity_energy": np.array([o["gravity_energy"]]),
-        "tip_position": o["tip_position"],
-        "tip_acceleration": np.array([o["tip_acceleration"] @ [-math.sin(normal_angle), math.cos(normal_angle)]]),
-    }
+    """What it says about shapes on cells of equal length."""
+    chord = parameters["crank_length"] * cmath.exp(1j * state["crank_angle"]) - parameters["pivot_distance"]
+    return of_shapes(shapes, abs(chord), exact=exact).at(parameters, state, eta, eta_rate)
 
 
 def largest_difference(found: Values, expected: Values) -> tuple[float, str]:

@@ -1,4 +1,4 @@
-"""Mutants of the thesis' equations, each of which must miss an oracle in some state."""
+"""Mutants of the thesis' equations, each of which must miss the computer's derivation in some state."""
 
 import dataclasses
 import math
@@ -25,7 +25,6 @@ from tests.reference_model.oracle_scene import (
     mechanism_of,
     state_vector,
 )
-from tests.symbolic import symbolic_model
 
 SOURCE = Source(
     modules=(kinematics, dynamics, observables, equations),
@@ -48,7 +47,7 @@ SOURCE = Source(
 #: That of test_thesis_equations.py; the unchanged source lies three decades below.
 TOLERANCE = 1e-10
 
-#: Flipped signs that change nothing, and why.
+#: Changes without effect, and why.
 EQUIVALENT = {
     ("centre_line", "slope_rate -= t.dphi[p, i] * eta_rate[i]"): "the rate of W' enters H squared and nothing else",
     ("energies", "curvature -= p.tables.ddphi[point, i] * y[1 + i]"): "the strain energy is quadratic in the curvature",
@@ -57,7 +56,7 @@ EQUIVALENT = {
 
 @dataclasses.dataclass(frozen=True)
 class Check:
-    """One state with all optional parts on, and what an oracle says about it."""
+    """One state with all optional parts on, and what the computer's derivation says about it."""
 
     parameters: Parameters
     shapes: ShapeSet
@@ -65,9 +64,10 @@ class Check:
     expected: Values
 
     def difference(self, equations: Equations) -> float:
-        """From the oracle; infinite where the state cannot be evaluated."""
+        """From it; infinite where the state cannot be evaluated."""
         try:
-            found = computed(equations, self.parameters, self.state)
+            with np.errstate(all="ignore"):
+                found = computed(equations, self.parameters, self.state)
             return largest_difference(found, self.expected)[0]
         except (ValueError, ZeroDivisionError, OverflowError, IndexError, np.linalg.LinAlgError):
             return np.inf
@@ -87,7 +87,7 @@ def checks() -> tuple[Check, ...]:
 def _prescribed() -> Check:
     parameters, state = draw_case(5, present=1.0)
     parameters |= {"crank_torque": 0.0, "crank_damping": 0.0}
-    oracle = symbolic_model.evaluate(parameters, state)
+    oracle = expected_cubic(parameters, state)
     mass, force = oracle["projected_mass_matrix"], oracle["projected_force"]
     acceleration = np.linalg.solve(mass[1:, 1:], force[1:])
     mechanism = mechanism_of(parameters)
@@ -100,7 +100,7 @@ def _prescribed() -> Check:
         p,
         shapes,
         state_vector(p, state, *flexible(state)),
-        {"accelerations": np.asarray(acceleration, dtype=np.float64), "drive_power": np.array([power])},
+        {"accelerations": np.asarray(acceleration, dtype=np.float64), "drive_power": power},
     )
 
 
@@ -120,10 +120,10 @@ def _quartics() -> Check:
 
 
 def _exact() -> Check:
-    parameters, state = draw_case(1, present=1.0)
+    parameters, state = draw_case(4, present=1.0)
     eta, eta_rate = flexible(state)
-    p, shapes = build(parameters, exact=True, cells=4)  # quadrature error 5e-12, see test_thesis_equations.py
+    p, shapes = build(parameters, exact=True, cells=8)  # quadrature error 3e-12, see test_thesis_equations.py
     return Check(p, shapes, state_vector(p, state, eta, eta_rate), expected_shapes(parameters, state, shapes, eta, eta_rate, exact=True))
 
 
-HUNT = Hunt(SOURCE, checks, TOLERANCE, EQUIVALENT, least=300)
+HUNT = Hunt(SOURCE, checks, TOLERANCE, EQUIVALENT, least=800)

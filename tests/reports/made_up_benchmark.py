@@ -1,7 +1,8 @@
 """A benchmark with known numbers: errors fall as a power of the degrees of freedom, times grow with them."""
 
 from quickreturn.cases.benchmark import Benchmark
-from quickreturn.cases.benchmark.findings import Confirmation, Converged, Measured, Point
+from quickreturn.cases.benchmark.findings import Measured, Point
+from quickreturn.cases.benchmark.truth import Confirmation, Converged
 
 COLUMNS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
 #: Method -> engine, order of the error, error with one degree of freedom, seconds per degree of freedom.

@@ -12,9 +12,10 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import INACCURATE, SETTLED, Run
+from quickreturn.cases.runs.request import Run
 from quickreturn.engines.trajectory import OPTIONAL, REQUIRED
 from quickreturn.reference_model.columns import MOMENTS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
@@ -24,17 +25,17 @@ ENGINES = ("thesis", "reference", "exudyn", "mujoco")
 STIFFER = {"thesis": 1.13, "reference": 1.0, "exudyn": 1.002, "mujoco": 0.997}  # first mode over the reference's
 
 
-def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, samples: int = 400, turning: int = 1) -> Run:
+def made_up_run(case: Case, engine: str, status: str = Ending.SETTLED, seed: int = 0, samples: int = 400, turning: int = 1) -> Run:
     """A run of any status; a failed one has no cycle, a rigid case no vibration."""
     run = Run(
         engine=engine,
         estimate_of="integration" if engine == "thesis" else "total",
         status=status,
         start=None if status in ("failed", "refused") else "standard",
-        unestimated="" if status in (SETTLED, INACCURATE) else status,
+        unestimated="" if status in (Ending.SETTLED, Ending.INACCURATE) else status,
         settling_error=5e-4,
         solve_seconds=1.0,
-        reached=status == SETTLED,
+        reached=status == Ending.SETTLED,
     )
     if status in ("failed", "refused"):
         return run
@@ -72,7 +73,7 @@ def made_up_run(case: Case, engine: str, status: str = SETTLED, seed: int = 0, s
     errors = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
     estimates = {name: dict.fromkeys(("pre", "post"), 2e-3 * float(np.max(np.abs(values)))) for name, values in columns.items()}
     run = dataclasses.replace(run, settling_errors=errors, cycle=columns, extreme_estimates=estimates)
-    if not (bends and status == SETTLED):
+    if not (bends and status == Ending.SETTLED):
         return run
     consensus, measures = [], []
     for half in ("pre", "post"):
@@ -124,7 +125,7 @@ def _measure(half: str, channel: str, frequency: float, values: np.ndarray, rand
 def made_up_result(name: str, statuses: dict[str, str] | None = None, seed: int = 0, turning: int = 1) -> CaseResult:
     """All four engines on a case of the library, settled unless `statuses` says otherwise."""
     case = load_case(name)
-    chosen = dict.fromkeys(ENGINES, SETTLED) | (statuses or {})
+    chosen = dict.fromkeys(ENGINES, Ending.SETTLED) | (statuses or {})
     runs = {
         engine: made_up_run(case, engine, status, seed + number, turning=turning) for number, (engine, status) in enumerate(chosen.items())
     }

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases.benchmark import Benchmark
-from quickreturn.cases.benchmark.measurement import truth_of
+from quickreturn.cases.benchmark.truth import truth_of
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes.grid import CENTRE, case_of
 from quickreturn.cases.classes.map import Map
@@ -26,10 +26,9 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports import long_studies
 from quickreturn.reports import report as report_module
-from quickreturn.reports.long_studies import About, RecordedConformance, RecordedPoint, table, text_of
+from quickreturn.reports.long_studies import About, ConformanceRow, PointRow, table, text_of
 from quickreturn.reports.long_studies import __main__ as recording
 from quickreturn.reports.long_studies.__main__ import main
-from quickreturn.reports.page.facts.studies import CONFIRMED
 from tests.cases.made_up_map import made_up_map
 from tests.reports import pages
 from tests.reports.made_up_benchmark import made_up_benchmark
@@ -44,10 +43,10 @@ CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24"
 def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
     measured, found = made_up_benchmark(), matrix(wrong=True)
-    (tmp_path / "points.csv").write_text(text_of([RecordedPoint(measured.case, point) for point in measured.points]))
+    (tmp_path / "points.csv").write_text(text_of([PointRow(measured.case, point) for point in measured.points]))
     (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, points=())]))
     (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))
-    points = table("points", RecordedPoint)
+    points = table("points", PointRow)
     for mine, its in zip(points, measured.points, strict=True):
         assert mine.case == measured.case
         assert (mine.point.method, mine.point.settings, mine.point.status) == (its.method, its.settings, its.status)
@@ -68,7 +67,7 @@ def test_a_recorded_result_is_labelled_as_such() -> None:
 
 def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     checks = (Check("a", "passed"), Check("b", "passed"), Check("c", "not judged", "it is coarse"))
-    found = [RecordedConformance.of(Conformance(name, True, checks), "1.2") for name in ("thesis", "mujoco")]
+    found = [ConformanceRow.of(Conformance(name, True, checks), "1.2") for name in ("thesis", "mujoco")]
     (tmp_path / "conformance.csv").write_text(text_of(found))
     (tmp_path / "about.csv").write_text(text_of([About("conformance", "2001-02-03", "numpy 1", "f" * 64)]))
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
@@ -82,7 +81,7 @@ def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, 
         "thesis": "does not conform: 1 check failed; 0 checks passed",
         "mujoco": f"conforms; 2 checks passed, 1 could not be judged ({recorded})",
     }
-    assert table("conformance", RecordedConformance) == found
+    assert table("conformance", ConformanceRow) == found
 
 
 def test_the_map_of_classes_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,7 +134,7 @@ def test_two_packages_confirm_the_converged_solution() -> None:
     """Kept where the report finds it."""
     found = confirming(Workshop(Store()))
     assert {run.engine for run in found} == {"exudyn", "mujoco"}
-    assert max(run.errors["tip_deflection"] for run in found) <= CONFIRMED
+    assert all(run.confirms for run in found)
 
 
 def test_who_has_no_confirming_solutions_sees_those_of_record() -> None:

@@ -1,6 +1,7 @@
 """Looks: a colour and a mark for each name, told apart by colour-blind eyes, too; lines at 3:1 and text at 4.5:1 against their ground."""
 
 import re
+from importlib.metadata import distribution
 from itertools import combinations
 
 import numpy as np
@@ -8,10 +9,10 @@ import pytest
 from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
-from quickreturn.engines.registry import MAIN, RIVALS
-from quickreturn.reports.looks import SIGNALS, looks
-from quickreturn.reports.page.render import environment
-from quickreturn.reports.plots.style import all_looks
+from quickreturn.engines.registry import GROUP, MAIN, RIVALS
+from quickreturn.reports.drawing.style import all_looks
+from quickreturn.reports.looks import ENGINES, SIGNALS, looks
+from quickreturn.reports.page.render import KINDS, environment
 
 STYLE = environment().get_template("style.css").render(engines=(), looks={})
 LIGHT, DARK = (dict(re.findall(r"--([\w-]+): (#\w+)", block)) for block in re.findall(r"{([^}]*--ground[^}]*)}", STYLE)[:2])
@@ -57,7 +58,7 @@ def contrast(one: str, other: str) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-@pytest.mark.parametrize("engine", [*MAIN, *RIVALS, "somebody's"])
+@pytest.mark.parametrize("engine", [*ENGINES, "somebody's"])
 def test_curves_stand_out(engine: str) -> None:
     look = looks([engine])[engine]
     for ground in ("ground", "page"):
@@ -90,7 +91,7 @@ def test_edges_of_controls_can_be_seen() -> None:
 
 
 @pytest.mark.parametrize("eyes", EYES)
-@pytest.mark.parametrize("names", [(*MAIN, *RIVALS, "press", "a.csv", "mine"), tuple(SIGNALS)], ids=["engines", "signals"])
+@pytest.mark.parametrize("names", [(*ENGINES, "press", "a.csv", "mine"), tuple(SIGNALS)], ids=["engines", "signals"])
 def test_colours_keep_apart_for_every_eye(names: tuple[str, ...], eyes: str) -> None:
     found = looks(names)
     for scheme in ("light", "dark"):
@@ -106,12 +107,17 @@ def test_a_simulated_eye_does_not_tell_red_from_green() -> None:
     assert np.linalg.norm(lab(red, EYES["deuteranopia"]) - lab(green, EYES["deuteranopia"])) < 20.0
 
 
-@pytest.mark.parametrize("names", [(*MAIN, *RIVALS), tuple(SIGNALS)], ids=["engines", "signals"])
+@pytest.mark.parametrize("names", [tuple(ENGINES), tuple(SIGNALS)], ids=["engines", "signals"])
 def test_names_can_be_told_apart_without_colour(names: tuple[str, ...]) -> None:
     found = looks(names)
     assert len({(look.width, look.dash) for look in found.values()}) == len(found)
     assert len({look.marker for look in found.values()}) == len(found)
     assert len({look.light for look in found.values()}) == len({look.dark for look in found.values()}) == len(found)
+
+
+def test_every_engine_of_the_project_has_a_look_and_two_words_of_its_own() -> None:
+    ours = distribution("quickreturn").entry_points.select(group=GROUP).names
+    assert {*MAIN, *RIVALS, *ours} == set(ENGINES) == set(KINDS)
 
 
 def test_a_name_has_its_look_in_any_company() -> None:
@@ -128,7 +134,7 @@ def test_unknown_names_take_turns() -> None:
 
 
 def test_pictures_have_the_colours_of_the_page() -> None:
-    names = [*MAIN, *RIVALS, "press"]
+    names = [*ENGINES, "press"]
     assert {name: to_hex(style["color"]) for name, style in all_looks(names).items()} == {
         name: look.light for name, look in looks(names).items()
     }

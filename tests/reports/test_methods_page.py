@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from quickreturn.cases.benchmark import Compiling
-from quickreturn.cases.benchmark.findings import Confirmation
+from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.facts.methods import methods
 from quickreturn.reports.tables import benchmark as tables

@@ -14,9 +14,9 @@ from PIL import Image
 from quickreturn.cases.experiment import axis_labels
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.engines.registry import MAIN, RIVALS
-from quickreturn.reports.document_pictures import png
+from quickreturn.reports.drawing import cycle, recorded, work_precision
+from quickreturn.reports.drawing.document_pictures import png
 from quickreturn.reports.looks import looks
-from quickreturn.reports.plots import cycle, recorded, work_precision
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import made_up_result, with_table
 

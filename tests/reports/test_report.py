@@ -5,10 +5,11 @@ import dataclasses
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from quickreturn.cases.benchmark.findings import Measured, Point
+from quickreturn.cases.benchmark.truth import Confirmation, Converged
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.key import code_fingerprint
 from quickreturn.cases.jobs.processes import LocalProcesses
@@ -46,26 +47,38 @@ def both_starts(difference: float = 6e-4) -> BothStarts:
     return BothStarts("exudyn", orbit, straight, difference)
 
 
-def studied(engine: str, settings: dict[str, Any], part: float = 1.0, *, is_reference: bool = False) -> StudiedRun:
-    return StudiedRun(
-        engine=engine,
-        settings=settings,
+def errors(part: float = 1.0) -> dict[str, float | None]:
+    return {name: part * error for name, error in ERRORS.items()}
+
+
+def studied(engine: str) -> StudiedRun:
+    numbers = {"degrees_of_freedom": 17, "solve_seconds": 1.5, "setup_seconds": 0.1}
+    return StudiedRun(engine=engine, settings={"step": 1e-4}, error_estimate=9e-4, errors=errors(), **numbers)
+
+
+def rung(modes: int) -> Point:
+    measured = Measured(
         degrees_of_freedom=17,
+        errors=errors(100.0 / modes),
         solve_seconds=1.5,
+        solve_seconds_median=1.5,
+        solve_seconds_largest=1.5,
+        repetitions=1,
         setup_seconds=0.1,
-        error_estimate=9e-4,
-        errors={name: part * error for name, error in ERRORS.items()},
-        is_reference=is_reference,
+        statistics={},
+        calls_per_period=None,
     )
+    settings = {"modes": modes, "tolerance": 1e-9}
+    return Point(method="reference", engine="reference", settings=settings, changing=settings, status="completed", measured=measured)
 
 
 def studies() -> Studies:
     """Made-up rows."""
     return Studies(
-        accuracy=[studied(name, {"step": 1e-4}) for name in ("thesis", "reference")],
-        converged=studied("reference", {"modes": 9}),
-        confirming=[studied("exudyn", {"elements": 32})],
-        convergence=[studied("reference", {"modes": n, "tolerance": 1e-9}, 100.0 / n, is_reference=n == 8) for n in (2, 4, 8)],
+        accuracy=[studied(name) for name in ("thesis", "reference")],
+        converged=Converged("reference", {"modes": 9}, {}),
+        confirming=[Confirmation("exudyn", {"elements": 32}, errors())],
+        convergence=[rung(modes) for modes in (2, 4, 8)],
         both_starts=[both_starts()],
         failures=(),
     )

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.experiment import statements
-from quickreturn.cases.frozen_crank import (
-    FrozenCrank,
-    Range,
-    frozen_crank,
-)
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES, CaseResult, Check, compare
+from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, compare
 from quickreturn.cases.runs.estimates import EstimatedConsensus
 from quickreturn.cases.runs.request import Run
+from quickreturn.cases.thesis_modes import (
+    Span,
+    ThesisModes,
+    thesis_modes,
+)
 from quickreturn.reports.findings.agreement import differences, outward, spread
 from quickreturn.reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from quickreturn.reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
-from quickreturn.reports.findings.failures import INCOMPLETE, troubles
+from quickreturn.reports.findings.failures import troubles
 from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
 from quickreturn.reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from quickreturn.reports.page.answer import answer_of
@@ -52,9 +52,9 @@ def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: f
 
 
 ALIKE = {"thesis": (1.13, 1.13), "reference": (1.0, 1.0), "exudyn": (1.0, 1.0), "mujoco": (1.0, 1.0)}
-FROZEN_CRANK = FrozenCrank(
-    converged=(Range(11.0, 20.0), Range(45.0, 64.0), Range(112.0, 153.0)),
-    cubic=(Range(12.0, 23.0), Range(60.0, 85.0)),
+THESIS_MODES = ThesisModes(
+    converged=(Span(11.0, 20.0), Span(45.0, 64.0), Span(112.0, 153.0)),
+    cubic=(Span(12.0, 23.0), Span(60.0, 85.0)),
     alternating=(0.0, 0.0, 1.0),
     alike=(1.0, 0.0, 0.0),
     elements=(0.16, 0.03, 0.01),
@@ -72,14 +72,14 @@ def test_every_statement_gets_a_verdict() -> None:
 
 def test_halves_that_are_alike_cannot_explain_a_difference_between_them() -> None:
     results = [with_frequencies(f"thesis-{run:02d}", ALIKE) for run in (10, 24)]
-    verdict, numbers, _ = conclusion_on("post-excess", Basis(results, FROZEN_CRANK))
+    verdict, numbers, _ = conclusion_on("post-excess", Basis(results, THESIS_MODES))
     assert verdict == CANNOT_FOLLOW
     assert "1.000" in numbers
 
 
 def test_halves_that_differ_by_what_the_words_mean_are_not_ruled_out() -> None:
     results = [with_frequencies(f"thesis-{run:02d}", ALIKE | {"thesis": (1.10, 1.15)}) for run in (10, 24)]
-    assert conclusion_on("post-excess", Basis(results, FROZEN_CRANK))[0] == UNCHECKABLE
+    assert conclusion_on("post-excess", Basis(results, THESIS_MODES))[0] == UNCHECKABLE
 
 
 @pytest.mark.parametrize(("post_side", "verdict"), [(-600, UNCHECKABLE), (-10, CANNOT_FOLLOW), (600, CANNOT_FOLLOW)])
@@ -87,30 +87,30 @@ def test_the_joint_can_be_the_cause_only_if_one_side_lowers_the_frequency_after_
     changed: dict[str, Any] = {"post_frequency": (post_side,) * 24, "pre_frequency": (0,) * 24}
     own = ("post-side", "reference")
     rows = [dataclasses.replace(row, **changed) if (row.effect, row.engine) == own else row for row in made_up_finding()]
-    assert conclusion_on("joint-cause", Basis([], FROZEN_CRANK, finding=rows))[::2] == (verdict, verdict == UNCHECKABLE)
-    assert conclusion_on("joint-cause", Basis([], FROZEN_CRANK))[::2] == (UNCHECKABLE, False)
+    assert conclusion_on("joint-cause", Basis([], THESIS_MODES, finding=rows))[::2] == (verdict, verdict == UNCHECKABLE)
+    assert conclusion_on("joint-cause", Basis([], THESIS_MODES))[::2] == (UNCHECKABLE, False)
 
 
 @pytest.mark.parametrize(("factors", "verdict"), [((1.0, 1.0), HOLDS), ((1.04, 1.10), IN_PART), ((1.13, 1.13), NOT)])
 def test_the_first_mode_is_accurate_within_the_stated_limits_only(factors: tuple[float, float], verdict: str) -> None:
     results = [with_frequencies("thesis-24", ALIKE | {"thesis": factors})]
-    assert conclusion_on("two-modes", Basis(results, FROZEN_CRANK))[0] == verdict
+    assert conclusion_on("two-modes", Basis(results, THESIS_MODES))[0] == verdict
 
 
 def test_132_hz_belongs_to_the_mode_whose_range_holds_it() -> None:
-    assert conclusion_on("second-mode", Basis([], FROZEN_CRANK))[::2] == (NOT, True)
-    second = dataclasses.replace(FROZEN_CRANK, converged=(Range(11.0, 20.0), Range(120.0, 140.0), Range(200.0, 250.0)))
+    assert conclusion_on("second-mode", Basis([], THESIS_MODES))[::2] == (NOT, True)
+    second = dataclasses.replace(THESIS_MODES, converged=(Span(11.0, 20.0), Span(120.0, 140.0), Span(200.0, 250.0)))
     assert conclusion_on("second-mode", Basis([], second))[::2] == (HOLDS, False)
 
 
 def test_more_elements_are_a_way_only_if_they_lower_the_error() -> None:
-    assert conclusion_on("more-elements", Basis([], FROZEN_CRANK))[0] == HOLDS
-    assert conclusion_on("more-elements", Basis([], dataclasses.replace(FROZEN_CRANK, elements=(0.16, 0.15, 0.14))))[0] == NOT
+    assert conclusion_on("more-elements", Basis([], THESIS_MODES))[0] == HOLDS
+    assert conclusion_on("more-elements", Basis([], dataclasses.replace(THESIS_MODES, elements=(0.16, 0.15, 0.14))))[0] == NOT
 
 
 def test_the_single_cubic_is_as_stiff_as_is_known(run_24: CaseResult) -> None:
     # at 180, 90 and 0 degrees 22.94, 19.76 and 12.71 Hz against 20.354, 17.779 and 10.925 Hz: the largest excess is the last
-    one, two, _ = frozen_crank(run_24.case.mechanism).elements
+    one, two, _ = thesis_modes(run_24.case.mechanism).elements
     assert one == pytest.approx(12.71 / 10.925 - 1.0, abs=1e-3)  # four digits known
     assert two < 0.05
 
@@ -221,7 +221,7 @@ def test_figures_with_measured_curves_alone_are_told_apart(run_24: CaseResult) -
 
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
-    found = {run.engine: run.status in INCOMPLETE for _, run in troubles([reported_result("thesis-24", statuses)])}
+    found = {run.engine: run.ending.incomplete for _, run in troubles([reported_result("thesis-24", statuses)])}
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 
@@ -254,7 +254,7 @@ def test_the_excess_counted_off_plots_is_that_of_the_frequencies_where_there_is_
 
 def test_ranges_of_the_crank_held_still_hold_the_known_frequencies_of_run_24(run_24: CaseResult) -> None:
     known = np.array([[20.354, 62.287, 112.95], [17.779, 45.604, 135.26], [10.925, 63.787, 123.83]])  # at 180, 90, 0 degrees
-    converged = frozen_crank(run_24.case.mechanism).converged
+    converged = thesis_modes(run_24.case.mechanism).converged
     for found, frequencies in zip(converged, known.T, strict=True):
         # five digits are known; the least of the first mode is the value at 0 degrees
         assert all(found.low * (1 - 1e-4) <= frequency <= found.high * (1 + 1e-4) for frequency in frequencies)
@@ -262,18 +262,18 @@ def test_ranges_of_the_crank_held_still_hold_the_known_frequencies_of_run_24(run
 
 
 def test_the_third_mode_bends_gauges_1_and_3_against_gauge_2_and_the_first_all_alike(run_24: CaseResult) -> None:
-    found = frozen_crank(run_24.case.mechanism)
+    found = thesis_modes(run_24.case.mechanism)
     assert (found.alternating[2], found.alike[0], found.alternating[1]) == (1.0, 1.0, 0.0)
 
 
-def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Check]:
+def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Difference]:
     """The same with exudyn's maximum of strain 3 before the return off by so many times what both claim, and its check."""
     reference, exudyn = (result.runs[name].measure("pre", "strain_3") for name in ("reference", "exudyn"))
     assert reference is not None
     assert exudyn is not None
     wanted = ("exudyn", "maximum", "pre", "strain_3")
 
-    def found(of: CaseResult) -> Check:
+    def found(of: CaseResult) -> Difference:
         (check,) = (c for c in of.checks if (c.engine, c.quantity, c.half, c.channel) == wanted)
         return check
 

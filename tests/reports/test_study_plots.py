@@ -8,12 +8,12 @@ import pytest
 from matplotlib.patches import PathPatch
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import LEFT, UNSTABLE, Asked
 from quickreturn.cases.sweep.study import Study
-from quickreturn.reports.document_pictures import CURVE, MAPS
-from quickreturn.reports.plots.study import ENDINGS, draw, drawable
+from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
+from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
 from tests.reports.test_looks import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")
@@ -25,7 +25,7 @@ def made_up(*axes: str, measures: tuple[str, ...] = ("peak.tip_acceleration",), 
     grid = Grid(load_case("thesis-24"), tuple(axis(text) for text in axes))
     shape = (len(ways), *grid.shape)
     values = np.geomspace(1.0, 1000.0, math.prod(shape)).reshape(shape)
-    statuses = np.full(shape, SETTLED, dtype=object)
+    statuses = np.full(shape, Ending.SETTLED, dtype=object)
     statuses.flat[-2:] = [DOUBLING, LEFT]
     values.flat[-1] = math.nan
     measured = np.repeat(values[..., None], len(measures), axis=-1)

@@ -40,7 +40,7 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceSettings
-from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.registry import engine, engine_names
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
@@ -241,7 +241,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--library", action="store_true", help="the scenes of the library")
     parser.add_argument("--machines", type=int, default=0, metavar="N", help="number of sensible machines")
     parser.add_argument("--random", type=int, default=0, metavar="N", help="number of random scenes around the thesis' mechanism")
-    parser.add_argument("--engine", action="append", choices=(*MAIN, *RIVALS), help="default: reference, exudyn and mujoco")
+    parser.add_argument("--engine", action="append", choices=engine_names(), help="default: reference, exudyn and mujoco")
     parser.add_argument("--accuracy", action="append", type=float, help="default: the engine's own, 1e-2 and 1e-3")
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--jobs", type=int, default=None)

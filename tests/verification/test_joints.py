@@ -17,8 +17,9 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import library_case
 from quickreturn.cases.library.thesis import run_name
-from quickreturn.cases.runs.comparison import CaseResult, Check, cross_validate
-from quickreturn.cases.runs.request import FAILED, Run
+from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import engine
 from quickreturn.reference_model.mechanism import Mechanism, changed
 from tests.verification.random_scenes import sensible_machines
@@ -104,7 +105,7 @@ def refuses(name: str, case: Case) -> bool:
     return False
 
 
-def ratio(check: Check) -> float:
+def ratio(check: Difference) -> float:
     """Difference over what both claim."""
     return abs(check.difference) / check.tolerance
 
@@ -158,4 +159,4 @@ def test_engines_agree_on_forty_machines(record_property: Any) -> None:
 
 
 def is_late(run: Run) -> bool:
-    return run.status == FAILED and (run.cause or "").startswith(STOPPED)
+    return run.status == Ending.FAILED and (run.cause or "").startswith(STOPPED)

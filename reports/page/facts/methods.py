@@ -6,11 +6,12 @@ from typing import Any, Final
 
 from quickreturn.cases.benchmark import SCENES, Benchmark, fastest_at, observed_order, pareto_front
 from quickreturn.cases.benchmark.findings import LEVELS, Measured, completed, soonest_at
-from quickreturn.cases.benchmark.measurement import CONFIRMED
+from quickreturn.cases.benchmark.truth import CONFIRMED
 from quickreturn.cases.judging.conditioning import CHANGE, ILL
-from quickreturn.cases.judging.matrix import MODEL, REQUESTED, Matrix
+from quickreturn.cases.judging.matrix import REQUESTED, Matrix
 from quickreturn.cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
 from quickreturn.cases.library.hard import IMPOSSIBLE
+from quickreturn.engines.registry import MODEL
 from quickreturn.reports.page.answer import contest, is_own
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series

@@ -2,18 +2,16 @@
 
 import shlex
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
-from quickreturn.cases.runs.request import SETTLED
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.mechanism import TorqueDrive
-from quickreturn.reports.findings.failures import MEANINGS
 from quickreturn.reports.findings.runs import thesis_runs
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables import engines as engine_tables
 from quickreturn.reports.tables import provenance as tables
 from quickreturn.reports.tables.table import Column, Table
-
-STANDARD_GRAVITY: Final = 9.80665  # m/s²
 
 
 def next_steps(content: Content) -> dict[str, Any] | None:
@@ -36,8 +34,8 @@ def provenance(content: Content) -> dict[str, Any]:
     runs = [run for result in content.results for run in result.runs.values()]
     return {
         "troubles": content.troubles,
-        "meanings": {status: meaning for status, meaning in MEANINGS.items() if status in {run.status for _, run in content.troubles}},
-        "settled": MEANINGS[SETTLED],
+        "meanings": {ending.value: ending.sentence for ending in Ending if ending in {run.status for _, run in content.troubles}},
+        "settled": Ending.SETTLED.sentence,
         "of_integration": list(dict.fromkeys(run.engine for run in runs if run.usable and run.estimate_of == "integration")),
         "study_failures": () if content.studies is None else content.studies.failures,
         "notices": content.notices,
@@ -59,7 +57,7 @@ def _gravity(content: Content) -> tuple[float | None, float | None]:
     for result in thesis_runs(content.results).values():
         crank = result.case.mechanism.crank
         if isinstance(crank.drive, TorqueDrive):
-            return crank.drive.torque, crank.mass * STANDARD_GRAVITY * crank.center_of_mass
+            return crank.drive.torque, crank.mass * in_si("g0") * crank.center_of_mass
     return None, None
 
 

@@ -8,10 +8,9 @@ from quickreturn.reports.findings.resonance import Around
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
 from quickreturn.reports.tables.resonance import OWN, PEAK, remarkable, resonance_curve, resonances
-from quickreturn.reports.tables.table import SHOWN
-from quickreturn.reports.words import number, size
+from quickreturn.reports.words import number, per_unit, size
 
-_RPM: Final = SHOWN["rpm"][1]
+_RPM: Final = per_unit("rpm")
 
 
 def resonance(content: Content) -> dict[str, Any] | None:

@@ -1,12 +1,13 @@
 """Accuracy beside cost."""
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
+from quickreturn.cases.benchmark.findings import Point
+from quickreturn.cases.benchmark.truth import CONFIRMED
 from quickreturn.cases.runs.comparison import REFERENCE
-from quickreturn.cases.studies import StudiedRun
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
 from quickreturn.reports.page.content import Content
@@ -15,9 +16,6 @@ from quickreturn.reports.tables import studies as tables
 from quickreturn.reports.tables.orbits import GONE_AT, SETTLED_AT, both_starts, orbits
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.words import size
-
-#: What two solutions may differ by to confirm each other.
-CONFIRMED: Final = 5e-4
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:
@@ -48,17 +46,16 @@ def accuracy(content: Content) -> dict[str, Any] | None:
     return facts
 
 
-def _convergence(runs: Sequence[StudiedRun]) -> Plot | None:
-    if not runs:
+def _convergence(points: Sequence[Point]) -> Plot | None:
+    if not points:
         return None
-    tightest = min(run.settings["tolerance"] for run in runs)
-    finest = [run for run in runs if run.settings["tolerance"] == tightest and not run.is_reference]
-    modes = [run.settings["modes"] for run in finest]
+    tightest = min(point.settings["tolerance"] for point in points)
+    finest = [point for point in points[:-1] if point.settings["tolerance"] == tightest]
     series = []
     for name in ESTIMATED:
-        errors = [run.errors[name] for run in finest]
-        texts = [f"{n} modes: {size(error)}" for n, error in zip(modes, errors, strict=True)]
-        series.append(Series(name.replace("_", " "), name, modes, [100.0 * error for error in errors], texts))
+        errors = {point.settings["modes"]: error for point in finest if (error := point.error(name)) is not None}
+        texts = [f"{modes} modes: {size(error)}" for modes, error in errors.items()]
+        series.append(Series(name.replace("_", " "), name, [*errors], [100.0 * error for error in errors.values()], texts))
     return Plot("convergence.csv", "modes", "error, RMS over RMS [%]", series, "y")
 
 

@@ -11,10 +11,10 @@ from quickreturn.cases.library import inconsistencies
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import REFERENCE
 from quickreturn.cases.uncertainty.thesis import Band
-from quickreturn.engines.registry import OWN
+from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import differences, engines_of
 from quickreturn.reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
-from quickreturn.reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, MODEL, NOT, OUTCOMES
+from quickreturn.reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, NOT, OUTCOMES
 from quickreturn.reports.findings.raw_extremes import Excess, counted_excess
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.facts.finding import EXCESS, finding

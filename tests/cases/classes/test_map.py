@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.benchmark.measurement import truth_of
+from quickreturn.cases.benchmark.truth import truth_of
 from quickreturn.cases.classes import measurement
 from quickreturn.cases.classes.grid import CENTRE, case_of, name_of
 from quickreturn.cases.classes.groups import Groups

@@ -268,7 +268,7 @@ def test_a_class_that_no_other_process_can_import_is_not_accused() -> None:
 def test_every_change_is_one_that_the_scene_takes() -> None:
     for change in CHANGES:
         before = changed(BASE, change.context)
-        assert changed(before, change.values) != before, change.name
+        assert change.of(before) != before, change.name
         for values in change.alike.values():
             changed(before, values)
 

@@ -28,7 +28,8 @@ from quickreturn.cases.jobs.job import ExecutorError, Job, Limits
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.command_line import BAD_INPUT, _told_of
+from quickreturn.command_line import _told_of
+from quickreturn.reference_model.errors import ExitCode
 from tests.package_copy import copied_package
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -186,7 +187,7 @@ def test_a_bad_address_is_bad_input(address: str, reason: str, monkeypatch: pyte
     with pytest.raises(ExecutorError) as raised:
         cluster(address)
     assert str(raised.value) == f"cluster {address}: no scheduler answers there ({reason}); start one with `dask scheduler`"
-    assert _told_of(raised.value) == BAD_INPUT
+    assert _told_of(raised.value) == ExitCode.BAD_INPUT
     assert capsys.readouterr().err == f"quickreturn: {raised.value}\n"
 
 

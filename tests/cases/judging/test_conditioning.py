@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.judging.conditioning import CHANGE, ILL, conditioning, variants
+from quickreturn.cases.judging.conditioning import CHANGE, ILL, conditioning, variations
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 
@@ -56,7 +56,7 @@ def test_a_few_rows_beyond_the_horizon_are_not_told_apart() -> None:
 
 
 def test_what_is_changed() -> None:
-    scenes = variants(MECHANISM)
+    scenes = {each.name: each.of(MECHANISM) for each in variations(MECHANISM)}
     factor = 1.0 + CHANGE
     follower = MECHANISM.follower
     assert scenes["stiffness"] == replace(MECHANISM, follower=replace(follower, bending_stiffness=factor * STIFFNESS))
@@ -67,4 +67,4 @@ def test_what_is_changed() -> None:
     assert isinstance(nominal, TorqueDrive)
     assert (drive.torque, drive.initial_speed, drive.damping) == (factor * nominal.torque, factor * nominal.initial_speed, nominal.damping)
     prescribed = replace(MECHANISM, crank=replace(MECHANISM.crank, drive=PrescribedSpeed(speed=10.0)))
-    assert variants(prescribed)["speed"].crank.drive == PrescribedSpeed(speed=10.0 * factor)
+    assert variations(prescribed)[2].of(prescribed).crank.drive == PrescribedSpeed(speed=10.0 * factor)

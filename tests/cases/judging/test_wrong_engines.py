@@ -9,12 +9,13 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.judging.evidence import Columns, Trial, TrialScene, gather
+from quickreturn.cases.judging.evidence import Trial, TrialScene, gather
 from quickreturn.cases.judging.matrix import REQUESTED
 from quickreturn.cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, contradicted, judge
 from quickreturn.engines.base import Engine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
+from quickreturn.engines.trajectory import Columns
 from tests.engines.wrong_engines import Disguised, Restarting, Stiffer, TooLargeStep
 from tests.package_copy import copied_package
 

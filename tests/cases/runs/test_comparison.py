@@ -9,9 +9,10 @@ import pytest
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Check, compare, not_judged
+from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Difference, compare, not_judged
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
-from quickreturn.cases.runs.request import FAILED, INACCURATE, REFUSED, SETTLED, Run
+from quickreturn.cases.runs.request import Run
 
 CASE = load_case("thesis-24")
 PEAK = 2.0
@@ -19,9 +20,11 @@ CYCLE = {name: PEAK * np.sin(np.linspace(0.0, 2.0 * np.pi, 1001)) for name in CH
 SETTLING = 4e-4
 
 
-def run(name: str, off: float = 0.0, claimed: float = 1e-3, status: str = SETTLED, estimate_of: str = "total", **changes: Any) -> Run:
+def run(
+    name: str, off: float = 0.0, claimed: float = 1e-3, status: str = Ending.SETTLED, estimate_of: str = "total", **changes: Any
+) -> Run:
     """All numbers off by `off`, relative (extremes: to the peak), and claimed to be off by `claimed`; changes are of every measure."""
-    settled = status in (SETTLED, INACCURATE)
+    settled = status in (Ending.SETTLED, Ending.INACCURATE)
 
     def measure(half: str, channel: str) -> EstimatedMeasure:
         found = EstimatedMeasure(
@@ -62,7 +65,7 @@ def result(*runs: Run) -> CaseResult:
     return compare(CASE, {run.engine: run for run in runs})
 
 
-def check_of(found: CaseResult, quantity: str, channel: str | None = "strain_1") -> Check:
+def check_of(found: CaseResult, quantity: str, channel: str | None = "strain_1") -> Difference:
     return next(check for check in found.checks if (check.quantity, check.channel, check.half) == (quantity, channel, "pre"))
 
 
@@ -97,9 +100,9 @@ def test_a_number_that_is_none_never_passes() -> None:
 @pytest.mark.parametrize(
     ("reference", "why"),
     [
-        (run("reference", status=FAILED), "failed"),
+        (run("reference", status=Ending.FAILED), "failed"),
         (run("reference", status="not settled"), "not settled"),
-        (run("reference", status=REFUSED), "refused"),
+        (run("reference", status=Ending.REFUSED), "refused"),
     ],
 )
 def test_without_the_reference_the_others_are_held_against_the_first_that_settled(reference: Run, why: str) -> None:
@@ -137,13 +140,13 @@ def test_an_estimate_of_the_integration_makes_no_class_without_a_reference() -> 
 
 
 def test_nothing_to_judge_is_neither_good_nor_bad() -> None:
-    for found in (result(run("a")), result(run("a"), run("b", status="not settled")), result(run("a", status=FAILED))):
+    for found in (result(run("a")), result(run("a"), run("b", status="not settled")), result(run("a", status=Ending.FAILED))):
         assert found.passed is None
         assert found.reason.startswith("nothing to compare with")
 
 
 def test_a_run_that_misses_its_accuracy_is_judged_and_told() -> None:
-    found = result(run("reference"), run("a", status=INACCURATE, off=0.01, claimed=0.01))
+    found = result(run("reference"), run("a", status=Ending.INACCURATE, off=0.01, claimed=0.01))
     assert found.missed == ()
     assert found.passed is False
     assert found.reason == "a did not deliver: inaccurate"

@@ -10,9 +10,10 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.mean_cycle import AVERAGED
 from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates
 from quickreturn.cases.runs.marching import channels_of, settle
-from quickreturn.cases.runs.request import SETTLED, RunRequest
+from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.error_parts import Compared
 from quickreturn.reference_model.mechanism import changed
@@ -72,7 +73,7 @@ def test_a_rattling_slider_repeats_in_statistics_only() -> None:
     rigid = load_case("example", {"follower.bending_stiffness": "inf"}).mechanism
     scene = changed(rigid, {"slider.joint_stiffness": 1e5, "slider.clearance": 5e-4, "slider.contact_damping": 0.5})
     run = steady_state(RunRequest(mechanism=scene, duration=0.1, engine="reference", estimated=False))
-    assert (run.status, run.settled, run.averaged_cycles, run.cycles) == (SETTLED, True, AVERAGED, GREATEST_NUMBER)
+    assert (run.status, run.settled, run.averaged_cycles, run.cycles) == (Ending.SETTLED, True, AVERAGED, GREATEST_NUMBER)
     assert "means over the last 30 of 60 cycles" in run.remark
     acceleration, half = run.cycle["tip_acceleration"], len(run.cycle["time"]) // 2
     (pre,) = (measure for measure in run.measures if (measure.half, measure.channel) == ("pre", "tip_acceleration"))

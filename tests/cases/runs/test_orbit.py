@@ -17,8 +17,9 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
 from quickreturn.cases.runs.campaign import carry_out
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.orbit import Curve, Orbit, PeriodicStart, begins_in_orbit, cycles_needed, find_orbit, orbits
-from quickreturn.cases.runs.request import DIRECT, FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, RunRequest
+from quickreturn.cases.runs.request import DIRECT, FROM_ORBIT, STANDARD, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine
@@ -134,7 +135,7 @@ def test_the_runner_lets_them_begin_where_they_shall(tmp_path: Path) -> None:
         "thesis": STANDARD,
         "reference": DIRECT,
     }
-    assert all(run.status == SETTLED for run in runs.values()), [run.remark for run in runs.values()]
+    assert all(run.status == Ending.SETTLED for run in runs.values()), [run.remark for run in runs.values()]
     assert {name for name, run in runs.items() if run.unestimated} == {"straight", "thesis"}
 
 
@@ -143,14 +144,14 @@ def test_a_run_that_will_not_do_is_not_begun(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("quickreturn.cases.runs.steady_state.settle", lambda *_: pytest.fail("it marched"))
     for orbit in (Orbit(start, 0.993), Orbit(None, 1.02, "the periodic state is not stable")):
         found = steady_state(request(settings=CHEAP, orbit=orbit))
-        assert (found.status, found.settled, found.cycles) == (NOT_SETTLED, False, 0)
+        assert (found.status, found.settled, found.cycles) == (Ending.NOT_SETTLED, False, 0)
         assert f"{orbit.multiplier:.3f}" in found.remark
         assert found.error_estimate is not None, "what was found out before is kept"
 
 
 def test_where_there_is_no_orbit_the_standard_start_serves_and_it_is_said() -> None:
     found = steady_state(request(settings=CHEAP, orbit=Orbit(None, None, "the search went astray")))
-    assert (found.status, found.start) == (SETTLED, STANDARD)
+    assert (found.status, found.start) == (Ending.SETTLED, STANDARD)
     assert "begun in the standard start" in found.remark
     assert "the search went astray" in found.remark
 
@@ -168,5 +169,5 @@ def test_whoever_is_let_go_arrives(factor: float) -> None:
     multiplier = find_orbit(mechanism).multiplier
     orbit = Orbit(find_start(mechanism), multiplier)
     run = steady_state(RunRequest(mechanism=mechanism, duration=2.0, engine="mujoco", orbit=orbit))
-    assert run.status == SETTLED or "not marched" in run.remark, run.remark
-    assert (run.status == SETTLED) or (multiplier or 0.0) > 0.85
+    assert run.status == Ending.SETTLED or "not marched" in run.remark, run.remark
+    assert (run.status == Ending.SETTLED) or (multiplier or 0.0) > 0.85

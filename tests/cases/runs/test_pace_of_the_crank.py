@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.marching import March, settle
-from quickreturn.cases.runs.request import FAILED, RunRequest
+from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.start import Start
@@ -58,7 +59,7 @@ def test_a_run_whose_crank_stalls_says_so() -> None:
     """A motor that cannot lift its own flywheel."""
     scene = load_case("example", {"follower.bending_stiffness": "inf", "crank.initial_speed": "0 rpm", "crank.center_of_mass": "50 mm"})
     run = steady_state(RunRequest(mechanism=scene.mechanism, duration=0.5, engine="reference"))
-    assert run.status == FAILED
+    assert run.status == Ending.FAILED
     assert "the crank stands still or turns back" in run.remark
     assert run.solve_seconds is not None
     assert run.solve_seconds > 0.0

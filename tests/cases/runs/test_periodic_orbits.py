@@ -13,9 +13,10 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.library import case_names
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.marching import March, columns_of, output_step, settle, whole_cycles
 from quickreturn.cases.runs.orbit import find_orbit
-from quickreturn.cases.runs.request import FROM_ORBIT, NOT_SETTLED, SETTLED, STANDARD, Run, RunRequest
+from quickreturn.cases.runs.request import FROM_ORBIT, STANDARD, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.studies import cycle_difference
 from quickreturn.engines.base import NoSteadyState, SteadyState
@@ -97,7 +98,7 @@ def marched(name: str, settings: dict[str, str]) -> dict[str, Array]:
 
 def test_a_run_of_the_reference_is_one_cycle_of_its_orbit(found: Run) -> None:
     cycle, orbit = found.cycle, found.periodic_orbit
-    assert found.status == SETTLED
+    assert found.status == Ending.SETTLED
     assert found.settled
     assert orbit is not None
     assert orbit.stable
@@ -136,14 +137,14 @@ def outcome_with(monkeypatch: pytest.MonkeyPatch, stable: bool | None) -> Run:
 
 def test_without_an_orbit_it_marches_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     run = outcome_with(monkeypatch, None)
-    assert (run.status, run.start) == (SETTLED, STANDARD)
+    assert (run.status, run.start) == (Ending.SETTLED, STANDARD)
     assert "marched, because no periodic state was found directly: the search went astray" in run.remark
     assert run.settling_error < 1e-3
 
 
 def test_with_an_unstable_orbit_it_does_not_march(monkeypatch: pytest.MonkeyPatch) -> None:
     run = outcome_with(monkeypatch, False)
-    assert (run.status, run.settled, run.cycles) == (NOT_SETTLED, False, 0)
+    assert (run.status, run.settled, run.cycles) == (Ending.NOT_SETTLED, False, 0)
     assert "1.250-fold" in run.remark
     assert run.periodic_orbit is not None
     assert not run.periodic_orbit.stable
@@ -155,7 +156,7 @@ def assert_same_steady_state(name: str, engine_name: str) -> None:
     texts = as_texts(chosen.settings_for(chosen.default_accuracy, mechanism).as_dict())
     straight = steady_state(request(name, engine_name, settings=texts))
     from_orbit = steady_state(request(name, engine_name, settings=texts, orbit=find_orbit(mechanism)))
-    assert [run.status for run in (straight, from_orbit)] == [SETTLED, SETTLED]
+    assert [run.status for run in (straight, from_orbit)] == [Ending.SETTLED, Ending.SETTLED]
     assert [run.start for run in (straight, from_orbit)] == [STANDARD, FROM_ORBIT]
     assert from_orbit.cycles < straight.cycles
     assert cycle_difference(straight.cycle, from_orbit.cycle) < sum(run.settling_error or 0.0 for run in (straight, from_orbit))

@@ -13,8 +13,9 @@ from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import read_table
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.runs.differences import column_differences, explanations
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import ASSUMED, NOT_SETTLED, SETTLED, TRANSIENT, Run, RunRequest
+from quickreturn.cases.runs.request import Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import engine
@@ -69,7 +70,7 @@ def held(run: Run, other: Run) -> CaseResult:
 
 def test_a_table_from_the_standard_start_is_held_against_the_same_turn(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
     run = recorded(transient)
-    assert (run.status, run.turn, in_turn_5.status, in_turn_5.turn) == (TRANSIENT, 5, TRANSIENT, 5)
+    assert (run.status, run.turn, in_turn_5.status, in_turn_5.turn) == (Ending.TRANSIENT, 5, Ending.TRANSIENT, 5)
     result = held(run, in_turn_5)
     assert result.passed is True, result.missed
     assert {check.quantity for check in result.checks} == {
@@ -122,7 +123,7 @@ def test_where_no_column_tells_the_start_the_way_to_the_steady_state_does(transi
 @pytest.mark.verify
 def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     run = recorded(settled)
-    assert (run.status, run.turn) == (SETTLED, None)
+    assert (run.status, run.turn) == (Ending.SETTLED, None)
     result = held(run, steady)
     assert result.passed is True, result.missed
     assert result.accuracy_class("tool.csv") in ("0.1 %", "0.3 %")
@@ -132,7 +133,7 @@ def test_a_single_turn_is_taken_to_repeat(settled: pd.DataFrame, steady: Run, re
     last = settled[(settled["crank_angle"] > 61 * np.pi) & (settled["crank_angle"] < 63 * np.pi)]
     assert 0.0 < float(last["crank_angle"].iloc[0]) - 61 * np.pi < 0.06  # the turn lacks a little at both its ends
     run = recorded(last, "# origin = digitised\n", crank_angle=last["crank_angle"] - 60 * np.pi, time=last["time"] - last["time"].iloc[0])
-    assert (run.status, run.cycles) == (ASSUMED, 1)
+    assert (run.status, run.cycles) == (Ending.ASSUMED, 1)
     assert "one turn" in run.remark
     result = held(run, steady)
     assert result.passed is True, result.missed
@@ -172,7 +173,7 @@ def test_the_class_of_a_table_covers_every_column(transient: pd.DataFrame, in_tu
 def test_where_all_is_late_the_crank_angle_is_named(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     run = recorded(settled, crank_angle=settled["crank_angle"] - np.pi)
     told = explanations(run, steady, CASE)
-    assert run.status == SETTLED
+    assert run.status == Ending.SETTLED
     assert "180 deg too" in told["crank_angle"]
     assert not told.keys() & {"tip_deflection", "tip_acceleration", "strain_2"}
 
@@ -194,7 +195,7 @@ def test_another_start_is_told_by_what_departs(
     transient: pd.DataFrame, recorded: Recorded, first: int, changes: dict[str, Any], words: list[str]
 ) -> None:
     run = recorded(transient[first:], **{name: change(transient[first:]) for name, change in changes.items()})
-    assert run.status == NOT_SETTLED
+    assert run.status == Ending.NOT_SETTLED
     for word in words:
         assert word in run.remark
 
@@ -203,7 +204,7 @@ def test_a_table_on_its_way_from_elsewhere_is_not_judged(transient: pd.DataFrame
     later = table_of(4.0)
     later = later[later["time"] > 0.5]
     run = recorded(later)
-    assert run.status == NOT_SETTLED
+    assert run.status == Ending.NOT_SETTLED
     assert "record longer" in run.remark
     result = held(run, steady)
     assert result.passed is None
@@ -212,7 +213,7 @@ def test_a_table_on_its_way_from_elsewhere_is_not_judged(transient: pd.DataFrame
 
 def test_beside_a_steady_engine_a_transient_table_has_not_settled(transient: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     result = held(recorded(transient), steady)
-    assert result.runs["tool.csv"].status == NOT_SETTLED
+    assert result.runs["tool.csv"].status == Ending.NOT_SETTLED
     assert "compare" in result.runs["tool.csv"].remark
     assert result.checks == ()
 

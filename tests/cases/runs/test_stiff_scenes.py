@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.runs.request import SETTLED, RunRequest
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.registry import MAIN
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
@@ -29,7 +30,7 @@ def shaper(arm: str, *, driven: bool) -> Mechanism:
 
 def check(scene: Mechanism, engine: str = "reference") -> None:
     run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine=engine))
-    assert run.status == SETTLED, run.remark
+    assert run.status == Ending.SETTLED, run.remark
     assert run.cycles < 30
     # isolated spikes of the acceleration were what kept it from settling: a twentieth of its size on every fiftieth row
     acceleration = run.cycle["tip_acceleration"]

@@ -10,7 +10,7 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, CaseResult, claim, cross_validate
+from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, CaseResult, cross_validate, pair_of
 from quickreturn.engines.registry import MAIN
 
 RUNS = [name for name in case_names() if name.startswith("thesis-")]
@@ -57,8 +57,8 @@ def assert_as_stiff_as_published(result: CaseResult) -> None:
     thesis, reference = result.runs.get("thesis"), result.runs["reference"]
     for half in HALVES if thesis is not None else ():
         for quantity, channel in ((CONSENSUS, None), *(("first_mode_frequency", channel) for channel in CHANNELS)):
-            mine, its = claim(thesis, reference, quantity, half, channel), claim(reference, thesis, quantity, half, channel)
-            if mine is not None and its is not None:
+            if pair := pair_of(thesis, reference, quantity, half, channel, claimed=True):
+                mine, its = pair
                 ratio = mine.value / its.value
                 width = ratio * math.hypot(mine.uncertainty / mine.value, its.uncertainty / its.value)
                 assert LEAST_RATIO - width <= ratio <= LARGEST_RATIO + width, (half, channel, ratio)

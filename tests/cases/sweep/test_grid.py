@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.library import library_case
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, axis, scenes_of, si_text
-from quickreturn.cases.sweep.rows import OPEN, REFUSED, Impossible
+from quickreturn.cases.sweep.rows import OPEN, Impossible
 from quickreturn.cases.units import LENGTH, parse_quantity
 
 RPM = math.pi / 30.0
@@ -87,7 +88,7 @@ def test_what_cannot_be_becomes_a_point_with_its_sentence() -> None:
     assert long.status == OPEN
     assert "crank.length" in long.sentence
     assert isinstance(negative, Impossible)
-    assert negative.status == REFUSED
+    assert negative.status == Ending.REFUSED
     assert "is negative" in negative.sentence
 
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
-from quickreturn.cases.runs.request import SETTLED, RunRequest
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.measures import MEASURES, Motion, measure
-from quickreturn.cases.sweep.rows import LEFT, REFUSED, Asked, row
+from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
+from quickreturn.cases.sweep.rows import LEFT, Asked, row
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
 
 RPM = math.pi / 30.0
@@ -27,8 +28,8 @@ def test_a_point_is_what_run_finds() -> None:
     scene = at(120.0)
     found = row([at(110.0), scene], Asked(measures=NAMES))
     run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference"))
-    of_run = np.array([measure(name).of(Motion(scene, run)) for name in NAMES])
-    assert found.statuses == (SETTLED, SETTLED)
+    of_run = np.array([measure(name).of(SettledMotion(scene, run)) for name in NAMES])
+    assert found.statuses == (Ending.SETTLED, Ending.SETTLED)
     apart = np.abs(found.values[1] - of_run[:, 0])
     claimed = found.errors[1] + np.where(np.isfinite(of_run[:, 1]), of_run[:, 1], 0.0)
     assert np.all(apart <= claimed), dict(zip(NAMES, apart / claimed, strict=True))
@@ -46,17 +47,17 @@ def test_frequencies_are_those_of_run() -> None:
     scene, names = at(120.0), ("pre.frequency", "post.frequency", "pre.amplitude.strain_2")
     found = row([scene], Asked(measures=names, claims=False))
     run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference", estimated=False))
-    assert found.values[0] == pytest.approx([measure(name).of(Motion(scene, run))[0] for name in names], rel=2e-3)
+    assert found.values[0] == pytest.approx([measure(name).of(SettledMotion(scene, run))[0] for name in names], rel=2e-3)
 
 
 def test_what_cannot_be_settled_has_a_status_and_the_row_goes_on() -> None:
     found = row([at(700.0), at(100.0), replace(at(100.0), slider=Slider(friction=0.3))], Asked(measures=("multiplier",), claims=False))
     assert found.statuses[0] == LEFT
     assert "left" in found.sentences[0]
-    assert found.statuses[1] == SETTLED
+    assert found.statuses[1] == Ending.SETTLED
     assert np.isfinite(found.values[1, 0])
     refused = row([replace(at(100.0), slider=Slider(friction=0.3))], Asked(measures=("multiplier",), engine="exudyn"))
-    assert refused.statuses == (REFUSED,)
+    assert refused.statuses == (Ending.REFUSED,)
 
 
 def test_every_measure_has_a_unit_and_a_meaning() -> None:
@@ -71,5 +72,5 @@ def test_the_other_engines_stand_by_the_points() -> None:
     ours = row(scenes, Asked(measures=names))
     for engine in ("mujoco", "exudyn"):
         other = row(scenes, Asked(measures=names, engine=engine))
-        assert other.statuses == (SETTLED,) * 3
+        assert other.statuses == (Ending.SETTLED,) * 3
         assert np.all(np.abs(other.values - ours.values) <= other.errors + ours.errors)

@@ -16,7 +16,7 @@ from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import library_case
-from quickreturn.cases.runs.request import FAILED, SETTLED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep import grid as of_grid
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import Asked, Row
@@ -36,7 +36,7 @@ def test_values_lie_where_their_place_says(tmp_path: Path) -> None:
     workshop = Workshop(Store(tmp_path), ThisProcess())
     found = study(some, ASKED, workshop, "down")
     assert found.values.shape == (1, 2, 3, 2)
-    assert np.all(found.statuses == SETTLED)
+    assert np.all(found.statuses == Ending.SETTLED)
     assert np.all(np.diff(found.values[0, :, :, 0], axis=1) > 0.0), "a faster crank shakes the tip more"
     assert np.all(np.diff(found.values[0, :, :, 1], axis=0) > 0.0), "a heavier tip keeps more of a disturbance"
     before = workshop.store.written
@@ -56,7 +56,7 @@ class _Dies(ThisProcess):
 
 def test_a_point_that_kills_its_process_costs_that_point(tmp_path: Path) -> None:
     found = study(grid("crank.prescribed_speed = 80 rpm .. 120 rpm : 3"), ASKED, Workshop(Store(tmp_path), _Dies()))
-    assert found.statuses.tolist() == [[SETTLED, FAILED, SETTLED]]
+    assert found.statuses.tolist() == [[Ending.SETTLED, Ending.FAILED, Ending.SETTLED]]
     assert "killed by SIGSEGV" in found.sentences[0, 1]
     assert np.isnan(found.values[0, 1]).all()
     assert np.isfinite(found.values[0, [0, 2]]).all()
@@ -69,7 +69,7 @@ def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypat
         speeds = [float(change["crank.prescribed_speed"].split()[0]) for change in changes]
         up = speeds[0] < speeds[-1]
         values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5] for speed in speeds])
-        return Row(values, np.full_like(values, 0.01), (SETTLED,) * len(speeds), ("",) * len(speeds))
+        return Row(values, np.full_like(values, 0.01), (Ending.SETTLED,) * len(speeds), ("",) * len(speeds))
 
     monkeypatch.setattr(of_grid, "measured_row", folded)
     found = study(grid("crank.prescribed_speed = 1 rpm .. 5 rpm : 5"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
@@ -91,7 +91,7 @@ def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pyte
 
     def costless(case: object, changes: tuple[dict[str, str], ...], asked: Asked) -> Row:
         values = np.ones((len(changes), len(asked.measures)))
-        return Row(values, values, (SETTLED,) * len(changes), ("",) * len(changes))
+        return Row(values, values, (Ending.SETTLED,) * len(changes), ("",) * len(changes))
 
     monkeypatch.setattr(of_grid, "measured_row", costless)
     some = grid("tip.mass = 0 g .. 60 g : 100", "crank.prescribed_speed = 60 rpm .. 240 rpm : 100")

@@ -8,8 +8,8 @@ INCH = 0.0254  # m
 POUND = 4.4482216152605  # N
 SLUGLET = POUND / INCH  # kg, one lbf s^2/in
 
-#: Run 24 (thesis sections 3.2 and 5.3, table 5.1), with the damping that its speed of 16.617773 rad/s implies; names and units
-#: are those of `symbolic_model.PARAMETERS`.
+#: Run 24 (thesis sections 3.2 and 5.3, table 5.1), with the damping that its speed of 16.617773 rad/s implies; names are
+#: those of `examples/derive/quick_return.py`.
 RUN_24 = {
     "pivot_distance": 18 * INCH,
     "crank_length": 4 * INCH,
@@ -49,7 +49,7 @@ LEFT_OUT = {
 
 
 def random_case(rng: np.random.Generator, *, present: float = 0.5) -> tuple[dict[str, float], dict[str, float]]:
-    """A random scene and a random state of it, as `symbolic_model.evaluate` takes them.
+    """A random scene and a random state of it, in SI.
 
     Lengths vary by 10 to 40 %, everything else by up to 50 % around run 24, dampings around its `MAGNIFIED` values. Tip slope is at
     most 0.5, |W'| below 0.5 everywhere, rates are those of a violent run; the slider stands anywhere between d - LA and d + LA from

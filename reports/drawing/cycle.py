@@ -17,7 +17,7 @@ from quickreturn.cases.experiment import AxisLabels
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
-from quickreturn.reports.plots.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy
+from quickreturn.reports.drawing.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy
 from quickreturn.reports.words import angle_text, number
 
 ACCELERATION: Final = "tip_acceleration"

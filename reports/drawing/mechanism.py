@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case import Case
-from quickreturn.curves import WIDTH, Drawing, drawing
+from quickreturn.cases.columns import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import rigid_motion
-from quickreturn.reports.plots.style import FONT_SIZE, GREY, QUICK, SMALL, look
+from quickreturn.reports.drawing.curves import WIDE
+from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text
-from quickreturn.solution import UnknownColumn
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ MARGIN: Final = 0.07  # of the follower's length, around everything
 
 
 @dataclass(frozen=True)
-class Motion:
+class Positions:
     """Where everything is at n instants, in the frame of O, m.
 
     Attributes:
@@ -55,7 +55,7 @@ class Motion:
         return pivot + np.stack([along * c - across * s, along * s + across * c], axis=-1)
 
 
-def motion_of(scene: Scene, trajectory: Trajectory, times: Array) -> Motion:
+def positions_of(scene: Scene, trajectory: Trajectory, times: Array) -> Positions:
     """What a trajectory says of the places, at some of its times (s, shape (n,)). UnknownColumn: it does not tell the follower's shape."""
     if missing := [name for name in SHAPE if name not in trajectory.columns]:
         raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
@@ -70,20 +70,20 @@ def motion_of(scene: Scene, trajectory: Trajectory, times: Array) -> Motion:
     chord = rigid_motion(scene, crank_angle, 0.0).follower_angle if scene.crank is not None and crank_angle is not None else base
     turn = (base - chord)[:, None]
     bent = np.stack([np.cos(turn) * x - np.sin(turn) * W, np.sin(turn) * x + np.cos(turn) * W], axis=-1)
-    return Motion(times, crank_angle, bent, chord)
+    return Positions(times, crank_angle, bent, chord)
 
 
-def unbent(case: Case) -> Motion:
+def unbent(case: Case) -> Positions:
     """The mechanism with its crank at `CLEAR`, the follower straight."""
     scene, x = case.scene, np.linspace(0.0, case.scene.follower.length, POINTS)
     straight = np.stack([x, np.zeros_like(x)], axis=-1)[None]
     if scene.crank is None:
-        return Motion(np.zeros(1), None, straight, np.zeros(1))
+        return Positions(np.zeros(1), None, straight, np.zeros(1))
     angle = np.array([CLEAR])
-    return Motion(np.zeros(1), angle, straight, rigid_motion(scene, angle, 0.0).follower_angle)
+    return Positions(np.zeros(1), angle, straight, rigid_motion(scene, angle, 0.0).follower_angle)
 
 
-def factor_for(motions: Sequence[Motion], length: float) -> float:
+def factor_for(motions: Sequence[Positions], length: float) -> float:
     """A round factor, at least 1, by which the largest deflection becomes at most `SHOWN` of the length; 1 where nothing bends."""
     largest = max(float(np.max(np.abs(motion.follower[..., 1]))) for motion in motions)
     if largest <= STRAIGHT * length:
@@ -95,7 +95,7 @@ def factor_for(motions: Sequence[Motion], length: float) -> float:
 class Scenery:
     """A drawing of one case on some axes, whose moving parts can be put to any instant; deflections are magnified by `factor`."""
 
-    def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Motion], factor: float) -> None:
+    def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Positions], factor: float) -> None:
         scene = case.scene
         self._crank_length = 0.0 if scene.crank is None else scene.crank.length
         self._pivot = np.array([scene.pivot_distance, 0.0])
@@ -174,7 +174,7 @@ def _beside(axes: Axes, name: str, up: float, x: float = 0.0, **look: Any) -> An
     return axes.annotate(name, (x, 0.0), (0.0, up), textcoords="offset points", ha="center", **look)
 
 
-def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
+def legend(motions: Mapping[str, Positions], factor: float) -> list[Line2D]:
     """Samples of the engines' lines and of the quick return, and by how much the deflection is magnified."""
     said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
     samples = [Line2D([], [], label=label, **look(label)) for label in motions]
@@ -187,7 +187,7 @@ def legend(motions: Mapping[str, Motion], factor: float) -> list[Line2D]:
 def mechanisms(cases: Sequence[Case]) -> Drawing:
     """Cases with their followers straight, one below the other."""
     motions = [unbent(case) for case in cases]
-    figure = drawing(0.3 + 3.2 * len(cases), WIDTH)
+    figure = new_figure(0.3 + 3.2 * len(cases), WIDE)
     for axes, case, motion in zip(figure.subplots(len(cases), 1, squeeze=False)[:, 0], cases, motions, strict=True):
         said = "" if motion.crank_angle is None else f"crank at {angle_text(math.degrees(float(motion.crank_angle[0])))}"
         Scenery(axes, case, {"reference": motion}, 1.0).show(0, said)

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from quickreturn.cases.case import Case
-from quickreturn.curves import drawing
-from quickreturn.drawing import Motion, Scenery, factor_for, legend, motion_of
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE
+from quickreturn.reports.drawing.mechanism import Positions, Scenery, factor_for, legend, positions_of
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, new_figure
 
 FRAMES: Final = 72
 WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
@@ -41,7 +40,7 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
         return animation_page(case, trajectories).encode()
     times = last_turn(next(iter(trajectories.values())))
     slowed = next((factor for factor in SLOWED if factor * (times[-1] - times[0]) >= TURN), SLOWED[-1])
-    motions = {name: motion_of(case.scene, trajectory, times[:-1]) for name, trajectory in trajectories.items()}
+    motions = {name: positions_of(case.scene, trajectory, times[:-1]) for name, trajectory in trajectories.items()}
     factor = magnify or factor_for(list(motions.values()), case.scene.follower.length)
     frames = _frames(case, motions, factor, slowed)
     file = io.BytesIO()
@@ -62,8 +61,8 @@ def last_turn(trajectory: Trajectory) -> NDArray[np.float64]:
     return np.linspace(begin, end, FRAMES + 1)
 
 
-def _frames(case: Case, motions: Mapping[str, Motion], factor: float, slowed: int) -> list[Image.Image]:
-    figure = drawing(HEIGHT, WIDTH)
+def _frames(case: Case, motions: Mapping[str, Positions], factor: float, slowed: int) -> list[Image.Image]:
+    figure = new_figure(HEIGHT, WIDTH)
     axes = figure.subplots()
     scenery = Scenery(axes, case, motions, factor)
     speed = "" if slowed == 1 else f"; shown {slowed} times slower"

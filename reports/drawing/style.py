@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 WIDTH: Final = 5.0  # in, 480 CSS pixels
 WHOLE: Final = 32  # 1/32 in is 3 CSS pixels and exact in binary: sizes in pixels are whole numbers
+NOTEBOOK: Final = 110  # dots per inch
 PER_INCH: Final = 192  # dots of a picture file: two to a CSS pixel, sharp on fine screens
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
@@ -67,9 +68,18 @@ def picture(figure: Figure, ending: str) -> bytes:
     return file.getvalue()
 
 
-def new_figure(height: float) -> Figure:
-    """An empty figure of the common width and a height in inches (rounded up to whole pixels), with constrained layout."""
-    return Figure(figsize=(WIDTH, math.ceil(WHOLE * height) / WHOLE), layout="constrained", facecolor="white")
+class Drawing(Figure):
+    """A figure that a notebook shows by itself; `savefig` writes it to a file."""
+
+    def _repr_png_(self) -> bytes:
+        file = io.BytesIO()
+        self.savefig(file, format="png", dpi=NOTEBOOK)
+        return file.getvalue()
+
+
+def new_figure(height: float, width: float = WIDTH) -> Drawing:
+    """An empty figure of a width and a height in inches (rounded up to whole pixels), with constrained layout."""
+    return Drawing(figsize=(width, math.ceil(WHOLE * height) / WHOLE), layout="constrained", facecolor="white")
 
 
 def tidy(axes: Axes, y_label: str = "") -> None:

@@ -1,47 +1,30 @@
 """Columns of trajectories as curves, engines over each other."""
 
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from quickreturn.cases.columns import UnknownColumn, known_column
+from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.plots.style import FONT_SIZE, SAMPLE, look, tidy
-from quickreturn.solution import UnknownColumn, known_column
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Drawing, look, new_figure, tidy
 
 #: Shown where no columns are asked for.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 
-WIDTH: Final = 8.0  # in
+WIDE: Final = 8.0  # in, of several panels
 PANEL: Final = 1.9  # in, height
-NOTEBOOK: Final = 110  # dots per inch
-
 #: Unit -> what is shown in its place, and by how much a value is divided for that.
-_SHOWN: Final = {"m": ("mm", 1e-3), "1": ("10⁻⁶", 1e-6)}
+_SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
-Columns = Mapping[str, NDArray[np.float64]]
+Array = NDArray[np.float64]
 
 
-class Drawing(Figure):
-    """A figure that a notebook shows by itself; `savefig` writes it to a file."""
-
-    def _repr_png_(self) -> bytes:
-        file = io.BytesIO()
-        self.savefig(file, format="png", dpi=NOTEBOOK)
-        return file.getvalue()
-
-
-def drawing(height: float, width: float = WIDTH) -> Drawing:
-    """An empty one, sizes in inches."""
-    return Drawing(figsize=(width, height), layout="constrained", facecolor="white")
-
-
-def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
+def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
     """Columns over time, one panel for each; without any `USUAL`, as far as they are there. UnknownColumn: no trajectory has it.
 
     `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
@@ -50,7 +33,7 @@ def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, 
     chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]
     if not chosen:
         raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in there if name != 'time')}")
-    figure = drawing(0.8 + PANEL * len(chosen))
+    figure = new_figure(0.8 + PANEL * len(chosen), WIDE)
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, chosen, strict=True):
         _panel(axes, trajectories, name, "time")
@@ -59,9 +42,9 @@ def curves(trajectories: Mapping[str, Columns], columns: Sequence[str] = (), *, 
     return figure
 
 
-def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str]) -> Drawing:
+def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
     """The last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
-    figure = drawing(0.8 + PANEL * len(cycles), max(WIDTH, 4.0 * len(columns)))
+    figure = new_figure(0.8 + PANEL * len(cycles), max(WIDE, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
     for row, (case, runs) in zip(grid, cycles.items(), strict=True):
         for axes, name in zip(row, columns, strict=True):
@@ -73,7 +56,7 @@ def stacked(cycles: Mapping[str, Mapping[str, Columns]], columns: Sequence[str])
     return figure
 
 
-def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: str) -> None:
+def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: str, over: str) -> None:
     unit, scale = _SHOWN.get(COLUMNS[column].unit, (COLUMNS[column].unit, 1.0))
     for label, trajectory in trajectories.items():
         if column in trajectory:
@@ -88,7 +71,7 @@ def _panel(axes: Axes, trajectories: Mapping[str, Columns], column: str, over: s
     tidy(axes, f"{column.replace('_', ' ')} [{unit.replace('^2', '²')}]")
 
 
-def _finish(figure: Figure, first: Axes, title: str) -> None:
+def _finish(figure: Drawing, first: Axes, title: str) -> None:
     if title:
         figure.suptitle(title, fontsize=FONT_SIZE + 1.0)
     handles, labels = first.get_legend_handles_labels()

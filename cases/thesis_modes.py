@@ -27,7 +27,7 @@ ELEMENTS: Final = (1, 2, 3)
 
 
 @dataclass(frozen=True)
-class Range:
+class Span:
     """Smallest and largest value over the crank angle."""
 
     low: float
@@ -39,11 +39,11 @@ class Range:
 
 
 @dataclass(frozen=True)
-class FrozenCrank:
+class ThesisModes:
     """What is known of a run."""
 
-    converged: tuple[Range, ...]  # ranges of the first three converged modes over the crank angle, Hz
-    cubic: tuple[Range, ...]  # ranges of the modes of the thesis' single cubic, Hz
+    converged: tuple[Span, ...]  # ranges of the first three converged modes over the crank angle, Hz
+    cubic: tuple[Span, ...]  # ranges of the modes of the thesis' single cubic, Hz
     # per converged mode the share of crank angles at which strains 1 and 3 have one sign and strain 2 the other
     alternating: tuple[float, ...]
     alike: tuple[float, ...]  # the same for all three of one sign
@@ -51,12 +51,12 @@ class FrozenCrank:
     elements: tuple[float, ...]
 
 
-def frozen_crank(mechanism: Mechanism) -> FrozenCrank:
+def thesis_modes(mechanism: Mechanism) -> ThesisModes:
     """All of it."""
     modes = [frozen_crank_modes(mechanism, float(angle), MODES) for angle in ANGLES]
     signs = np.sign([each.curvature(np.array(mechanism.follower.strain_gauges)) for each in modes])  # (angles, modes, gauges)
     first = np.array([each.frequencies[0] for each in modes[::EVERY]])
-    return FrozenCrank(
+    return ThesisModes(
         converged=_ranges(np.array([each.frequencies for each in modes])),
         cubic=_ranges(_cubic_frequencies(mechanism, 1, 2)),
         alternating=_share_with(signs, ALTERNATING),
@@ -65,9 +65,9 @@ def frozen_crank(mechanism: Mechanism) -> FrozenCrank:
     )
 
 
-def _ranges(frequencies: Array) -> tuple[Range, ...]:
-    """Range of each mode over the crank angle from frequencies of shape (angles, modes), Hz."""
-    return tuple(Range(float(column.min()), float(column.max())) for column in frequencies.T)
+def _ranges(frequencies: Array) -> tuple[Span, ...]:
+    """Span of each mode over the crank angle from frequencies of shape (angles, modes), Hz."""
+    return tuple(Span(float(column.min()), float(column.max())) for column in frequencies.T)
 
 
 def _cubic_frequencies(mechanism: Mechanism, elements: int, count: int) -> Array:

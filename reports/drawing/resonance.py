@@ -4,8 +4,8 @@ from matplotlib.figure import Figure
 
 from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve
 from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, logarithmic, look, tidy
 from quickreturn.reports.looks import looks
-from quickreturn.reports.plots.style import FONT_SIZE, MARKERS, SMALL, logarithmic, look, tidy
 
 
 def draw(figure: Figure, curve: ResonanceCurve, mark: float | None = None) -> None:

@@ -1,4 +1,4 @@
-"""The pictures of the documents that do not move: `python -m quickreturn.reports.document_pictures docs/pictures`.
+"""The pictures of the documents that do not move: `python -m quickreturn.reports.drawing.document_pictures docs/pictures`.
 
 Run 24's steady state and the studies are computed where they are not stored, which takes some minutes; the methods are those of the
 recorded benchmark.
@@ -23,10 +23,10 @@ from quickreturn.cases.runs.comparison import cross_validate
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import Asked
 from quickreturn.cases.sweep.study import study
+from quickreturn.reports.drawing import cycle, resonance, work_precision
+from quickreturn.reports.drawing import study as study_plot
+from quickreturn.reports.drawing.style import new_figure, picture
 from quickreturn.reports.long_studies import benchmarks
-from quickreturn.reports.plots import cycle, resonance, work_precision
-from quickreturn.reports.plots import study as study_plot
-from quickreturn.reports.plots.style import new_figure, picture
 
 RUN = 24
 CASE = f"thesis-{RUN}"
@@ -79,5 +79,5 @@ def png(figure: Figure) -> bytes:
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
-        raise SystemExit("python -m quickreturn.reports.document_pictures FOLDER: give the folder that they go to")
+        raise SystemExit("python -m quickreturn.reports.drawing.document_pictures FOLDER: give the folder that they go to")
     main(Path(sys.argv[1]))

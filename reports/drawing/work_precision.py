@@ -9,11 +9,10 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from quickreturn.cases.benchmark import Benchmark, pareto_front
 from quickreturn.cases.benchmark.findings import Point, completed, error_of
+from quickreturn.reports.drawing.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
 from quickreturn.reports.looks import looks
-from quickreturn.reports.plots.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
 from quickreturn.reports.words import number
 
-PERCENT: Final = 100.0
 #: Column -> heading of its panel.
 PANELS: Final = {
     "tip_deflection": "tip deflection",
@@ -40,7 +39,7 @@ def draw(table: Benchmark) -> Figure:
         x, y = _places(pareto_front(table.points, column), column)
         axes.plot(x, y, color=LIGHT, linewidth=FRONT_WIDTH, solid_capstyle="round", solid_joinstyle="round", zorder=1.0)
         if unknowable := error_of(table.confirmation.differences, column):
-            axes.axhspan(1e-9, PERCENT * unknowable, facecolor="none", edgecolor="#BBBBBB", hatch="////", linewidth=0.0, zorder=0.5)
+            axes.axhspan(1e-9, 100.0 * unknowable, facecolor="none", edgecolor="#BBBBBB", hatch="////", linewidth=0.0, zorder=0.5)
         for points in methods.values():
             axes.plot(*_places(points, column), **_look(points[0]), markersize=4.2, markeredgewidth=0.8)
         axes.set_title(words, fontsize=9.0, pad=3.0)
@@ -51,7 +50,7 @@ def draw(table: Benchmark) -> Figure:
 
 def _places(points: Sequence[Point], column: str) -> tuple[list[float], list[float]]:
     """Solve times in s and errors in percent of those points whose error is known."""
-    known = [(measured.solve_seconds, PERCENT * error) for point, measured in completed(points) if (error := point.error(column))]
+    known = [(measured.solve_seconds, 100.0 * error) for point, measured in completed(points) if (error := point.error(column))]
     return [x for x, _ in known], [y for _, y in known]
 
 

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.recorded import GROWING, TELLING
+from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.plots.cycle import direction, fraction, stacked_panels
-from quickreturn.reports.plots.style import all_looks, legend_above, new_figure, note, picture
+from quickreturn.reports.drawing.cycle import direction, fraction, stacked_panels
+from quickreturn.reports.drawing.style import all_looks, legend_above, new_figure, note, picture
 
 #: Columns drawn of a table.
 MOST_PANELS: Final = 8
@@ -49,7 +49,7 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
 
 def _names(result: CaseResult) -> list[str]:
     """The columns drawn of a result: those that tell of vibration first."""
-    names = [name for name in (*TELLING, *COLUMNS) if name not in GROWING and any(name in run.cycle for run in result.recorded.values())]
+    names = [name for name in (*VIBRATING, *COLUMNS) if name not in GROWING and any(name in run.cycle for run in result.recorded.values())]
     return list(dict.fromkeys(names))[:MOST_PANELS]
 
 

@@ -17,13 +17,13 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from quickreturn.cases.case import dimension_of
-from quickreturn.cases.runs.request import FAILED
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.measures import MEASURES
-from quickreturn.cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, REFUSED, UNSTABLE
+from quickreturn.cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, UNSTABLE
 from quickreturn.cases.sweep.study import Study
-from quickreturn.cases.units import parse_quantity
-from quickreturn.reports.plots.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
+from quickreturn.cases.units import unit_size
+from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
 #: Largest number of values of a second key that are drawn as lines; more make a map.
 LINES: Final = 6
@@ -41,8 +41,8 @@ ENDINGS: Final = {
     LEFT: ("....", "X"),
     NOT_CONVERGED: ("\\\\\\\\", "v"),
     OPEN: ("oooo", "^"),
-    REFUSED: ("||||", "P"),
-    FAILED: ("++++", "*"),
+    Ending.REFUSED: ("||||", "P"),
+    Ending.FAILED: ("++++", "*"),
 }
 #: Colours from low to high: those of viridis that are bright enough for a dark hatch.
 BRIGHT: Final = matplotlib.colormaps["viridis"](np.linspace(0.25, 1.0, 256))
@@ -86,7 +86,7 @@ def _scaled(axis: Axis) -> tuple[Array, str]:
     """The values in the unit in which they were given, or in SI where that are several, and the label with it."""
     units = {text.partition(" ")[2] for text in axis.texts}
     unit = units.pop() if len(units) == 1 else axis.unit
-    size = parse_quantity(f"1 {unit}", dimension_of(axis.key)) if unit and unit != "1" else 1.0
+    size = unit_size(unit, dimension_of(axis.key)) if unit and unit != "1" else 1.0
     return np.array(axis.values, dtype=float) / size, f"{axis.key} [{unit or 1}]"
 
 

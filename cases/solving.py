@@ -1,0 +1,148 @@
+"""What is asked of one engine on one scene: a trajectory from the standard start, or natural frequencies with the crank held.
+
+Each is a job: computed wherever jobs are, and taken from the store where it is there (`cases.jobs.workshop`).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any, Final
+
+import numpy as np
+
+from quickreturn.cases.jobs.job import Job, Outcome
+from quickreturn.cases.jobs.records import can_be_stored
+from quickreturn.cases.loads import Loads, loads_of
+from quickreturn.engines import progress
+from quickreturn.engines.accurate import Assessment, Result
+from quickreturn.engines.base import AnyEngine, EngineFailure
+from quickreturn.engines.natural_frequencies import natural_frequencies
+from quickreturn.engines.registry import usable_engine
+from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.trajectory import Columns, trajectory_type
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+
+#: What the answers depend on besides the engines; the loads on their own folder as well.
+CODE: Final = ("quickreturn.cases.solving",)
+OF_LOADS: Final = (*CODE, "quickreturn.cases.loads", "quickreturn.cases.measures")
+_GAUGES: Final = ("strain_1", "strain_2", "strain_3")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrajectoryRequest:
+    """One engine on one scene, from the standard start; see `engines.accurate.simulate`."""
+
+    scene: Scene
+    duration: float  # s
+    output_step: float  # s
+    engine: str | AnyEngine  # the name; an engine itself where nobody else knows it, so that nothing is stored
+    settings: dict[str, str] = field(default_factory=dict)
+    accuracy: float | None = None
+    estimate: bool = True
+    time_limit: float | None = field(default=None, compare=False)  # s; what it leaves out is not stored
+
+    def job(self, name: str) -> "Job[Answer]":
+        """To be computed, or taken from the store; its failures are results."""
+        return Job(name, solved, (self,), "trajectory", code=CODE, inputs=self, **_kept(self.engine))
+
+    def loads_job(self, result: Result) -> Job[Loads]:
+        """What the parts bear in the trajectory that was asked for; estimates are those of the columns, at their peaks."""
+        arguments = self.scene, result.trajectory.columns, result.error_estimates
+        return Job("loads", _loads, arguments, "loads of a trajectory", code=OF_LOADS, inputs=self, **_kept(self.engine))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What became of a request: a trajectory with its assessment, or a failure with the trajectory up to then, if there is one."""
+
+    version: str  # of the engine
+    columns: Columns | None = None  # of the trajectory
+    solve_seconds: float = 0.0
+    statistics: dict[str, float] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+    assessment: Assessment | None = None  # None: it failed
+    failure: tuple[float, str, str] | None = None  # time (s), cause and advice
+
+    def result(self, request: TrajectoryRequest, engine: AnyEngine) -> Result | EngineFailure:
+        """The result, or the failure, as the engine gave it."""
+        trajectory = None
+        if self.columns is not None:
+            trajectory = trajectory_type(request.scene)(self.columns, self.solve_seconds, self.statistics)
+        if self.failure is not None:
+            return EngineFailure(*self.failure, trajectory)
+        assert trajectory is not None
+        return Result(**vars(self.assessment), trajectory=trajectory, settings=engine.settings_type(**self.settings))
+
+
+def solved(request: TrajectoryRequest) -> Answer:
+    """Simulate. Raises as `engines.scene.simulate_scene`, but for failures, and UnknownEngine, Refusal: there is no such engine here."""
+    chosen = usable_engine(request.engine) if isinstance(request.engine, str) else request.engine
+    how = request.settings, request.accuracy, request.estimate, request.time_limit
+    known: dict[str, Any] = {"version": chosen.version()}
+    try:
+        result = simulate_scene(chosen, request.scene, request.duration, request.output_step, *how)
+    except EngineFailure as failure:
+        trajectory = failure.partial
+        known["failure"] = failure.time, failure.cause, failure.advice
+    else:
+        trajectory = result.trajectory
+        assessment = Assessment(**{each.name: getattr(result, each.name) for each in fields(Assessment)})
+        known |= {"settings": result.settings.as_dict(), "assessment": assessment}
+    if trajectory is not None:
+        known |= {name: getattr(trajectory, name) for name in ("columns", "solve_seconds", "statistics")}
+    return Answer(**known)
+
+
+def _lasts(outcome: Outcome[Any]) -> bool:
+    """Whether there is an answer that can be stored, and that a time limit has left nothing out of."""
+    hurried = isinstance(outcome.value, Answer) and outcome.value.assessment is not None and outcome.value.assessment.hurried
+    return outcome.completed and not hurried and can_be_stored(outcome.value)
+
+
+def _kept(engine: str | AnyEngine) -> dict[str, Any]:
+    """What a job says of its engine, and of whether its answer is stored."""
+    return {"engines": (engine,), "lasts": _lasts} if isinstance(engine, str) else {"lasts": None}
+
+
+def _loads(scene: Scene, columns: Columns, estimates: Mapping[str, float | None]) -> Loads:
+    """Error estimates are those of the columns, relative; a moment's that of the worst strain where it has none."""
+    strains = [error for gauge in _GAUGES if (error := estimates.get(gauge)) is not None]
+
+    def claim(name: str, _: float) -> float | None:
+        share = estimates.get(name, max(strains, default=None) if name.startswith("moment_") else None)
+        return None if share is None else share * float(np.max(np.abs(columns[name])))
+
+    return loads_of(scene, columns, claim)
+
+
+@dataclass(frozen=True)
+class Frequencies:
+    """Natural frequencies with the crank held, Hz, ascending, for each crank angle, and what they were computed with."""
+
+    version: str  # of the engine
+    settings: dict[str, Any]
+    values: list[list[float]]
+
+
+def frequencies_job(
+    name: str, mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
+) -> Job[Frequencies]:
+    """At most `count` at each crank angle (rad), to be computed or taken from the store."""
+    arguments = mechanism, engine, tuple(crank_angles), count, dict(settings)
+    return Job(name, modes_at, arguments, "natural frequencies", code=CODE, **_kept(engine))
+
+
+def modes_at(
+    mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
+) -> Frequencies:
+    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""
+    chosen = usable_engine(engine) if isinstance(engine, str) else engine
+    chosen.check(mechanism)
+    used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
+
+    def at(angle: float) -> list[float]:
+        found = natural_frequencies(chosen, mechanism, angle, count, used).tolist()
+        progress.tell(phase="natural frequencies")
+        return found
+
+    progress.tell(engine=chosen.name, phase=progress.COMPILING if chosen.compiles else "natural frequencies")
+    return Frequencies(chosen.version(), used.as_dict(), [at(angle) for angle in crank_angles])

@@ -1,0 +1,76 @@
+"""What `run` and `compare` say of engines held against each other: exit code and JSON document."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from quickreturn.cases.loads import loads_of_run, resonance
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.commands import options
+from quickreturn.reference_model.errors import ExitCode
+from quickreturn.reports.tables.strength import document
+
+if TYPE_CHECKING:
+    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.cases.runs.comparison import CaseResult
+    from quickreturn.cases.runs.request import Run
+    from quickreturn.reference_model.mechanism import Mechanism
+
+
+def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Sequence[str]) -> int:
+    """Tell on standard error what did not come to a result; `engines` are those that were asked for by name."""
+    results = [result.whole for result in results]
+    for result in results:
+        for each in result.failures:
+            options.tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
+    refused = [(result.case.name, each) for result in results for each in result.runs.values() if engines and each.status == Ending.REFUSED]
+    for name, each in refused:
+        options.tell(f"{name}: engine {each.engine}: {each.remark}")
+    if refused:
+        return ExitCode.BAD_INPUT
+    if any(result.failures for result in results):
+        return ExitCode.ENGINE_TROUBLE
+    if workshop.store.lost:
+        return ExitCode.BAD_INPUT
+    return ExitCode.CLAIMS_BROKEN if any(result.missed for result in results) else ExitCode.GOOD
+
+
+def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
+    """The JSON document of `run` and `compare`: recorded tables stand behind the engines."""
+    results = [result.whole for result in results]
+    return {
+        "cases": [
+            {
+                "case": result.case.name,
+                "turn": result.turn,
+                "passed": result.passed,
+                "reason": result.reason,
+                "notes": list(result.case.notes),
+                "engines": [
+                    _as_document(run)
+                    | {"accuracy_class": result.accuracy_class(name), "loads": document(loads_of_run(result.case.mechanism, run))}
+                    for name, run in result.runs.items()
+                ],
+                "resonance": _resonance(result.case.mechanism),
+                "checks": [check.as_dict() for check in result.checks],
+            }
+            for result in results
+        ],
+        "failures": [
+            {"case": result.case.name, "engine": run.engine, "status": run.status, "remark": run.remark}
+            for result in results
+            for run in result.failures
+        ],
+        "notices": list(notices),
+    }
+
+
+def _resonance(mechanism: "Mechanism") -> dict[str, Any] | None:
+    """First mode (Hz, mean over the turn with the crank held), crank (Hz), their ratio and the nearest harmonic."""
+    found = resonance(mechanism)
+    return None if found is None else {**vars(found), "ratio": found.ratio, "harmonic": found.harmonic}
+
+
+def _as_document(run: "Run") -> dict[str, Any]:
+    """All that is known of a run but its cycle."""
+    known = {name: value for name, value in vars(run).items() if name != "cycle"}
+    return known | {"settling": run.settling and {**vars(run.settling), "sentence": run.settling.sentence()}}

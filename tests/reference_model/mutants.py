@@ -1,0 +1,23 @@
+"""Changes of the hand-derived equations that the computer's derivation notices: `python -m tests.reference_model.mutants`."""
+
+from typing import Final
+
+from tests.reference_model import beam_mutants, joint_mutants, thesis_mutants
+from tests.reference_model.mutation import Hunt
+
+HUNTS: Final[dict[str, Hunt]] = {"beam": beam_mutants.HUNT, "joint": joint_mutants.HUNT, "thesis": thesis_mutants.HUNT}
+
+
+def main() -> None:
+    """Print for each set of equations the number of changes, of those without effect, and of those noticed; then those that are missed."""
+    for name, hunt in HUNTS.items():
+        changes, missed = hunt.sites[0], hunt.survivors()
+        without_effect = sum((site.function, site.flip) in hunt.equivalent for site in changes)
+        noticed = len(changes) - without_effect - len(missed)
+        print(f"{name}: {len(changes)} changes, {without_effect} without effect, {noticed} noticed, {len(missed)} missed")
+        for site in missed:
+            print(f"  {site}")
+
+
+if __name__ == "__main__":
+    main()

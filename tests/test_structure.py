@@ -1,0 +1,51 @@
+"""Which parts of the product import which."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+#: From bottom to top; what stands in `quickreturn` itself is above them all.
+FLOORS = ("reference_model", "engines", "cases", "reports")
+TOP = "quickreturn"
+FILES = [file for folder in (*FLOORS, TOP) for file in sorted((ROOT / folder).rglob("*.py"))]
+
+
+def imported(file: Path) -> set[str]:
+    """Names of the modules that a file imports, anywhere in it, and of what it takes from them."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found |= {node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return found
+
+
+def floor_of(module: str) -> int:
+    """Of a module of this project."""
+    inner = module.removeprefix(f"{TOP}.").partition(".")[0]
+    return FLOORS.index(inner) if inner in FLOORS else len(FLOORS)
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+def test_imports_go_one_way(floor: str) -> None:
+    files = sorted((ROOT / floor).rglob("*.py"))
+    assert len(files) > 10
+    for file in files:
+        above = {name for name in imported(file) if name.split(".")[0] == TOP and floor_of(name) > FLOORS.index(floor)}
+        assert above - {TOP} == set(), file
+
+
+def test_commands_import_no_commands() -> None:
+    names = {file.stem for file in (ROOT / TOP / "commands").glob("*.py") if "@click.command" in file.read_text("utf-8")}
+    assert len(names) > 15
+    for name in names:
+        found = {each.split(".")[2] for each in imported(ROOT / TOP / "commands" / f"{name}.py") if each.startswith(f"{TOP}.commands.")}
+        assert found & names == set(), name
+
+
+def test_one_folder_draws() -> None:
+    drawing = [file for file in FILES if any(name.split(".")[0] == "matplotlib" for name in imported(file))]
+    assert {file.parent.relative_to(ROOT).as_posix() for file in drawing} == {"reports/drawing"}
