@@ -33,12 +33,13 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Scene
 
-#: By how much longer than the longest run so far another may take: one with half the step and twice the elements. It is not begun where
-#: less is left of the time limit. Of the limit, the part that imports, compiled code and what is made of the answer leave.
+#: Factor on the time of the longest run so far that the next may take, with half the step and twice the elements. It is not begun where
+#: less of the time limit is left.
 LONGER: Final = 4.0
+#: Part of the time limit that imports, compiled code and the use of the answer leave for runs.
 USABLE: Final = 0.9
 
-#: Remark of a run whose error nobody wanted to know.
+#: Remark on a run whose error the caller did not ask for.
 NOT_ESTIMATED: Final = "the error is not estimated, as asked"
 
 
@@ -121,8 +122,8 @@ def simulate(
         settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
         accuracy: error of the tip deflection asked for; None is the engine's default.
         estimate: False: make the one run and estimate nothing; no accuracy can be asked for then.
-        time_limit: wall time (s) within which to answer, with what is known then: runs that could take longer are not begun, but for the
-            first. None: there is none.
+        time_limit: wall time (s) within which to answer with what is known by then. A run that could take longer is not begun, except
+            the first. None: no limit.
 
     Raises:
         ValueError: an accuracy without an estimate.
@@ -152,7 +153,7 @@ class _NoEstimate(Exception):
 
 
 class _NoTime(EngineFailure):
-    """A run was not begun."""
+    """A run that was not begun for lack of time."""
 
     def __str__(self) -> str:
         return self.cause

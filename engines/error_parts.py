@@ -35,7 +35,7 @@ NO_DEFLECTION: Final = 1e-12
 
 @dataclass(frozen=True)
 class Compared(Generic[R]):
-    """What came of the runs of a `Comparison`: trajectories, or whatever else is made of them."""
+    """Results of the runs of a `Comparison`: trajectories, or what is computed from them."""
 
     run: R  # the run in question, or one with the same error in this part
     other: R  # the one that `run` is compared with
@@ -53,16 +53,16 @@ class Compared(Generic[R]):
         return (shown if factor > 1.0 else max(shown, further)) / abs(factor - 1.0)
 
     def made_of(self, make: Callable[[R], Q]) -> "Compared[Q]":
-        """The same of what is made of each run."""
+        """The same comparison of what `make` computes from each run."""
         before = None if self.before is None else (make(self.before[0]), self.before[1])
         return Compared(make(self.run), make(self.other), self.factor, before)
 
 
 def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
-    """Make the runs of a pair, by `run`; those of the pair that counts instead where one of them breaks down.
+    """The results of a comparison, each made by `run`; those of its `instead` where a run breaks down.
 
     Raises:
-        EngineFailure: of `run`, where there is no other pair.
+        EngineFailure: of `run`, where there is no `instead`.
     """
     try:
         first, second = run(pair.run), run(pair.other)
@@ -116,7 +116,7 @@ def shown_factor(factor: float, factor_before: float, difference: float, differe
 
 
 def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDArray[np.float64]]) -> bool:
-    """Whether two runs with different settings are one, which says nothing of their error; not where nothing bends."""
+    """Whether two runs agree to the last bit, so that their difference says nothing of their error; False where nothing bends."""
     deflection = run["tip_deflection"]
     return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))
 

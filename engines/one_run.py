@@ -1,4 +1,4 @@
-"""One run of an engine as it comes, checked before anybody believes it."""
+"""One run of an engine, and the checks that its trajectory must pass."""
 
 import math
 import traceback
@@ -15,20 +15,20 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Scene
 
-#: Libraries in which an author's mistake surfaces.
+#: Libraries in which a mistake of an engine may surface; its own line is shown, not theirs.
 _BELOW: Final = frozenset({"numpy", "scipy"})
 
 
 @dataclass(frozen=True)
 class Made:
-    """A run that was made, and the simulation at its end, from where it can go on."""
+    """The trajectory of a run, and the simulation at its end, which can be advanced further."""
 
     trajectory: Trajectory
     simulation: Simulation
 
 
 def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
-    """One run as it comes, checked for completeness and for values that are no numbers.
+    """One run with the given settings, checked to be complete and finite.
 
     Raises:
         Refusal, SettingError: as the engine raises them.
@@ -48,7 +48,7 @@ def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: flo
 
 
 def raised_at(error: BaseException) -> str:
-    """Where an exception came from, for the author of an engine: " at my_engine.py, line 12"; his line, not that of numpy below it."""
+    """Where an engine raised an exception, such as " at my_engine.py, line 12": the engine's line, not that of numpy which it called."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not _BELOW & set(Path(frame.filename).parts)] or frames
     return f" at {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""

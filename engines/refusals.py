@@ -1,4 +1,4 @@
-"""What several engines refuse, each thing in the same words. All functions raise `Refusal` if the scene has it."""
+"""Refusals that several engines share. Each function raises `Refusal` if the scene has what it is named for."""
 
 from quickreturn.engines.base import Refusal
 from quickreturn.reference_model.mechanism import Scene
@@ -6,7 +6,7 @@ from quickreturn.reference_model.shapes import ShapeSet
 
 
 def of_massless_parts(name: str, scene: Scene, why: str) -> None:
-    """For methods whose loop is open, parts that this leaves without inertia; `why`: of the follower."""
+    """A crank or follower without mass, which an open loop leaves to itself; `why` ends the clause on the follower."""
     if scene.crank_is_free and scene.crank_inertia <= 0.0:
         raise Refusal(
             f"crank.inertia: {scene.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
@@ -17,7 +17,7 @@ def of_massless_parts(name: str, scene: Scene, why: str) -> None:
 
 
 def of_kinks(scene: Scene, shapes: ShapeSet, accepted: str) -> None:
-    """For a slider with rotary inertia, which the shapes' slope must carry smoothly."""
+    """A slider with rotary inertia on shapes whose curvature jumps; `accepted`: the shapes that may carry it."""
     if (inertia := scene.slider.inertia) > 0.0 and not shapes.has_continuous_curvature:
         raise Refusal(
             f"slider.inertia: {inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia needs shapes with"

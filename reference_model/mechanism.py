@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Final, Literal, TypeVar
 from quickreturn.reference_model.errors import ToldError
 from quickreturn.reference_model.quantities import quantity
 
-#: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
+#: Difference (rad) from a turn up to which two angles count as a turn apart: a file may give them with few digits.
 ROUNDING: Final = 1e-6
 #: Stiffness (N/m) of a roller that no key makes softer where the other one is, or where there is clearance: 1 um per newton, some ten times
 #: what Hertz gives for a steel roller on an aluminium strip. Contact without any softness would be a series of blows.
@@ -168,17 +168,17 @@ class Follower:
 
     @property
     def mass(self) -> float:
-        """Of the beam, kg."""
+        """Mass of the beam, kg."""
         return self.mass_per_length * self.length
 
     @property
     def density(self) -> float:
-        """That the mass per length and the section make, kg/m^3."""
+        """Density that follows from mass per length and section, kg/m^3."""
         return self.mass_per_length / (self.width * self.thickness)
 
     @property
     def elastic_modulus(self) -> float:
-        """That the bending stiffness and the section make, Pa."""
+        """Young's modulus that follows from bending stiffness and section, Pa."""
         return self.bending_stiffness / (self.width * self.thickness**3 / 12.0)
 
     @property

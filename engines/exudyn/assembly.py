@@ -121,7 +121,7 @@ class Assembly:
             self.mbs.AddLoad(items.LoadForceVector(markerNumber=self.point_marker(body, x), loadVector=[*force, 0.0]))
 
     def push_tip(self, marker: Any, crank_node: Any) -> None:
-        """The force on the tip, at a marker there; nothing is built where there is none."""
+        """Add the force on the tip, at a marker there; nothing is built where there is none."""
         tip = self.scene.tip
         if tip is None or not tip.is_forced:
             return

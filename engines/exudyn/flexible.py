@@ -255,7 +255,7 @@ class CableModel(Model):
     def _damped(
         self, line: Kinematics, frame: Kinematics, crank: Array | float = 0.0, crank_change: Array | float = 0.0
     ) -> tuple[Array, Array]:
-        """Power of all dampers but the slider's, exactly as they are built, and its derivative; of the crank's that and half of this."""
+        """Power of all dampers but the slider's, and its derivative; `crank`: power of the crank's, `crank_change`: half its derivative."""
         damping, (q, rates, accelerations), (_, turn, turn_rate) = self.assembly.scene.base.damping, line, frame
         radius = q[:, :, :2] - np.array([self.assembly.scene.pivot_distance, 0.0])
         across, across_rate = turned(radius), turned(rates[:, :, :2])

@@ -24,7 +24,7 @@ from quickreturn.engines.exudyn.record import index
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
 
-#: What a connector tells of its second marker from the first one, m and m/s.
+#: Outputs of a connector: place (m) and velocity (m/s) of its second marker relative to the first.
 _APART: Final = (exu.OutputVariableType.Displacement, exu.OutputVariableType.Velocity)
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class BeamSettings(Settings, ABC):
-    """What all engines on the one beam can be set to."""
+    """Settings that all engines on the one beam share."""
 
     tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
@@ -49,7 +49,7 @@ class BeamEngine(Engine[S]):
     """An engine whose model is a `BeamModel`."""
 
     compiles = True
-    #: What the description says of the shapes behind their number.
+    #: Words for the shapes in the description, after their number.
     kind_of_shapes = "shapes"
     #: The same for the follower alone.
     kind_of_clamped_shapes = "shapes"

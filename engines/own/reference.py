@@ -33,9 +33,9 @@ TOLERANCE_PER_ACCURACY: Final = 1e-4
 
 #: Modes -> modes of the finer run that the error is estimated with, and the ratio of their errors.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
-#: Part of the square of the lowest frequency that a compliant joint changes from which on its own vibration is left as it is, and part
-#: of the modes' error that slowing it may cost where it is stiffer.
+#: Relative change of the lowest frequency's square by a compliant joint, above which the joint's own vibration is not slowed.
 SOFT: Final = 5e-4
+#: Part of the modes' error that slowing it may cost.
 UNSEEN: Final = 5e-3
 #: Modes at least where rollers are hit: blows set more of them ringing than the crank does.
 MODES_OF_BLOWS: Final = 7
@@ -46,16 +46,17 @@ HIT: Final = 0.1
 TENTH: Final = 0.1
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
-#: Two modes more, and two modes fewer where no more are accepted.
+#: Error with two modes more over that without.
 RATIO: Final = 0.25
+#: The most modes that are accepted; a run with so many is compared with one of two fewer.
 MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
-#: Modes with which one finer run tells the error, where columns differ from it alike -> by how many times what the deflection does at most.
+#: Modes -> `Comparison.alike` of a run with so many; 0 for other numbers.
 ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
-#: Distance at which the search for a steady state makes its last step, which leaves a tenth of it or less: what counts as settled when
-#: marching.
+#: Relative distance from a periodic motion at which the search for it makes its last step. The step leaves a tenth of it or less, which
+#: counts as settled when marching.
 ORBIT_TOLERANCE: Final = 1e-3
 
 
@@ -255,7 +256,7 @@ def blow(scene: Scene) -> float:
 
 
 def joint_inertia(scene: Scene, modes: int) -> float:
-    """Inertia (kg) beside a compliant joint's spring, which slows the gap's own vibration as far as nobody sees it.
+    """Inertia (kg) beside a compliant joint's spring, which slows the gap's own vibration by as much as does not show.
 
     A motion of the angular frequency omega finds the joint softer by (omega / Omega)^2 where the inertia is stiffness / Omega^2, and the
     joint changes the lowest frequency by a part E: the product is kept at a hundredth of the error of the modes, for the lowest frequency
