@@ -99,7 +99,7 @@ ROW: Final = np.dtype(
 )
 
 
-def columns_of(rows: Rows, *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
+def recorded_columns(rows: Rows, *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
     """Columns by name, each of shape (k,), of rows (k,) of `ROW`.
 
     Args:

@@ -9,7 +9,7 @@ import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
-from quickreturn.reference_model.columns import ROW, columns_of
+from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.first_start import kernel
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
@@ -235,7 +235,7 @@ class BeamModel:
         if filled < len(states):
             raise ObservationFailed(filled)
         alone = self.parameters.constraint == BASE
-        return columns_of(rows, alone=alone, joint=not (alone or self.closes_loop))
+        return recorded_columns(rows, alone=alone, joint=not (alone or self.closes_loop))
 
     def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""

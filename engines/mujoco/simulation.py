@@ -18,7 +18,7 @@ from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
-from quickreturn.reference_model.columns import ROW, columns_of
+from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
@@ -120,7 +120,7 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != time_loop.GOOD or rows == len(table):
                     break
-        columns = columns_of(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
+        columns = recorded_columns(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
         trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - begun, statistics)

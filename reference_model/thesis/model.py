@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import ROW, Rows, columns_of
+from quickreturn.reference_model.columns import ROW, Rows, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.integrate import Integration
 from quickreturn.reference_model.machine.pointers import Placed
@@ -96,7 +96,7 @@ class ThesisModel:
         for k, y in enumerate(np.ascontiguousarray(states)):
             if not self.right_hand_side(y, rate, rows[k : k + 1]):
                 raise ObservationFailed(k)
-        return columns_of(rows, alone=self._alone, bends=self.shapes.count > 0)
+        return recorded_columns(rows, alone=self._alone, bends=self.shapes.count > 0)
 
     def project_deflection(self, deflection: Array, slope: Array) -> Array:
         """Flexible coordinates (n,) closest to a deflection (m) and slope given at `projection_points`, in the mass norm and slope."""

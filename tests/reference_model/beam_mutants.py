@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import ROW, columns_of
+from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
 from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.shapes import hermite_elements
@@ -101,7 +101,7 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     rate, rows, w = np.empty_like(y), np.zeros(1, ROW), workspace(p)
     if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, y, rows[0]):
         raise ValueError("the state cannot be")
-    found = by_hand(state.model, w, rate, {name: values[0] for name, values in columns_of(rows, joint=True).items()})
+    found = by_hand(state.model, w, rate, {name: values[0] for name, values in recorded_columns(rows, joint=True).items()})
     return found | {"feedback": rate[p.speeds] - w.facts.s_rate}
 
 

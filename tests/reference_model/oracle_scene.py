@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BEARINGS, BENDING, ROW, SHAPE, columns_of
+from quickreturn.reference_model.columns import BEARINGS, BENDING, ROW, SHAPE, recorded_columns
 from quickreturn.reference_model.machine.compilation import compiled
 from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
@@ -151,7 +151,7 @@ def computed(equations: Equations, p: Parameters, y: Array) -> Values:
     rate, row = np.zeros_like(y), np.zeros(1, ROW)
     if not equations.right_hand_side(p, w, y, rate, row):
         raise ValueError("the model refuses the state")
-    column = {name: values[0] for name, values in columns_of(row).items()}
+    column = {name: values[0] for name, values in recorded_columns(row).items()}
     n = p.n
     values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
     values |= {
