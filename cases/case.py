@@ -83,7 +83,7 @@ class Case(Shown):
     @property
     def mechanism(self) -> Mechanism:
         """The scene as a mechanism. CaseError: it has no crank and slider."""
-        if isinstance(self.scene, Mechanism):
+        if self.scene.crank is not None:
             return self.scene
         raise CaseError(
             self.name, "[crank]", None, "this case has no crank and no slider, but the command needs them", "use show or simulate"

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from quickreturn.cases.units import in_si
-from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Follower, Scene
 
 #: Lengths of a follower in m: from a watch's lever to a crane's jib.
 _LENGTHS: Final = (1e-3, 20.0)
@@ -32,7 +32,7 @@ def doubts(scene: Scene) -> Iterator[str]:
         yield f"tip.mass is {tip.mass:.6g} kg, {tip.mass / follower.mass:.3g} times the follower's ({follower.mass:.3g} kg): is that meant?"
     if tip is not None and abs(tip.center_of_mass) > follower.length:
         yield f"tip.center_of_mass is {tip.center_of_mass:.6g} m, more than the follower's length ({follower.length:.6g} m): is that meant?"
-    if not isinstance(scene, Mechanism):
+    if scene.crank is None:
         return
     if abs(centre := scene.crank.center_of_mass) > scene.pivot_distance:
         yield f"crank.center_of_mass is {centre:.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m): is that meant?"

@@ -176,7 +176,7 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
         for sign, minus in ((2.0, ""), (-2.0, "minus ")):
             words = f"is {minus}the curvature, not the surface strain"
             yield Hypothesis(words, "multiply the curvature by half the thickness", sign * expected / mechanism.follower.thickness)
-    if not isinstance(mechanism, Mechanism):
+    if mechanism.crank is None:
         return
     crank, d = mechanism.crank.length, mechanism.pivot_distance
     across = np.array([crank * np.cos(beside["crank_angle"]) - d, crank * np.sin(beside["crank_angle"])])

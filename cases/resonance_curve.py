@@ -153,7 +153,7 @@ def scene_with(case: Case, values: Mapping[str, float]) -> Mechanism:
         ImpossibleMechanism: the parts do not fit together.
     """
     found = scene_of(document_of(case).changed({**dict.fromkeys(replaced_by(values)), **values}).values)
-    assert isinstance(found, Mechanism)
+    assert found.crank is not None
     return found
 
 

@@ -10,16 +10,11 @@ engine that converges to a wrong model is found by comparison with other engines
 
 import contextlib
 import gc
-import math
 import time
-import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Final, Generic, TypeVar
+from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from quickreturn.engines import progress
@@ -29,53 +24,23 @@ from quickreturn.engines.base import (
     EngineFailure,
     EstimateOf,
     ModelDescription,
-    Refusal,
-    Simulation,
-    first_line,
 )
+from quickreturn.engines.error_parts import ESTIMATED, LOADS, compared, estimated_part, relative_size, same_motion
+from quickreturn.engines.one_run import Made, run_once
 from quickreturn.engines.relative import rms
-from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.columns import BEARINGS, BENDING
 from quickreturn.reference_model.mechanism import Scene
 
-R = TypeVar("R")
-Q = TypeVar("Q")
-
-#: Columns with an error estimate of their own.
-ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
-#: Columns that have one, too, where the engine gives them: what a part must bear or a drive must give.
-LOADS: Final = (*BENDING, *BEARINGS, "crank_torque", "base_torque")
-
-#: The least factor that differences in a row are credited with: the error is at most 1.4 times the difference from the coarser run.
-#: Two runs that err by as much in unrelated ways differ by more than either errs; in 17 scenes the errors of unresolved motions were at
-#: most 1.07 times the difference.
-LEAST_FACTOR: Final = 1.7
-#: The largest part of an error that a finer run is taken to leave, however slowly the differences fall: the error is at most four times
-#: the larger of them.
-LARGEST_REST: Final = 0.75
-#: By how much longer than the longest run so far another may take: one with half the step and twice the elements. It is not begun where
-#: less is left of the time limit. Of the limit, the part that imports, compiled code and what is made of the answer leave.
+#: Factor on the time of the longest run so far that the next may take, with half the step and twice the elements. It is not begun where
+#: less of the time limit is left.
 LONGER: Final = 4.0
+#: Part of the time limit that imports, compiled code and the use of the answer leave for runs.
 USABLE: Final = 0.9
 
-#: Remark of a run whose error nobody wanted to know.
+#: Remark on a run whose error the caller did not ask for.
 NOT_ESTIMATED: Final = "the error is not estimated, as asked"
-
-#: Libraries in which an author's mistake surfaces.
-_BELOW: Final = frozenset({"numpy", "scipy"})
-
-#: A tip deflection of less than this part of the follower's length is no deflection: the follower is rigid.
-NO_DEFLECTION: Final = 1e-12
-
-
-@dataclass(frozen=True)
-class Made:
-    """A run that was made, and the simulation at its end, from where it can go on."""
-
-    trajectory: Trajectory
-    simulation: Simulation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,8 +122,8 @@ def simulate(
         settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
         accuracy: error of the tip deflection asked for; None is the engine's default.
         estimate: False: make the one run and estimate nothing; no accuracy can be asked for then.
-        time_limit: wall time (s) within which to answer, with what is known then: runs that could take longer are not begun, but for the
-            first. None: there is none.
+        time_limit: wall time (s) within which to answer with what is known by then. A run that could take longer is not begun, except
+            the first. None: no limit.
 
     Raises:
         ValueError: an accuracy without an estimate.
@@ -183,157 +148,12 @@ def simulate(
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
 
 
-def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
-    """One run as it comes, checked for completeness and for values that are no numbers.
-
-    Raises:
-        Refusal, SettingError: as the engine raises them.
-        EngineFailure: the run broke down, in whatever way: an unforeseen exception of an engine is reported as this too.
-        MemoryError, OSError: memory, disk or the like are lacking.
-    """
-    try:
-        simulation = engine.prepare(scene, start, settings)
-        trajectory = simulation.advance(duration, output_step)
-    except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
-        raise
-    except Exception as error:  # a third-party engine may raise anything
-        cause = f"the engine raised {type(error).__name__}{raised_at(error)}: {first_line(error)}"
-        raise EngineFailure(0.0, cause, "report this to the author of the engine") from error
-    check_trajectory(trajectory, duration, output_step)
-    return Made(trajectory, simulation)
-
-
-def raised_at(error: BaseException) -> str:
-    """Where an exception came from, for the author of an engine: " at my_engine.py, line 12"; his line, not that of numpy below it."""
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not _BELOW & set(Path(frame.filename).parts)] or frames
-    return f" at {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""
-
-
-def check_trajectory(trajectory: Trajectory, duration: float, output_step: float) -> None:
-    """Raise `EngineFailure` unless the trajectory is complete, on its grid and finite.
-
-    The time grid may start anywhere; it must have `duration / output_step` steps of `output_step`.
-    """
-    lengths = {len(values) for values in trajectory.columns.values()}
-    if len(lengths) != 1:
-        raise EngineFailure(0.0, "the engine returned columns of different lengths", "report this to the author of the engine")
-    finite = np.logical_and.reduce([np.isfinite(values) for values in trajectory.columns.values()])
-    if not finite.all():
-        bad = int(np.argmin(finite))
-        name = next(name for name, values in trajectory.columns.items() if not np.isfinite(values[bad]))
-        good = float(trajectory["time"][bad - 1]) if bad else 0.0
-        head = {name: values[:bad] for name, values in trajectory.columns.items()}
-        partial = replace(trajectory, columns=head) if bad else None
-        raise EngineFailure(good, f"{name} is no longer a finite number", "try finer settings", partial)
-    times, rows = trajectory["time"], round(duration / output_step) + 1
-    # A grid built by repeated addition may drift by some rounding errors, never by a thousandth of a step.
-    on_grid = np.allclose(np.diff(times), output_step, rtol=1e-3, atol=0.0)
-    if len(times) != rows or not on_grid:
-        raise EngineFailure(
-            float(times[-1]) if len(times) else 0.0,
-            f"the engine returned {len(times)} rows that are not the {rows} of the output grid{_of_time(times, output_step)}",
-            "try finer settings",
-            trajectory if len(times) and on_grid else None,
-        )
-
-
-def _of_time(times: NDArray[np.float64], output_step: float) -> str:
-    """What is wrong with a column of times, as far as that can be said."""
-    step = float(np.median(np.diff(times))) if len(times) > 1 else output_step
-    if math.isclose(step, 1e3 * output_step, rel_tol=1e-3):
-        return "; the time column is in milliseconds, not in s"
-    return "" if math.isclose(step, output_step, rel_tol=1e-3) else f"; its time steps are {step:.4g}, not {output_step:.4g} s"
-
-
-@dataclass(frozen=True)
-class Compared(Generic[R]):
-    """What came of the runs of a `Comparison`: trajectories, or whatever else is made of them."""
-
-    run: R  # the run in question, or one with the same error in this part
-    other: R  # the one that `run` is compared with
-    factor: float  # error of `other` over that of `run`, not 1
-    # the run that `other` is compared with in turn, and the error of that over the one of `other`; None where there is none
-    before: tuple[R, float] | None = None
-
-    def part(self, difference: Callable[[R, R], float]) -> float:
-        """The part of an error that the runs show, from the size of the difference of two of them."""
-        shown = difference(self.run, self.other)
-        if self.before is None:
-            return shown / abs(self.factor - 1.0)
-        further = difference(self.other, self.before[0])
-        factor = shown_factor(self.factor, self.before[1], shown, further)
-        return (shown if factor > 1.0 else max(shown, further)) / abs(factor - 1.0)
-
-    def made_of(self, make: Callable[[R], Q]) -> "Compared[Q]":
-        """The same of what is made of each run."""
-        before = None if self.before is None else (make(self.before[0]), self.before[1])
-        return Compared(make(self.run), make(self.other), self.factor, before)
-
-
-def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
-    """Make the runs of a pair, by `run`; those of the pair that counts instead where one of them breaks down.
-
-    Raises:
-        EngineFailure: of `run`, where there is no other pair.
-    """
-    try:
-        first, second = run(pair.run), run(pair.other)
-    except EngineFailure:
-        if pair.instead is None:
-            raise
-        return compared(pair.instead, run)
-    if pair.before is None:
-        return Compared(first, second, pair.factor)
-    try:
-        return Compared(first, second, pair.factor, (run(pair.before.other), pair.before.factor))
-    except EngineFailure:
-        return Compared(first, second, min(pair.factor, LEAST_FACTOR))
-
-
-def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: float) -> tuple[float, dict[str, float | None]]:
-    """A part of the error of `delivered`, from two or three runs on the same output grid (see `Comparison`).
-
-    Args:
-        delivered: the run in question; differences are taken relative to the size of its columns.
-        runs: that are compared.
-        length: follower length, m.
-
-    Returns:
-        The part of the tip (see `Result.error_estimate`), and one for each column of `ESTIMATED` and `LOADS` that there is.
-    """
-
-    def part(name: str) -> float:
-        return runs.part(lambda a, b: rms(a[name] - b[name]))
-
-    known: list[str] = [name for name in (*ESTIMATED, *LOADS) if name in delivered.columns]
-    each = {name: _relative(part(name), rms(delivered[name])) for name in known}
-    deflection = each["tip_deflection"]
-    if deflection is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
-        return runs.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length, each
-    return deflection, each
-
-
-def shown_factor(factor: float, factor_before: float, difference: float, difference_before: float) -> float:
-    """The factor that two differences in a row support: from `LEAST_FACTOR` to `factor`, or from `factor` to `LARGEST_REST` if below 1.
-
-    Runs that converge as the factors f and f' say, the errors being e, f e and f' f e, differ by (f - 1) e and (f' - 1) f e. The less
-    the second difference exceeds the first, the less the error falls from run to run; where a fast motion is not resolved at all, as
-    under a sudden load or where the slider shakes the cable, it does not fall.
-    """
-    expected = factor * (factor_before - 1.0) / (factor - 1.0)
-    shown = math.inf if difference == 0.0 else factor * difference_before / (difference * expected)
-    if factor < 1.0:
-        return min(max(factor, shown), max(factor, LARGEST_REST))
-    return max(min(factor, shown), min(factor, LEAST_FACTOR))
-
-
 class _NoEstimate(Exception):
     """There is nothing to estimate an error with; the text is a clause that says why."""
 
 
 class _NoTime(EngineFailure):
-    """A run was not begun."""
+    """A run that was not begun for lack of time."""
 
     def __str__(self) -> str:
         return self.cause
@@ -444,7 +264,7 @@ class _Runs:
             coarse, fine = (self.run(settings).trajectory for settings in (pair.run, pair.other))
         except EngineFailure:
             return False
-        apart = {name: _relative(rms(coarse[name] - fine[name]), rms(coarse[name])) for name in ESTIMATED if name in coarse.columns}
+        apart = {name: relative_size(rms(coarse[name] - fine[name]), rms(coarse[name])) for name in ESTIMATED if name in coarse.columns}
         deflection = apart["tip_deflection"]
         return deflection is not None and max(each for each in apart.values() if each is not None) <= pair.alike * deflection
 
@@ -487,12 +307,6 @@ class _Runs:
         )
 
 
-def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDArray[np.float64]]) -> bool:
-    """Whether two runs with different settings are one, which says nothing of their error; not where nothing bends."""
-    deflection = run["tip_deflection"]
-    return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))
-
-
 def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
     """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
     best: _Judged | None = None
@@ -530,7 +344,3 @@ def _no_garbage_collection() -> Iterator[None]:
 def _sum(values: Sequence[float | None]) -> float | None:
     known = [value for value in values if value is not None]
     return sum(known) if known and len(known) == len(values) else None
-
-
-def _relative(difference: float, size: float) -> float | None:
-    return difference / size if size != 0.0 and math.isfinite(difference / size) else None

@@ -28,7 +28,7 @@ ModelledScene = Any
 #: A `Start`; None for a follower alone, which begins straight and at rest.
 StartOfScene = Any
 
-#: Version of what is asked of an engine; it changes where an engine written for the one before would no longer do.
+#: Version of the engines' interface. It changes when an engine written for the version before would no longer work.
 INTERFACE: Final = 1
 
 #: Accuracies whose settings make up an engine's ladder, each once: ten in a decade, so that no rung is passed over.
@@ -110,12 +110,12 @@ class Comparison:
         run: settings whose error is judged; those of the delivered run, or of one with the same error in this part.
         other: settings of the run that it is compared with.
         factor: error of `other` over that of `run`, as far as they differ; below 1 where `other` is the finer one.
-        before: the same of `other` and a run coarser still; or, of a finer one, finer still. Where the differences do not fall from run
-            to run as both factors say, the factor that they do show counts (`engines.accurate.shown_factor`). None: the factor is taken
-            on trust.
-        instead: the pair that counts where a run of this one breaks down, a finer one for example; None: then the error is unknown.
-        alike: `before` is not run where the relative difference of `run` and `other` is, in every column with an estimate, at most so
-            many times that of the tip deflection: columns converge alike, and the factor is taken on trust. 0: it is always run.
+        before: the comparison of `other` with a run that is coarser still, or finer still if `other` is the finer one. Where the
+            differences fall less from run to run than both factors say, the factor that they show counts
+            (`engines.error_parts.shown_factor`). None: `factor` is taken on trust.
+        instead: the comparison to make where a run of this one breaks down, for example with finer runs; None: the error is unknown then.
+        alike: `before` is left out, and `factor` taken on trust, where columns converge alike: where no estimated column's relative
+            difference of `run` and `other` is more than so many times that of the tip deflection. 0: `before` is always run.
     """
 
     run: AnySettings
@@ -257,8 +257,8 @@ class Engine(ABC, Generic[S]):
 
 
 def _accepted_instead(scene: Scene) -> str:
-    """What a model accepts that lacks a quantity without a default: another drive."""
-    if not isinstance(scene, Mechanism):
+    """What to give in place of a quantity that a model lacks and that has no default: another drive."""
+    if scene.crank is None:
         return "a scene with [crank]"
     if not isinstance(drive := scene.crank.drive, TorqueDrive):
         return "crank.torque and crank.damping"
@@ -267,19 +267,19 @@ def _accepted_instead(scene: Scene) -> str:
 
 
 def first_line(error: BaseException) -> str:
-    """Of what an exception says."""
+    """The first line of an exception's message."""
     return (str(error).splitlines() or ["no message"])[0]
 
 
 def installed(*distributions: str) -> str | None:
-    """Version of the first of these distributions that is there; None if there is none."""
+    """Version of the first of these distributions that is installed; None if none is."""
     for distribution in distributions:
         with suppress(PackageNotFoundError):
             return version(distribution)
     return None
 
 
-#: What each of this project's own engines has, whatever holds its slider.
+#: Quantities that the engines of this project model, whatever the slider's joint.
 USUAL: Final[tuple[str, ...]] = (
     "mechanism.gravity", "crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "tip.center_of_mass", "tip.force",
     "slider.mass",

@@ -8,7 +8,7 @@ from quickreturn.engines.settings import Settings
 S = TypeVar("S", bound=Settings)
 Climbing = TypeVar("Climbing", bound=Settings)
 
-#: By how much larger a size is tried where nothing is known of the error, and how many times as large one rung may be at most.
+#: Factor on the size where nothing is known of the error, and the largest factor from one rung to the next.
 _UNKNOWN: Final = 1.5
 _MOST_AT_ONCE: Final = 2.0
 
@@ -27,18 +27,18 @@ class Ladder(Generic[S]):
         return next((rung for rung, claim in self.rungs if gain * claim <= accuracy), self.rungs[-1][0])
 
     def claim(self, size: int) -> float:
-        """What the first rung that has as many claims, or the finest one."""
+        """Error that the first rung of at least this size claims, or the finest rung."""
         return self._first(size)[1]
 
     def sized(self, settings: Climbing, size: int) -> Climbing:
-        """The settings in another size, their tolerance as tight as the first rung's that has as many, or tighter."""
+        """The settings with another size, and a tolerance no looser than that of the first rung of at least this size."""
         changes: dict[str, float] = {self.size: size}
         if self.tolerance:
             changes[self.tolerance] = min(getattr(settings, self.tolerance), getattr(self._first(size)[0], self.tolerance))
         return settings.replaced(**changes)
 
     def finer(self, settings: Climbing, excess: tuple[float, ...] = ()) -> Climbing | None:
-        """The first rung as large as the estimate asks for, or the finest one; None above the ladder.
+        """The settings with the size of the first rung that the estimate asks for, or of the finest one; None above the ladder.
 
         Args:
             settings: those that do not suffice.

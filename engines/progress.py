@@ -1,4 +1,4 @@
-"""How far a run is, told to whoever listens. A worker listens for the person who waits; else nobody does, and telling costs nothing."""
+"""How far a run is. A worker listens on behalf of the person who waits; where nobody listens, `tell` does nothing."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,14 +30,14 @@ _present = Progress()
 
 
 def listen(listener: Callable[[Progress], None] | None) -> None:
-    """Have `listener` told from now on; None: nobody."""
+    """Call `listener` at every change from now on; None: call nobody."""
     global _listener, _present
     _listener, _present = listener, Progress()
 
 
 @contextmanager
 def heard_by(listener: Callable[[Progress], None]) -> Iterator[None]:
-    """Have `listener` told meanwhile, unless somebody listens already: a worker's messages go to the person who waits for it."""
+    """Call `listener` at every change within the block, unless there is one already: a worker's goes on reporting to its person."""
     if _listener is not None:
         yield
         return
@@ -49,7 +49,7 @@ def heard_by(listener: Callable[[Progress], None]) -> Iterator[None]:
 
 
 def tell(**changes: Any) -> None:
-    """What of a `Progress` has changed; what is not given stays, but a new phase begins without rung and cycle."""
+    """Report the fields of a `Progress` that changed. The others stay, but a new phase clears rung and cycle."""
     global _present
     if _listener is None:
         return

@@ -1,13 +1,13 @@
-"""What several engines refuse, each thing in the same words. All functions raise `Refusal` if the scene has it."""
+"""Refusals that several engines share. Each function raises `Refusal` if the scene has what it is named for."""
 
 from quickreturn.engines.base import Refusal
-from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.shapes import ShapeSet
 
 
 def of_massless_parts(name: str, scene: Scene, why: str) -> None:
-    """For methods whose loop is open, parts that this leaves without inertia; `why`: of the follower."""
-    if isinstance(scene, Mechanism) and scene.crank_is_free and scene.crank_inertia <= 0.0:
+    """A crank or follower without mass, which an open loop leaves to itself; `why` ends the clause on the follower."""
+    if scene.crank_is_free and scene.crank_inertia <= 0.0:
         raise Refusal(
             f"crank.inertia: {scene.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
             " leaves the crank to itself; accepted: above 0, or crank.mass or slider.mass above 0"
@@ -16,9 +16,9 @@ def of_massless_parts(name: str, scene: Scene, why: str) -> None:
         raise Refusal(f"follower.mass_per_length: {mass:g} kg/m cannot be modelled by {name}{why}; accepted: above 0")
 
 
-def of_kinks(mechanism: Mechanism, shapes: ShapeSet, accepted: str) -> None:
-    """For a slider with rotary inertia, which the shapes' slope must carry smoothly."""
-    if (inertia := mechanism.slider.inertia) > 0.0 and not shapes.has_continuous_curvature:
+def of_kinks(scene: Scene, shapes: ShapeSet, accepted: str) -> None:
+    """A slider with rotary inertia on shapes whose curvature jumps; `accepted`: the shapes that may carry it."""
+    if (inertia := scene.slider.inertia) > 0.0 and not shapes.has_continuous_curvature:
         raise Refusal(
             f"slider.inertia: {inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia needs shapes with"
             f" continuous curvature, {accepted}"

@@ -27,18 +27,19 @@ from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Sc
 
 Array = NDArray[np.float64]
 
-#: How many times as fine the run is that an error is estimated with.
+#: Factor on the resolution for the run that the error is estimated with.
 _COMPARED: Final = 1.5
 #: Tolerance over the error of a resolution, and the loosest and tightest. At 1e-5 ten polynomials of docs/engine.md are 7e-4 off in a mild
 #: scene, by the integration alone; in run 24 (3.8e-3) and with four of them (3.7e-3) it is not seen.
 _SHARE: Final = 5e-4
 _LOOSEST, _TIGHTEST = 1e-5, 1e-12
-#: By how much (rad or m) coordinates are moved to linearize; the inertia (kg m^2) of a crank that is held; the part of the largest square
-#: of an angular frequency below which one is none.
+#: Displacement (rad or m) of a coordinate for the differences that linearize.
 _MOVED: Final = 1e-5
+#: Inertia (kg m^2) of a crank that is held.
 _HELD: Final = 1e4
+#: Part of the largest squared angular frequency below which a square is round-off.
 _NONE: Final = 1e-10
-#: Part of the follower's length beyond which a slider that cannot be followed any farther has left it.
+#: Part of the follower's length: where the integration stops with the slider beyond it, the slider has left the follower.
 _NEARLY: Final = 0.97
 _LEFT: Final = "the slider has left the follower's end"
 
@@ -73,7 +74,7 @@ class Model(ABC):
         """The columns of `reference_model.columns` at an instant: all that are required but the time, any of the others."""
 
     def states(self, times: Array, state: Array, tolerance: float) -> Iterator[Array]:
-        """The state at each of `times` (s, shape (m,)), which begin with that of `state`; fewer if it does not get on.
+        """The state at each of `times` (s, shape (m,)), which begin with that of `state`; fewer if the integration stops early.
 
         The accelerations are integrated by Radau's method (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8), whose
         steps follow the motion and not the fastest vibration that a fine model could make. A tool that steps by itself does so here.

@@ -43,4 +43,4 @@ def standard_start(scene: Scene) -> Start | None:
 
     None for a follower alone: it begins straight and at rest.
     """
-    return Start(scene.crank.initial_angle, scene.crank.drive.initial_speed) if isinstance(scene, Mechanism) else None
+    return None if scene.crank is None else Start(scene.crank.initial_angle, scene.crank.drive.initial_speed)

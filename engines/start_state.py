@@ -52,7 +52,7 @@ class FollowerState:
 
 @dataclass(frozen=True)
 class StartState(FollowerState):
-    """The same with the slider's."""
+    """The same, with the slider's place and speed."""
 
     slider_position: float  # s, arc length from P
     slider_speed: float  # its rate

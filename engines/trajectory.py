@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.mechanism import Scene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,7 +65,7 @@ class FollowerTrajectory(Trajectory):
 
 def trajectory_type(scene: Scene) -> type[Trajectory]:
     """The type of a scene's trajectories."""
-    return Trajectory if isinstance(scene, Mechanism) else FollowerTrajectory
+    return FollowerTrajectory if scene.crank is None else Trajectory
 
 
 def join(pieces: list[Trajectory]) -> Trajectory:

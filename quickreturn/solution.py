@@ -19,8 +19,9 @@ from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.catalogue import AnyCase, engine_given, one_case
-from quickreturn.engines.accurate import ESTIMATED, NOT_ESTIMATED, Result
+from quickreturn.engines.accurate import NOT_ESTIMATED, Result
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts

@@ -1,4 +1,4 @@
-"""The columns of a trajectory, each with unit and meaning, and where compiled code lays them down in a row.
+"""The columns of a trajectory, each with unit and meaning, and the row in which compiled code lays them down.
 
 Meanings and signs are the same in every model and engine. The deflections `shape_01` to `shape_11` at the interior twelfths of the length
 are for drawing: with the base and the tip they are thirteen places of the centre line.
@@ -12,12 +12,17 @@ against its base are couples or internal forces: no bearing force contains them,
 no mass here, only an inertia, so that its own weight is not in the force at P.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import groupby
 from types import MappingProxyType
-from typing import Final, TypeVar
+from typing import Any, Final
 
-T = TypeVar("T")
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+#: Rows (k,) of `ROW`.
+Rows = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,7 @@ class Observable:
     meaning: str  # in words
     required: bool = False  # whether every engine delivers it
     of_slider: bool = False  # whether it means nothing without crank and slider
+    recorded: bool = True  # whether it is in the rows that compiled models fill
 
 
 #: Number of interior places of the centre line at which the deflection is given.
@@ -36,7 +42,7 @@ PLACES: Final = 11
 #: Name -> column, in the order of tables: those that every engine delivers first.
 COLUMNS: Final = MappingProxyType(
     {
-        "time": Observable("s", "since the start", required=True),
+        "time": Observable("s", "since the start", required=True, recorded=False),
         "crank_angle": Observable("rad", "q1, counter-clockwise from n1, continuous", required=True, of_slider=True),
         "crank_speed": Observable("rad/s", "of the crank", required=True, of_slider=True),
         "follower_angle": Observable("rad", "q2, tangent at the base, continuous, within 90 deg of 180 deg at the start", required=True),
@@ -58,8 +64,8 @@ COLUMNS: Final = MappingProxyType(
         "constraint_gap": Observable("m", "distance of the slider from the centre line", of_slider=True),
         "gravity_energy": Observable("J", "potential energy of gravity, all bodies, zero at the height of O"),
         "drive_work": Observable("J", "work of the drive torque and of the force on the tip since the start"),
-        "base_torque": Observable("N m", "torque that turns the base as prescribed"),
-        "axial_stretch": Observable("m", "length of the centre line less that of the undeformed follower"),
+        "base_torque": Observable("N m", "torque that turns the base as prescribed", recorded=False),
+        "axial_stretch": Observable("m", "length of the centre line less that of the undeformed follower", recorded=False),
         **{
             f"shape_{k:02d}": Observable("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2")
             for k in range(1, PLACES + 1)
@@ -82,26 +88,30 @@ MOMENTS: Final = tuple(name for name in COLUMNS if name.startswith("moment_") an
 BENDING: Final = (*MOMENTS, "moment_slider")
 BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")
 
-#: Places in a row of what the compiled models tell of an instant; the caller adds the time. Shape and moments along the follower come last.
-(
-    CRANK_ANGLE, CRANK_SPEED, FOLLOWER_ANGLE, SLIDER_POSITION, TIP_X, TIP_Y, TIP_DEFLECTION, TIP_ACCELERATION,
-    STRAIN_1, STRAIN_2, STRAIN_3, SLIDER_FORCE, CRANK_TORQUE, KINETIC_ENERGY, STRAIN_ENERGY, DISSIPATED_ENERGY,
-    CONSTRAINT_GAP, GRAVITY_ENERGY, DRIVE_WORK, MOMENT_SLIDER, PIVOT_FORCE_X, PIVOT_FORCE_Y, CRANK_FORCE_X, CRANK_FORCE_Y, FIRST_OF_SHAPE,
-) = range(25)  # fmt: skip
-FIRST_OF_MOMENTS: Final = FIRST_OF_SHAPE + PLACES
-#: Their names in that order.
-OBSERVED: Final = (
-    "crank_angle", "crank_speed", "follower_angle", "slider_position", "tip_x", "tip_y", "tip_deflection", "tip_acceleration",
-    "strain_1", "strain_2", "strain_3", "slider_force", "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy",
-    "constraint_gap", "gravity_energy", "drive_work", "moment_slider", "pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y",
-    *SHAPE, *MOMENTS,
-)  # fmt: skip
-#: What an open loop's joint does, behind those: rate of the gap (m/s), power of the slider's force on crank and follower together (W).
+#: Columns of what the compiled models record of an instant.
+OBSERVED: Final = tuple(name for name, column in COLUMNS.items() if column.recorded)
+#: What the joint of an open loop does: rate of the gap (m/s), power of the slider's force on crank and follower together (W).
 JOINT_COLUMNS: Final = ("gap_rate", "joint_power")
-GAP_RATE, JOINT_POWER = len(OBSERVED), len(OBSERVED) + 1
+_FIELDS: Final = {name: len([*group]) for name, group in groupby((*OBSERVED, *JOINT_COLUMNS), lambda name: name.rstrip("_0123456789"))}
+#: A row of all these. Numbered columns are one field, an array with the plural of their name: `strains`, `shapes`, `moments`.
+ROW: Final = np.dtype(
+    (np.record, [(name, np.float64) if count == 1 else (f"{name}s", np.float64, (count,)) for name, count in _FIELDS.items()])
+)
 
 
-def of_follower_alone(columns: Mapping[str, T]) -> dict[str, T]:
-    """The columns of a follower alone, whose base is what the drive turns: without those of crank and slider."""
-    kept = {name: values for name, values in columns.items() if name in COLUMNS and not COLUMNS[name].of_slider}
-    return kept | {"base_torque": columns["crank_torque"]}
+def recorded_columns(rows: Rows, *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
+    """Columns by name, each of shape (k,), of rows (k,) of `ROW`.
+
+    Args:
+        rows: as compiled code filled them.
+        alone: of a follower alone: without the columns of crank and slider; what drives turns the base.
+        bends: False: without bending moments, which a model that knows them by curvature has not of a rigid follower.
+        joint: with `JOINT_COLUMNS`.
+    """
+    values = rows.view(np.float64).reshape(len(rows), -1).T.copy()
+    found = dict(zip((*OBSERVED, *JOINT_COLUMNS), values, strict=True))
+    unknown = {*(() if joint else JOINT_COLUMNS), *(() if bends else BENDING)}
+    kept = {name: column for name, column in found.items() if name not in unknown}
+    if alone:
+        kept = {name: column for name, column in kept.items() if not COLUMNS[name].of_slider} | {"base_torque": found["crank_torque"]}
+    return kept

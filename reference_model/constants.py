@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from quickreturn.reference_model import tip_force
-from quickreturn.reference_model.mechanism import FollowerAlone, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Scene, TorqueDrive
 
 _OF_CRANK = ("d", "LA", "crank_mass", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia")
 
@@ -33,7 +33,7 @@ def constants(scene: Scene) -> dict[str, Any]:
 
 
 def _of_drive(scene: Scene) -> dict[str, float]:
-    if isinstance(scene, FollowerAlone):
+    if scene.crank is None:
         return {**dict.fromkeys(_OF_CRANK, 0.0), "base_speed": scene.spin_up.speed, "base_time": scene.spin_up.time}
     drive = scene.crank.drive
     torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)

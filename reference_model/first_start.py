@@ -11,8 +11,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import config, types
+from numba import config, from_dtype, types
 
+from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.integrate import _dop853
 from quickreturn.reference_model.machine.pointers import MEMBERS
 from quickreturn.reference_model.motion import equations
@@ -23,7 +24,7 @@ def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
     whole, real, vector, matrix = types.int64, types.float64, MEMBERS["Vector"], MEMBERS["Matrix"]
     addresses = (whole, whole, whole)
     return [
-        (equations.observe_states, (*addresses, matrix, matrix)),
+        (equations.observe_states, (*addresses, matrix, from_dtype(ROW)[::1])),
         (_dop853, (*addresses, vector, vector, real, whole, vector, real, real, matrix, matrix, matrix)),
     ]
 

@@ -53,14 +53,14 @@ class Equations:
     Attributes:
         function: of the equations (`reference_model.motion.equations.kernel`): dy/dt of a state; 0 where the state cannot be.
         parameters, workspace: its first two arguments.
-        slider: where the slider is in the state evaluated last, m, and the highest angular frequency there, rad/s, 0 where nobody knows
-            it; shape (2,), part of the workspace.
+        watched: of the state evaluated last the slider's place, m, and the highest angular frequency, rad/s, 0 where nobody knows it;
+            shape (2,), part of the workspace.
     """
 
     function: int
     parameters: int
     workspace: int
-    slider: NDArray[np.float64]
+    watched: NDArray[np.float64]
 
 
 def dop853(
@@ -85,7 +85,7 @@ def dop853(
     """
     size, y = len(y), np.array(y)
     states, scratch = np.empty((intervals + 1, size)), np.empty((9, size))
-    at = (equations.function, equations.parameters, equations.workspace, equations.slider)
+    at = (equations.function, equations.parameters, equations.workspace, equations.watched)
     loop = (*at, y, output_step, intervals, scales, limit, first_step, states, np.empty((16, size)), scratch)
     status, rows, time, calls, step = _dop853(*loop)
     if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose interpolation is left in the scratch
@@ -103,7 +103,7 @@ def _leaving_time(
     function: int,
     parameters: int,
     workspace: int,
-    slider: NDArray[np.float64],
+    watched: NDArray[np.float64],
     y: NDArray[np.float64],
     F: NDArray[np.float64],
     limit: float,
@@ -114,7 +114,7 @@ def _leaving_time(
     for _ in range(45):
         middle = 0.5 * (low + high)
         _interpolate(y, F, middle, state)
-        if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data, 0) == 1 and slider[0] <= limit:
+        if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data, 0) == 1 and watched[0] <= limit:
             low = middle
         else:
             high = middle
@@ -126,7 +126,7 @@ def _dop853(
     function: int,
     parameters: int,
     workspace: int,
-    slider: NDArray[np.float64],
+    watched: NDArray[np.float64],
     y: NDArray[np.float64],
     output_step: float,
     intervals: int,
@@ -165,7 +165,7 @@ def _dop853(
                 break
             if stage == STAGES:
                 norm = _error_norm(K, h, scales, controlled)
-                left = slider[0] > limit
+                left = watched[0] > limit
                 shown = left or (rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12))
                 if not (norm < 1.0 and shown):
                     break
@@ -187,8 +187,8 @@ def _dop853(
         growth = 5.0 if norm < 1e-12 else min(5.0, 0.9 * norm**-0.125)
         # a step cut at the end of the interval says nothing about the next
         step = max(step, h) if last and h < step else h * (min(growth, 1.0) if rejected else growth)
-        if step * slider[1] > CEILING:
-            step = CEILING / slider[1]
+        if step * watched[1] > CEILING:
+            step = CEILING / watched[1]
         rejected = False
     return REACHED_END, rows, t, calls, step
 

@@ -12,12 +12,12 @@ Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, TypeVar
+from typing import Any, ClassVar, Final, Literal, TypeVar
 
 from quickreturn.reference_model.errors import ToldError
 from quickreturn.reference_model.quantities import quantity
 
-#: By how much (rad) two angles may miss a turn that is meant: they may be written with few digits.
+#: Difference (rad) from a turn up to which two angles count as a turn apart: a file may give them with few digits.
 ROUNDING: Final = 1e-6
 #: Stiffness (N/m) of a roller that no key makes softer where the other one is, or where there is clearance: 1 um per newton, some ten times
 #: what Hertz gives for a steel roller on an aluminium strip. Contact without any softness would be a series of blows.
@@ -168,17 +168,17 @@ class Follower:
 
     @property
     def mass(self) -> float:
-        """Of the beam, kg."""
+        """Mass of the beam, kg."""
         return self.mass_per_length * self.length
 
     @property
     def density(self) -> float:
-        """That the mass per length and the section make, kg/m^3."""
+        """Density that follows from mass per length and section, kg/m^3."""
         return self.mass_per_length / (self.width * self.thickness)
 
     @property
     def elastic_modulus(self) -> float:
-        """That the bending stiffness and the section make, Pa."""
+        """Young's modulus that follows from bending stiffness and section, Pa."""
         return self.bending_stiffness / (self.width * self.thickness**3 / 12.0)
 
     @property
@@ -400,13 +400,17 @@ class Mechanism(_Bodies):
 class FollowerAlone(_Bodies):
     """A scene without crank and slider: the follower on a base block that turns about O as prescribed.
 
-    At the start the follower lies straight along n1, at rest.
+    At the start the follower lies straight along n1, at rest. Its pivot P is at O. A `crank` of None tells it from a mechanism.
 
     Raises:
         ImpossibleMechanism: a rigid follower, whose motion is prescribed as a whole, or a force that waits for a crank to turn.
     """
 
     spin_up: SpinUp
+    crank: ClassVar[None] = None
+    crank_is_free: ClassVar[Literal[False]] = False
+    pivot_distance: ClassVar[float] = 0.0
+    slider: ClassVar[Slider] = Slider()
 
     def __post_init__(self) -> None:
         if self.follower.is_rigid:

@@ -9,15 +9,14 @@ import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
-from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED, of_follower_alone
+from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.first_start import kernel
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.machine.pointers import Placed
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.motion.equations import evaluate, observe_states
 from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, ShapeRow, state_size, workspace
-from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
@@ -44,7 +43,6 @@ class BeamModel:
         scene: the mechanism, or the follower alone.
         constants: of the equations.
         shapes: tangent angle and its derivative by the slider's place, of every shape at arc lengths, for a place of the slider.
-        size: what errors of an amplitude are relative to, kg^(1/2) m.
         made_before: wall time (s) that parts took which were kept from an earlier model.
 
     Attributes:
@@ -53,42 +51,47 @@ class BeamModel:
         workspace: what the state evaluated last left behind.
     """
 
-    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, size: float, made_before: float = 0.0) -> None:
+    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, made_before: float = 0.0) -> None:
         self.scene = scene
         self.made_before = made_before
         self.parameters = constants
         self.workspace = workspace(constants)
         self._shapes = shapes
-        self._size = size
+        # what errors of an amplitude are relative to, kg^(1/2) m
+        self._size = deflection_scale(scene) * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
         self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
     @classmethod
-    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED) -> "BeamModel":
-        """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower."""
-        if mechanism.follower.is_rigid:
-            return cls.staying(mechanism, no_shapes(mechanism.follower.length), constraint)
-        (tables, reach), family, seconds = beam.following(mechanism, modes)
-        constants = parameters(mechanism, modes, tables, reach, constraint)
-        return cls(mechanism, constants, family.angles, _amplitude(mechanism, deflection_scale(mechanism)), seconds)
+    def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED) -> "BeamModel":
+        """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower.
+
+        Clamped modes for the follower alone.
+        """
+        if scene.crank is None:
+            return cls.alone(scene, modes)
+        if scene.follower.is_rigid:
+            return cls.staying(scene, no_shapes(scene.follower.length), constraint)
+        (tables, reach), family, seconds = beam.following(scene, modes)
+        return cls(scene, parameters(scene, modes, tables, reach, constraint), family.angles, seconds)
 
     @classmethod
     def staying(
-        cls, mechanism: Mechanism, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
+        cls, scene: Scene, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
     ) -> "BeamModel":
         """Shapes that stay where they are: slopes of clamped-free modes, or of cubic elements.
 
         Raises:
             ValueError: a slider with rotary inertia on shapes whose curvature jumps.
         """
-        if mechanism.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
+        if scene.crank is None:
+            return cls.alone(scene, shapes, transverse_damping=transverse_damping)
+        if scene.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
             raise ValueError("a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one element")
-        own, squares = vibrating(shapes, mechanism.follower.mass_per_length, mechanism.follower.bending_stiffness)
+        own, squares = vibrating(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
-        tables, reach = (beam.elements if of_elements else beam.staying)(mechanism, own, squares)
-        constants = parameters(mechanism, own.count, tables, reach, constraint, transverse_damping=transverse_damping)
-        return cls(
-            mechanism, constants, partial(_unmoved, partial(own.evaluate, derivative=1)), _amplitude(mechanism, deflection_scale(mechanism))
-        )
+        tables, reach = (beam.elements if of_elements else beam.staying)(scene, own, squares)
+        constants = parameters(scene, own.count, tables, reach, constraint, transverse_damping=transverse_damping)
+        return cls(scene, constants, partial(_unmoved, partial(own.evaluate, derivative=1)))
 
     @classmethod
     def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet, *, transverse_damping: bool = False) -> "BeamModel":
@@ -104,7 +107,7 @@ class BeamModel:
             angles, nodes = partial(own.evaluate, derivative=1), own.edges if own.coefficients.shape[1] == 4 else None
         tables = beam.clamped(scene, angles, squares, nodes)
         constants = parameters(scene, len(squares), tables, scene.follower.length, transverse_damping=transverse_damping)
-        return cls(scene, constants, partial(_unmoved, angles), _amplitude(scene, 0.01 * scene.follower.length))
+        return cls(scene, constants, partial(_unmoved, angles))
 
     def with_fewer_shapes(self, count: int) -> "BeamModel":
         """The model with the first shapes alone, on the same points: columns of the same tables."""
@@ -119,7 +122,7 @@ class BeamModel:
             psi, psi_s = self._shapes(s, x)
             return psi[:, :count], psi_s[:, :count]
 
-        return BeamModel(self.scene, fewer, shapes, self._size)
+        return BeamModel(self.scene, fewer, shapes)
 
     @property
     def shapes(self) -> int:
@@ -138,7 +141,7 @@ class BeamModel:
 
     def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
         """State vector with the follower straight and moving as the rigid mechanism does."""
-        assert isinstance(self.scene, Mechanism)
+        assert self.scene.crank is not None
         n, m = self.parameters.n, self.parameters.speeds
         motion = rigid_motion(self.scene, np.array(crank_angle), crank_speed)
         y = np.zeros(state_size(self.parameters))
@@ -198,7 +201,7 @@ class BeamModel:
     def equations(self) -> Equations:
         """The equations of motion as the integrator takes them."""
         p, w = self._at
-        return Equations(kernel(), p.address, w.address, self.workspace.slider)
+        return Equations(kernel(), p.address, w.address, self.workspace.watched)
 
     def error_scales(self, crank_speed: float) -> Array:
         """Sizes against which the relative tolerance is taken, one per controlled state: fixed, so that none vanishes (equation 5.10).
@@ -226,15 +229,13 @@ class BeamModel:
         Raises:
             ObservationFailed: a state that cannot be.
         """
-        out = np.zeros((len(states), WIDTH))
+        rows = np.zeros(len(states), ROW)
         p, w = self._at
-        rows = observe_states(kernel(), p.address, w.address, np.ascontiguousarray(states), out)
-        if rows < len(states):
-            raise ObservationFailed(rows)
-        found = dict(zip((*OBSERVED, *JOINT_COLUMNS), np.ascontiguousarray(out.T), strict=True))
-        if self.parameters.constraint == BASE:
-            return of_follower_alone(found)
-        return {name: found[name] for name in OBSERVED} if self.closes_loop else found
+        filled = observe_states(kernel(), p.address, w.address, np.ascontiguousarray(states), rows)
+        if filled < len(states):
+            raise ObservationFailed(filled)
+        alone = self.parameters.constraint == BASE
+        return recorded_columns(rows, alone=alone, joint=not (alone or self.closes_loop))
 
     def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""
@@ -254,13 +255,13 @@ class BeamModel:
     def natural_frequencies(self, crank_angle: float, count: int) -> Array:
         """Lowest natural frequencies (Hz) with the crank held, follower straight, at rest, undamped; of an open loop (equation 7.1).
 
-        Where force and motion are not conjugate the equations are not symmetric: of complex roots the modulus.
+        Where the constraint is not workless the equations are not symmetric: of complex roots the modulus.
         """
         squares = np.sort(np.abs(self._frozen_squares(crank_angle)))
         return np.asarray(np.sqrt(squares[:count]) / (2.0 * np.pi), dtype=np.float64)
 
     def growth_rates(self, crank_angle: float) -> Array:
-        """Rates (1/s) at which the same small vibrations grow of themselves, one per pair of roots: zero for a conjugate joint."""
+        """Rates (1/s) at which the same small vibrations grow of themselves, one per pair of roots: zero for a workless constraint."""
         return np.asarray(np.abs(np.real(np.sqrt(-self._frozen_squares(crank_angle).astype(complex)))), dtype=np.float64)
 
     def mass_matrix(self) -> Array:
@@ -286,11 +287,6 @@ class BeamModel:
                 mass, stiffness = test.T @ mass @ free, test.T @ stiffness @ free
         # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
         return np.asarray(1.0 / scipy.linalg.eig(mass, stiffness, right=False), dtype=np.complex128)
-
-
-def _amplitude(scene: Scene, deflection: float) -> float:
-    """Size of an amplitude for a deflection (m)."""
-    return deflection * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
 
 
 def _unmoved(angles: Callable[[Array], Array], s: float, x: Array) -> tuple[Array, Array]:

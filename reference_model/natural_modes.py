@@ -16,7 +16,7 @@ import scipy
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Tip
+from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene, Tip
 from quickreturn.reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
@@ -116,13 +116,12 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
     return supported_modes(mechanism, min(position, mechanism.follower.length), count)
 
 
-def stiffness_ratio(mechanism: Mechanism) -> float:
+def stiffness_ratio(scene: Scene) -> float:
     """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); 0 where either is missing."""
-    pace = crank_pace(mechanism)
-    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.closed_stiffness == 0.0:
+    if scene.crank is None or scene.follower.is_rigid or (pace := crank_pace(scene)) == 0.0 or scene.slider.closed_stiffness == 0.0:
         return 0.0
-    at_rest = Crank(length=mechanism.crank.length, drive=PrescribedSpeed(speed=0.0))
-    return 2.0 * math.pi * _lowest_frequency(replace(mechanism, crank=at_rest)) / pace
+    at_rest = Crank(length=scene.crank.length, drive=PrescribedSpeed(speed=0.0))
+    return 2.0 * math.pi * _lowest_frequency(replace(scene, crank=at_rest)) / pace
 
 
 @lru_cache(maxsize=64)  # machines whose cranks differ in nothing but length share it

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -74,15 +74,15 @@ USUAL_SCALE: Final = 0.01
 STATIC_SCALE: Final = 3.0
 
 
-def deflection_scale(mechanism: Mechanism) -> float:
+def deflection_scale(scene: Scene) -> float:
     """The size (m) that errors of the deflection are measured against in a scene: what it does, and never more than a fixed size.
 
-    Equation 5.10.
+    Equation 5.10; the fixed size for a follower that is rigid, or alone.
     """
-    usual = USUAL_SCALE * mechanism.follower.length
-    if mechanism.follower.is_rigid:
+    usual = USUAL_SCALE * scene.follower.length
+    if scene.crank is None or scene.follower.is_rigid:
         return usual
-    moves = STATIC_SCALE * static_deflection(mechanism, crank_pace(mechanism))
+    moves = STATIC_SCALE * static_deflection(scene, crank_pace(scene))
     return min(usual, max(moves, 1e-12 * usual)) if moves > 0.0 else usual
 
 

@@ -112,12 +112,13 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
     """The numbers of a scene by section and key; sections and keys that it lacks are left out."""
     parts: dict[str, list[Any]] = {
         "mechanism": [scene],
-        **{name: [part] for name in ("crank", "base", "follower", "tip", "slider") if (part := getattr(scene, name, None)) is not None},
+        **{name: [part] for name in ("crank", "base", "follower", "tip", "slider") if (part := getattr(scene, name)) is not None},
     }
-    if isinstance(scene, Mechanism):
-        parts["crank"].append(scene.crank.drive)
-    else:
+    if scene.crank is None:
+        del parts["slider"]
         parts["base"].append(scene.spin_up)
+    else:
+        parts["crank"].append(scene.crank.drive)
     return {
         name: {key: value for part in members for field, key, _ in quantities_of(part) if (value := getattr(part, field)) is not None}
         for name, members in parts.items()

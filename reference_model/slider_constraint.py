@@ -9,8 +9,8 @@ from quickreturn.reference_model.joint import Rollers
 ELIMINATED: Final = 0  # it is closed by the follower's angle
 MULTIPLIER: Final = 1  # it is closed by a force, a Lagrange multiplier
 ROLLERS: Final = 2  # two rollers hold it, or one spring
-LEVER: Final = 3  # as MULTIPLIER, but the force acts on the two nodes of the slider's element by the lever rule: not conjugate
-CHORDS: Final = 4  # as LEVER, and the slider rides on the chords between the nodes: conjugate
+LEVER: Final = 3  # as MULTIPLIER, but the force acts on the two nodes of the slider's element by the lever rule: not workless
+CHORDS: Final = 4  # as LEVER, and the slider rides on the chords between the nodes: workless
 BASE: Final = 5  # there is no slider; the follower's base turns as prescribed
 
 

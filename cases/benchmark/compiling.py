@@ -15,7 +15,7 @@ from typing import Final
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.engines.accurate import run_once
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.machine.machine_code import VARIABLE

@@ -19,8 +19,9 @@ from quickreturn.cases.benchmark.findings import LEVELS, Measured, Point, fastes
 from quickreturn.cases.benchmark.methods import Method, methods
 from quickreturn.cases.benchmark.truth import Confirmation, Converged, confirmation_of, converged, errors_of, run_of, truth_of
 from quickreturn.cases.case import Case
-from quickreturn.engines.accurate import Made, run_once, simulate
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.one_run import Made, run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import standard_start

@@ -10,8 +10,8 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.job import Executor, Job, Limits
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.engines.accurate import run_once
 from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.settings import SettingError
 from quickreturn.engines.start import standard_start

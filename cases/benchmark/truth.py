@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from quickreturn.cases.case import Case
-from quickreturn.engines.accurate import ESTIMATED, Made, run_once
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.one_run import Made, run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error, rms
 from quickreturn.engines.settings import Settings
@@ -31,7 +32,7 @@ CONFIRMED: Final = 2e-4
 
 @dataclass(frozen=True)
 class Converged:
-    """The solution that defines errors; `sizes`: RMS of each column of `engines.accurate.ESTIMATED`, SI."""
+    """The solution that defines errors; `sizes`: RMS of each column of `engines.error_parts.ESTIMATED`, SI."""
 
     engine: str
     settings: dict[str, Any]
@@ -85,7 +86,7 @@ def run_of(chosen: AnyEngine, case: Case, settings: Settings) -> Made:
 
 
 def errors_of(columns: Trajectory | Mapping[str, Any], truth: Trajectory) -> dict[str, float | None]:
-    """Relative error of each column of `engines.accurate.ESTIMATED`; None if the truth is zero throughout."""
+    """Relative error of each column of `engines.error_parts.ESTIMATED`; None if the truth is zero throughout."""
     errors = {column: relative_error(columns[column], truth[column]) for column in ESTIMATED}
     return {column: error if math.isfinite(error) else None for column, error in errors.items()}
 

@@ -11,8 +11,9 @@ from quickreturn.cases.conformance.checks import Array, LeftOut
 from quickreturn.cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
 from quickreturn.cases.jobs.display import span
 from quickreturn.engines import progress
-from quickreturn.engines.accurate import compared, run_once
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal
+from quickreturn.engines.error_parts import compared
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import usable_engine

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.shown import Cell, Rows, Shown
-from quickreturn.engines.accurate import raised_at
 from quickreturn.engines.base import EngineFailure, Refusal, first_line
+from quickreturn.engines.one_run import raised_at
 
 Array = NDArray[np.float64]
 Status = Literal["passed", "failed", "not judged"]

@@ -15,7 +15,7 @@ from quickreturn.cases.mistakes import Finding
 from quickreturn.cases.variation import Variation, imagined, value_at
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Mechanism, PrescribedSpeed, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, PrescribedSpeed, Scene, TorqueDrive
 
 #: Relative change of a quantity to see its effect; small enough for a proportional effect. The inertias of base and tip are small beside
 #: the follower's.
@@ -79,7 +79,7 @@ def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
         "tip.mass ignored": {"tip.mass": 0.0},
         "tip.inertia ignored": {"tip.inertia": 0.0},
         "base.inertia ignored": {"base.inertia": 0.0},
-        **(_of_crank(scene.crank) if isinstance(scene, Mechanism) else {}),
+        **({} if scene.crank is None else _of_crank(scene.crank)),
     }
     tried = [Variation(words, values) for words, values in others.items()]
     for path in _scaled(scene):

@@ -230,7 +230,7 @@ def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[
 def _first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6) -> None:
     """Check the first row: crank, follower and slider at the start, to `part` of the follower's length or of a radian."""
     run, scene = bench.run(motion), motion.scene
-    assert isinstance(scene, Mechanism)
+    assert scene.crank is not None
     start = motion.start or standard_start(scene)
     state = reconstruct(scene, start)
     tip = state.position(np.array([scene.follower.length]))[0]

@@ -9,8 +9,8 @@ from quickreturn.cases.conformance.bench import Bench, Truth, truth
 from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
 from quickreturn.cases.conformance.motion import Amiss, already_amiss
 from quickreturn.cases.conformance.settings import settings_at_work, stated_errors
-from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.engines.base import Comparison, EngineFailure
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.simple import SimpleEngine

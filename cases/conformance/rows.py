@@ -15,7 +15,6 @@ from quickreturn.cases.mistakes import IN_TIME, lateness, share_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Mechanism
 
 #: Further output steps, as multiples of the usual one: coarser, finer, and steps that no usual step of an engine divides.
 _STEPS: Final = (4.0, 2.5, 0.5, 1.3)
@@ -98,7 +97,7 @@ def _swing(values: Array) -> float:
 def pieces(bench: Bench, wrong: Iterable[str]) -> None:
     """Check that a simulation in pieces continues from its state."""
     rows, scene, run, tolerances = 60, bench.scene, bench.run(bench.mild), bench.tolerances(bench.mild)
-    assert isinstance(scene, Mechanism)
+    assert scene.crank is not None
     span = rows * OUTPUT_STEP
     simulation = bench.engine.prepare(scene, standard_start(scene), bench.settings(scene))
     try:

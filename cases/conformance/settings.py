@@ -18,7 +18,6 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.simple import SimpleEngine, SimpleSettings
-from quickreturn.reference_model.mechanism import Mechanism
 
 #: Duration of the runs that compare settings, s: 50 rows.
 _DURATION: Final = 0.05
@@ -94,7 +93,6 @@ def stated_errors(engine: SimpleEngine, seconds: float | None) -> str:
     """The error of the coarsest resolution, in run 24 over two seconds as `SimpleEngine.errors` are defined."""
     resolution, stated = min(engine.errors.items())
     scene = load_case(_MEASURED_IN).mechanism
-    assert isinstance(scene, Mechanism)
     engine.check(scene)
     tolerance = engine.settings_for(stated, scene).tolerance
     settings = SimpleSettings(resolution=resolution, tolerance=tolerance)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.variation import Variation
-from quickreturn.engines.accurate import run_once
 from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory

@@ -15,8 +15,9 @@ import numpy as np
 
 from quickreturn.cases.judging.conditioning import later_differences
 from quickreturn.cases.judging.verdicts import Breakdown, Evidence, judge
-from quickreturn.engines.accurate import Result, run_once, simulate
+from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import SettingError, Settings

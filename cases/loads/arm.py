@@ -22,7 +22,7 @@ import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
-from quickreturn.reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -97,7 +97,7 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
     nothing = np.zeros(time.size)
     has_slider = "moment_slider" in columns
     outboard = columns["moment_slider"] if has_slider else nothing
-    rolls = 0.0 if isinstance(scene, FollowerAlone) else scene.slider.inertia
+    rolls = scene.slider.inertia
     known = KnownMoments(
         length=scene.follower.length,
         twelfths=np.column_stack([base, *(columns[name] for name in MOMENTS), nothing]),

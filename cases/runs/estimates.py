@@ -24,7 +24,7 @@ from quickreturn.cases.measures.cycle import CycleMeasures, Measure
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.marching import channels_of
-from quickreturn.engines.accurate import LEAST_FACTOR, Compared
+from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
 from quickreturn.engines.trajectory import Columns
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ from quickreturn.cases.measures.mean_cycle import AVERAGED
 from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, Cycle, Settling, cut_cycles
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.engines import progress
-from quickreturn.engines.accurate import check_trajectory
 from quickreturn.engines.base import EngineFailure, Simulation, SteadyState
+from quickreturn.engines.one_run import check_trajectory
 from quickreturn.engines.trajectory import Columns, Trajectory, join
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes

@@ -115,7 +115,7 @@ def _best(fitting: Mapping[str, float]) -> tuple[str, ...]:
 def _scene(name: str) -> Mechanism | None:
     """The mechanism of a case of the library; None if it has none or its crank does not turn."""
     scene = library_case(name).scene
-    return scene if isinstance(scene, Mechanism) and crank_pace(scene) > 0.0 else None
+    return scene if scene.crank is not None and crank_pace(scene) > 0.0 else None
 
 
 def _rotation(mechanism: Mechanism) -> bool:

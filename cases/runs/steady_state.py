@@ -33,8 +33,10 @@ from quickreturn.cases.runs.marching import March, columns_of, output_step, sett
 from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
 from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, PeriodicOrbit, Run, RunRequest
 from quickreturn.engines import progress
-from quickreturn.engines.accurate import Compared, Made, check_trajectory, compared, same_motion, simulate
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
+from quickreturn.engines.error_parts import Compared, compared, same_motion
+from quickreturn.engines.one_run import Made, check_trajectory
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts

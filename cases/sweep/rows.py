@@ -23,8 +23,8 @@ from quickreturn.cases.runs.request import PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.measures import SettledMotion, measure
 from quickreturn.engines import progress
-from quickreturn.engines.accurate import Compared
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
+from quickreturn.engines.error_parts import Compared
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import engine as engine_of_name

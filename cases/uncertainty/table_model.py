@@ -14,8 +14,8 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.marching import output_step, periodic_cycle
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import STANDARD
-from quickreturn.engines.accurate import run_once
 from quickreturn.engines.base import NoSteadyState
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start

@@ -50,23 +50,18 @@ class Assembly:
     @property
     def mechanism(self) -> Mechanism:
         """The scene of a model with crank and slider."""
-        assert isinstance(self.scene, Mechanism)
+        assert self.scene.crank is not None
         return self.scene
-
-    @property
-    def pivot_distance(self) -> float:
-        """Distance of P from O, m; zero for a follower alone."""
-        return self.scene.pivot_distance if isinstance(self.scene, Mechanism) else 0.0
 
     @property
     def joint_is_compliant(self) -> bool:
         """Whether the slider's joint has a spring."""
-        return not self.mechanism.slider.is_rigid
+        return not self.scene.slider.is_rigid
 
     @property
     def joint_text(self) -> str:
         """What the list of joints says of the slider's springs and dampers; nothing of a rigid joint."""
-        return f", beside the crank tip: {in_words(self.mechanism.slider)}" if self.joint_is_compliant else ""
+        return f", beside the crank tip: {in_words(self.scene.slider)}" if self.joint_is_compliant else ""
 
     def listed_body(self, description: str) -> None:
         """Enter a body (or a group of elements) in the list of what was built."""
@@ -126,7 +121,7 @@ class Assembly:
             self.mbs.AddLoad(items.LoadForceVector(markerNumber=self.point_marker(body, x), loadVector=[*force, 0.0]))
 
     def push_tip(self, marker: Any, crank_node: Any) -> None:
-        """The force on the tip, at a marker there; nothing is built where there is none."""
+        """Add the force on the tip, at a marker there; nothing is built where there is none."""
         tip = self.scene.tip
         if tip is None or not tip.is_forced:
             return

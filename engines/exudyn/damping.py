@@ -4,7 +4,7 @@ The force on the unit of length is -c (v - omega i r), with r the place from P, 
 Exudyn's connectors knows this velocity: a damper between a node and a point fixed in the base body sees v - omega i r', r' the place of
 that point. So the points follow the nodes: before every stretch of the simulation each is put where its node will be in the base frame
 in the middle of the stretch, by its velocity relative to that frame. What is left is of second order in the length of the stretch, and
-1e-3 of the correction at 1 ms. What other points would leave (LADDERS.md, section 3) no finer mesh or step would tell.
+1e-3 of the correction at 1 ms. The error that other points leave (LADDERS.md, section 3) would not show with a finer mesh or step.
 """
 
 from typing import Any, Final
@@ -35,7 +35,7 @@ class Dampers:
 
     def __init__(self, assembly: Assembly, base: tuple[Any, Any], nodes: list[Any], x: Array, weights: Array) -> None:
         self._mbs = assembly.mbs
-        self._pivot = np.array([assembly.pivot_distance, 0.0])
+        self._pivot = np.array([assembly.scene.pivot_distance, 0.0])
         self._base, self._nodes = base[0], nodes[1:]
         self._points = [assembly.point_marker(base[1], place) for place in x[1:]]
         for point, node, weight in zip(self._points, self._nodes, weights[1:], strict=True):

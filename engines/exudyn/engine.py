@@ -15,7 +15,7 @@ from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class ExudynEngine(Engine[ExudynSettings]):
         The run's own estimate decides about other scenes.
         """
         found = ladder.LADDER.pick(accuracy)
-        if isinstance(scene, Mechanism):
+        if scene.crank is not None:
             return found
         slowest = float(clamped_modes(scene, 1).frequencies[0])
         return found.replaced(step=min(found.step * MEASURED_FREQUENCY / slowest, ladder.LARGEST_STEP))
@@ -61,9 +61,9 @@ class ExudynEngine(Engine[ExudynSettings]):
 
         A follower alone is compared in time and space.
         """
-        touches = isinstance(scene, Mechanism) and scene.slider.has_corners
-        in_time = ladder.in_time(settings, output_step, ladder.SAFE_WITH_BLOWS if touches else ladder.SAFE_IN_TIME)
-        if isinstance(scene, FollowerAlone):
+        order = ladder.SAFE_WITH_BLOWS if scene.slider.has_corners else ladder.SAFE_IN_TIME
+        in_time = ladder.in_time(settings, output_step, order)
+        if scene.crank is None:
             return in_time, ladder.in_space(settings, in_time)
         if scene.follower.is_rigid:
             return (in_time,)
@@ -71,7 +71,7 @@ class ExudynEngine(Engine[ExudynSettings]):
 
     def finer(self, settings: ExudynSettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""
-        return ladder.finer(settings, excess, output_step)
+        return ladder.finer(settings, ladder.Excess(*excess) if excess else None, output_step)
 
     def prepare(self, scene: Scene, start: Start | None, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
@@ -94,7 +94,7 @@ class ExudynEngine(Engine[ExudynSettings]):
         from quickreturn.engines.exudyn.flexible import FlexibleModel
         from quickreturn.engines.exudyn.rigid import RigidModel
 
-        if isinstance(scene, FollowerAlone):
+        if scene.crank is None:
             return FollowerModel(scene, settings)
         assert start is not None
         state = reconstruct(scene, start)

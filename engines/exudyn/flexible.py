@@ -89,7 +89,7 @@ def add_ends(assembly: Assembly, cable: Cable, state: StartState, nodes: list[An
         base_body = add_base(assembly, state, nodes)
     else:
         end = assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))
-        assembly.pin("follower", assembly.pivot_distance, end)
+        assembly.pin("follower", assembly.scene.pivot_distance, end)
     add_tip(assembly, cable, state, nodes)
     return base_body
 
@@ -98,7 +98,7 @@ def add_base(assembly: Assembly, state: FollowerState, nodes: list[Any]) -> tupl
     """A base body at P, damped, with the cable clamped to it; node and object number."""
     start = np.zeros(1)
     angle, rate = float(state.tangent(start)[0]), float(state.tangent_rate(start)[0])
-    body = assembly.pinned_body("base", assembly.pivot_distance, angle, rate, assembly.scene.base.inertia)
+    body = assembly.pinned_body("base", assembly.scene.pivot_distance, angle, rate, assembly.scene.base.inertia)
     markers = [assembly.frame_marker(body[1]), assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))]
     assembly.add_joint("follower clamped to the base", _clamp(markers), 3)
     assembly.rotary_damper(body[0], assembly.scene.base.damping)
@@ -255,9 +255,9 @@ class CableModel(Model):
     def _damped(
         self, line: Kinematics, frame: Kinematics, crank: Array | float = 0.0, crank_change: Array | float = 0.0
     ) -> tuple[Array, Array]:
-        """Power of all dampers but the slider's, exactly as they are built, and its derivative; of the crank's that and half of this."""
+        """Power of all dampers but the slider's, and its derivative; `crank`: power of the crank's, `crank_change`: half its derivative."""
         damping, (q, rates, accelerations), (_, turn, turn_rate) = self.assembly.scene.base.damping, line, frame
-        radius = q[:, :, :2] - np.array([self.assembly.pivot_distance, 0.0])
+        radius = q[:, :, :2] - np.array([self.assembly.scene.pivot_distance, 0.0])
         across, across_rate = turned(radius), turned(rates[:, :, :2])
         relative = rates[:, :, :2] - turn[:, None, None] * across
         relative_rate = accelerations[:, :, :2] - turn_rate[:, None, None] * across - turn[:, None, None] * across_rate

@@ -71,7 +71,7 @@ def _add_spring(assembly: Assembly, state: StartState, point: Any) -> None:
     ground = assembly.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=assembly.ground, localPosition=[*place, 0.0]))
     c, s = math.cos(state.follower_angle), math.sin(state.follower_angle)
     stiffness = np.zeros((6, 6))
-    stiffness[1, 1] = assembly.mechanism.slider.closed_stiffness
+    stiffness[1, 1] = assembly.scene.slider.closed_stiffness
     assembly.mbs.AddObject(
         items.ObjectConnectorRigidBodySpringDamper(
             markerNumbers=[ground, point], stiffness=stiffness, rotationMarker0=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
@@ -136,19 +136,27 @@ def _first_to_run(pairs: list[Comparison]) -> Comparison:
     return found
 
 
-def finer(own: ExudynSettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
+class Excess(NamedTuple):
+    """Parts of the error estimate over the accuracy asked for, in the order of `ExudynEngine.comparisons`; a scene may lack the last."""
+
+    time: float
+    space: float = 0.0
+    stretch: float = 0.0
+    passing: float = 0.0
+
+
+def finer(own: ExudynSettings, excess: Excess | None, output_step: float) -> ExudynSettings | None:
     """Steps, elements and axial stiffness by their orders; half the step where nothing is known.
 
     At most four times as many steps and twice the elements at once.
 
     Args:
         own: the settings that do not suffice.
-        excess: parts of the error estimate over the accuracy asked for, in time, space, stretch and passing (as many as there are).
+        excess: what is known of the error; None where nothing is.
         output_step: s.
     """
-    known = excess or (4.0 * _SHARE_OF_TIME,)
-    in_time, in_space, in_stretch, in_passing = (*known, 0.0, 0.0, 0.0)[:4]
-    in_space += in_passing
+    in_time, in_space, in_stretch, passing = excess or Excess(4.0 * _SHARE_OF_TIME)
+    in_space += passing
     steps, elements, axial_factor = own.steps_in(output_step), own.elements, own.axial_factor
     most = max(1, math.floor(output_step / SMALLEST_STEP + 1e-9))
     if in_time > _SHARE_OF_TIME:

@@ -24,7 +24,7 @@ from quickreturn.engines.exudyn.record import index
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
 
-#: What a connector tells of its second marker from the first one, m and m/s.
+#: Outputs of a connector: place (m) and velocity (m/s) of its second marker relative to the first.
 _APART: Final = (exu.OutputVariableType.Displacement, exu.OutputVariableType.Velocity)
 
 
@@ -69,7 +69,7 @@ def add_slider(
 
 def _add_carriage(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank_tip: Any) -> tuple[Any, "CarriageSpring | None"]:
     """Add the carriage with its spring and damper, on the crank tip and moving with it; returns its marker and the force law."""
-    mbs, slider = assembly.mbs, assembly.mechanism.slider
+    mbs, slider = assembly.mbs, assembly.scene.slider
     place = state.position(np.array([state.slider_position]))[0]
     velocity = start.crank_speed * np.array([-place[1], place[0]])  # of the crank tip, which is at the same place
     node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=list(place), initialVelocities=list(velocity)))

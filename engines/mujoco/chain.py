@@ -2,7 +2,7 @@
 
 N hinges stand at (j - 1/2) h, h = L/N; between them N - 1 links of length h, half a link on the base and half a link with the tip body
 at the end. Links are uniform rods and hinges have the stiffness EI/h: with both, the errors of order h² of the inertia and of the
-stiffness cancel in the interior, what is left is of order h⁴ (see the centre line in kernels.py for the last term of order h²).
+stiffness cancel in the interior, what is left is of order h⁴ (see centre_line.py for the last term of order h²).
 """
 
 import mujoco
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.base import ModelDescription
 from quickreturn.reference_model.joint import friction_in_words, in_words
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
 # kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
 # arm of 7 cm were 5 % off, 33 links 2.5 %.
@@ -38,7 +38,7 @@ def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
     # A reset after a bad acceleration would carry on from the start without a word.
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     spec.nuserdata = 1  # where the control hook finds its simulation
-    if isinstance(scene, Mechanism) and isinstance(scene.crank.drive, TorqueDrive):
+    if scene.crank is not None and isinstance(scene.crank.drive, TorqueDrive):
         _add_crank(spec, scene, scene.crank.drive)
     _add_follower(spec, scene, hinges, armature)
     return spec.compile()
@@ -54,7 +54,7 @@ def _add_crank(spec: mujoco.MjSpec, mechanism: Mechanism, drive: TorqueDrive) ->
 
 def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: float) -> None:
     follower, base, tip = scene.follower, scene.base, scene.tip
-    body, place = spec.worldbody, scene.pivot_distance if isinstance(scene, Mechanism) else 0.0
+    body, place = spec.worldbody, scene.pivot_distance
     for number, piece in enumerate(pieces(follower.length, hinges)):
         mass = follower.mass_per_length * piece
         rod = mass * piece**2 / 12.0
@@ -97,39 +97,28 @@ def _polynomial(linear: float) -> tuple[float, float, float]:
 
 def describe(scene: Scene, hinges: int) -> ModelDescription:
     """What `build` makes of the scene, and what the hook adds: the slider's constraint, or the drive of the base."""
-    bodies: list[str] = []
-    joints: list[str] = []
-    free = hinges
-    if isinstance(scene, FollowerAlone):
-        joints.append("base hinge at O, turned as prescribed: one constraint, exact torque")
+    slider, spring = scene.slider, "spring EI/h" if scene.follower.material_damping == 0.0 else "spring EI/h and damper"
+    links = [f"hinge {j}: {spring}" for j in range(1, hinges + 1)]
+    if scene.crank is None:
+        joints = ["base hinge at O, turned as prescribed: one constraint, exact torque", *links]
     else:
-        if scene.crank_is_free:
-            bodies.append("crank: rigid arm about O")
-            joints.append("crank hinge at O, driven by a torque against viscous damping")
-            if scene.slider.mass > 0.0:
-                bodies.append("slider: point mass fixed to the crank tip")
-        joints.append("base hinge at P")
-    if hinges == 0:
-        bodies.append("base and rigid follower: one body about P")
-    else:
-        bodies.append("base: block and half a link about P")
-        bodies += [f"link {j}: rigid rod" for j in range(1, hinges)]
-        bodies.append(f"link {hinges}: half a link at the end")
-    spring = "spring EI/h" if scene.follower.material_damping == 0.0 else "spring EI/h and damper"
-    joints += [f"hinge {j}: {spring}" for j in range(1, hinges + 1)]
-    if scene.tip is not None:
-        bodies.append("tip: rigid body fixed to the end")
-    if isinstance(scene, Mechanism):
+        crank = ["crank hinge at O, driven by a torque against viscous damping"] if scene.crank_is_free else []
         moving = "crank tip" if scene.crank_is_free else "crank tip, moved at the prescribed speed,"
-        compliant = not scene.slider.is_rigid
-        how = (
-            f"beside the follower's smooth centre line: {in_words(scene.slider)}"
-            if compliant
-            else "on the follower's smooth centre line: one constraint, exact multiplier"
-        )
-        joints.append(f"{moving} {how}{friction_in_words(scene.slider)}")
-        free += int(scene.crank_is_free) + int(compliant)
-    return ModelDescription(tuple(bodies), tuple(joints), free)
+        how = f"beside the follower's smooth centre line: {in_words(slider)}"
+        if slider.is_rigid:
+            how = "on the follower's smooth centre line: one constraint, exact multiplier"
+        joints = [*crank, "base hinge at P", *links, f"{moving} {how}{friction_in_words(slider)}"]
+    bodies = {
+        "crank: rigid arm about O": scene.crank_is_free,
+        "slider: point mass fixed to the crank tip": scene.crank_is_free and slider.mass > 0.0,
+        "base and rigid follower: one body about P": hinges == 0,
+        "base: block and half a link about P": hinges > 0,
+        **{f"link {j}: rigid rod": True for j in range(1, hinges)},
+        f"link {hinges}: half a link at the end": hinges > 0,
+        "tip: rigid body fixed to the end": scene.tip is not None,
+    }
+    free = hinges + int(scene.crank_is_free) + int(not slider.is_rigid)
+    return ModelDescription(tuple(name for name, there in bodies.items() if there), tuple(joints), free)
 
 
 def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -62,9 +62,9 @@ class MujocoEngine(Engine[ChainSettings]):
 
         return chain.describe(scene, chain.hinge_count(scene, settings.links))
 
-    def settings_for(self, accuracy: float, mechanism: Scene) -> ChainSettings:
+    def settings_for(self, accuracy: float, scene: Scene) -> ChainSettings:
         """The cheapest rung whose claim in run 24 is within `accuracy`; larger steps where the follower is stiff."""
-        ratio = stiffness_ratio(mechanism) if isinstance(mechanism, Mechanism) else 0.0
+        ratio = stiffness_ratio(scene)
         return LADDER.pick(accuracy).replaced(armature=min(ARMATURE * max(1.0, ratio / STIFF) ** 2, STIFFEST_ARMATURE))
 
     def comparisons(self, settings: ChainSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:

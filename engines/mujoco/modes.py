@@ -7,8 +7,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from quickreturn.engines.mujoco import chain, kernels
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene, changed
+from quickreturn.engines.mujoco import chain
+from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, changed
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
@@ -33,7 +34,7 @@ def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArra
     """Transverse motion of the straight follower's point at the slider per rate of base and hinge angles, m, shape (N + 1,)."""
     arm = mechanism.crank.length
     slider = math.hypot(mechanism.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle))
-    coefficients = kernels.centre_line_coefficients(slider, hinges, mechanism.follower.length / max(hinges, 1), 0)
+    coefficients = centre_line_coefficients(slider, hinges, mechanism.follower.length / max(hinges, 1), 0)
     return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
 
 
@@ -46,7 +47,7 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     """
     mass, stiffness = chain.follower_matrices(model, scene, hinges)
     damping = chain.follower_damping(scene, hinges)
-    if isinstance(scene, FollowerAlone):
+    if scene.crank is None:
         return _fastest(mass[1:, 1:], damping[1:, 1:], stiffness[1:, 1:])
     slider = scene.slider
     if slider.is_rigid:

@@ -11,14 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.mujoco import chain, kernels, modes
+from quickreturn.engines.mujoco import chain, modes, time_loop
+from quickreturn.engines.mujoco.context import CONTEXT
+from quickreturn.engines.mujoco.hook import control_hook
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
-from quickreturn.reference_model.columns import BENDING, OBSERVED, of_follower_alone
+from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.joint import rollers
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 
@@ -30,7 +32,7 @@ _ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
 
 
 class ChainSimulation(Simulation):
-    """See `Simulation`. The state is MuJoCo's; `kernels.CONTEXT` holds the constraint's.
+    """See `Simulation`. The state is MuJoCo's; `CONTEXT` holds the constraint's.
 
     Args:
         scene: the mechanism, or the follower alone.
@@ -58,7 +60,7 @@ class ChainSimulation(Simulation):
         """Small enough for the chain's fastest rate and for what drives it in the next `duration` (s), s."""
         if self._step_is_set:
             return self._largest_step
-        if isinstance(self._scene, FollowerAlone):
+        if self._scene.crank is None:
             return min(self._largest_step, self._scene.spin_up.time / _STEPS_PER_TURN)
         speed = self._fastest(self._scene, duration)
         return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
@@ -78,7 +80,7 @@ class ChainSimulation(Simulation):
 
     def _place(self, start: Start) -> None:
         """Bend the chain into the start's shape; the base turns until the slider lies on its centre line, and moves accordingly."""
-        assert isinstance(self._scene, Mechanism)
+        assert self._scene.crank is not None
         state, length = reconstruct(self._scene, start), self._scene.follower.length
         qpos, qvel = self._data.qpos, self._data.qvel
         first = self._model.nv - self._hinges - 1
@@ -90,13 +92,13 @@ class ChainSimulation(Simulation):
         qvel[first + 1 :] = _hinge_angles(state.tangent_rate(link_centers))
         self._context["slider_position"] = state.slider_position
         self._context["prescribed_angle"] = start.crank_angle
-        gap = kernels.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
+        gap = time_loop.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
         if not abs(gap) < 1e-12 * length:
             raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         begun = time.perf_counter()
-        table = np.empty((round(duration / output_step) + 1, len(OBSERVED)))
+        table = np.zeros(round(duration / output_step) + 1, ROW)
         times = self.time + output_step * np.arange(len(table), dtype=np.float64)
         steps = max(1, math.ceil(output_step / self._step_over(duration) * (1.0 - 1e-9)))
         self._model.opt.timestep = output_step / steps
@@ -106,7 +108,7 @@ class ChainSimulation(Simulation):
             while True:
                 first = rows - 1  # a piece begins with the last row of the one before
                 piece = table[first : first + _ROWS_AT_ONCE + 1]
-                filled, state = kernels.advance(
+                filled, state = time_loop.advance(
                     self._model._address,
                     self._data._address,
                     self._context,
@@ -116,15 +118,13 @@ class ChainSimulation(Simulation):
                     piece,
                 )
                 rows = first + filled
-                if state != kernels.GOOD or rows == len(table):
+                if state != time_loop.GOOD or rows == len(table):
                     break
-        found = dict(zip(OBSERVED, table[:rows].T.copy(), strict=True))
-        columns = {"time": times[:rows]} | {name: found[name] for name in OBSERVED if self._hinges or name not in BENDING}
+        columns = recorded_columns(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
+        columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
-        if isinstance(self._scene, FollowerAlone):  # without the columns of what is not there; the drive turns the base
-            columns = of_follower_alone(columns)
         trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - begun, statistics)
-        if state != kernels.GOOD:
+        if state != time_loop.GOOD:
             good = times[max(rows - 1, 0)]
             raise EngineFailure(float(good), *self._reason(state), trajectory if rows else None)
         self.time = float(times[-1])
@@ -132,7 +132,7 @@ class ChainSimulation(Simulation):
 
     def _reason(self, state: int) -> tuple[str, str]:
         """Cause and advice."""
-        if state == kernels.SLIDER_LEFT:
+        if state == time_loop.SLIDER_LEFT:
             place, length = float(self._context["slider_position"][0]), self._scene.follower.length
             return (
                 f"the slider left the follower (arc length {place:.6g} m, follower.length {length:.6g} m)",
@@ -145,7 +145,7 @@ def _largest_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     """Largest step (s) that the straight chain's fastest rate allows; infinite for a rigid follower on a rigid joint."""
     if hinges > 0:
         return _SAFETY * _STABILITY_LIMIT / modes.fastest_rate(model, scene, hinges)
-    if isinstance(scene, Mechanism) and not scene.slider.is_rigid:
+    if not scene.slider.is_rigid:
         return _RESOLVED / modes.fastest_rate(model, scene, hinges)
     return math.inf
 
@@ -168,8 +168,8 @@ def _hinge_angles(tangents: Array) -> Array:
 
 
 def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
-    """What compiled code needs to know, `kernels.CONTEXT`, shape (1,)."""
-    follower, context = scene.follower, np.zeros(1, kernels.CONTEXT)
+    """What compiled code needs to know, `CONTEXT`, shape (1,)."""
+    follower, context = scene.follower, np.zeros(1, CONTEXT)
     values: dict[str, complex] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
@@ -193,7 +193,7 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "tip_offset": scene.tip_body.center_of_mass,
         "gravity": complex(*scene.gravity),
     }
-    if isinstance(scene, FollowerAlone):
+    if scene.crank is None:
         values |= {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
     else:
         values |= _crank_and_slider(scene)
@@ -235,7 +235,7 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
 def _hooks() -> Iterator[None]:
     """Install the constraint for one call of `advance`; MuJoCo's callbacks are global. Its warnings would go to a file of their own."""
     previous = mujoco.get_mjcb_control(), mujoco.get_mju_user_warning()
-    mujoco.set_mjcb_control(kernels.control_hook.ctypes)
+    mujoco.set_mjcb_control(control_hook.ctypes)
     mujoco.set_mju_user_warning(lambda message: None)
     try:
         yield

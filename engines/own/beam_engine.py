@@ -16,7 +16,7 @@ from quickreturn.engines.base import Engine, EngineFailure, ModelDescription, Mo
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class BeamSettings(Settings, ABC):
-    """What all engines on the one beam can be set to."""
+    """Settings that all engines on the one beam share."""
 
     tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
@@ -49,7 +49,7 @@ class BeamEngine(Engine[S]):
     """An engine whose model is a `BeamModel`."""
 
     compiles = True
-    #: What the description says of the shapes behind their number.
+    #: Words for the shapes in the description, after their number.
     kind_of_shapes = "shapes"
     #: The same for the follower alone.
     kind_of_clamped_shapes = "shapes"
@@ -58,11 +58,11 @@ class BeamEngine(Engine[S]):
     def model(self, scene: ModelledScene, settings: S) -> "BeamModel":
         """The model of a scene. Refusal: the scene has what this model cannot carry."""
 
-    def joint_line(self, mechanism: Mechanism, settings: S) -> str:
+    def joint_line(self, scene: Scene, settings: S) -> str:
         """The slider's joint in one line, for the description."""
         return ELIMINATED_SLIDER
 
-    def opens_loop(self, mechanism: Mechanism) -> bool:
+    def opens_loop(self, scene: Scene) -> bool:
         """Whether the follower's angle is a coordinate of its own."""
         return True
 
@@ -73,12 +73,10 @@ class BeamEngine(Engine[S]):
     def describe(self, scene: Scene, settings: S) -> ModelDescription:
         """Bodies and joints that have terms in the equations."""
         self.check(scene)
-        if isinstance(scene, FollowerAlone):
-            return alone_description(scene, f"{settings.shape_count} {self.kind_of_clamped_shapes}", settings.shape_count)
-        mechanism = scene
-        n = 0 if mechanism.follower.is_rigid else settings.shape_count
-        joint, coordinates = self.joint_line(mechanism, settings), n + int(self.opens_loop(mechanism))
-        return description(mechanism, f"{n} {self.kind_of_shapes}" if n else "rigid", joint, coordinates)
+        n, kind = settings.shape_count, self.kind_of_clamped_shapes if scene.crank is None else self.kind_of_shapes
+        if scene.follower.is_rigid:
+            n = 0
+        return description(scene, f"{n} {kind}" if n else "rigid", self.joint_line(scene, settings), n + int(self.opens_loop(scene)))
 
     def prepare(self, scene: Scene, start: Start | None, settings: S) -> "OwnSimulation":
         from quickreturn.engines.own.simulation import OwnSimulation
@@ -103,45 +101,35 @@ def gain_of(scene: Scene) -> float:
     Equilibrium recovers what the shapes left out hold nearly at rest; what is missing is their inertia, which falls with the square of
     the ratio of the first bending frequency to the crank's.
     """
-    ratio = stiffness_ratio(scene) if isinstance(scene, Mechanism) else 0.0
+    ratio = stiffness_ratio(scene)
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
 
 
-def alone_description(scene: FollowerAlone, beam: str, coordinates: int) -> ModelDescription:
-    """What has terms in the equations of a follower alone: beam in a word or two, number of coordinates."""
-    bodies = {"base block": scene.base.inertia > 0.0, f"follower beam ({beam})": True, "tip body": scene.tip is not None}
-    joints = ("base on the ground (angle prescribed)", "follower clamped to the base")
-    return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, coordinates)
-
-
-def description(mechanism: Mechanism, beam: str, joint: str, coordinates: int) -> ModelDescription:
+def description(scene: Scene, beam: str, joint: str, coordinates: int) -> ModelDescription:
     """What has terms in the equations: beam in a word or two, the slider's joint in a line, coordinates besides the crank's angle."""
-    slider = mechanism.slider
     bodies = {
-        "crank": True,
+        "crank": scene.crank is not None,
         f"follower beam ({beam})": True,
-        "base block": mechanism.base.inertia > 0.0,
-        "tip body": mechanism.tip is not None,
-        "slider mass": slider.mass > 0.0,
-        "slider rotary inertia": slider.inertia > 0.0,
+        "base block": scene.base.inertia > 0.0,
+        "tip body": scene.tip is not None,
+        "slider mass": scene.slider.mass > 0.0,
+        "slider rotary inertia": scene.slider.inertia > 0.0,
     }
-    pivot = "crank pivot" if mechanism.crank_is_free else "crank pivot (speed prescribed)"
-    return ModelDescription(
-        tuple(name for name, there in bodies.items() if there),
-        (pivot, "follower pivot", joint),
-        coordinates + int(mechanism.crank_is_free),
-    )
+    joints: tuple[str, ...] = ("base on the ground (angle prescribed)", "follower clamped to the base")
+    if bodies["crank"]:
+        joints = ("crank pivot" if scene.crank_is_free else "crank pivot (speed prescribed)", "follower pivot", joint)
+    return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, coordinates + int(scene.crank_is_free))
 
 
-def state_of(model: "BeamModel", mechanism: Scene, start: Start | None) -> NDArray[np.float64]:
+def state_of(model: "BeamModel", scene: Scene, start: Start | None) -> NDArray[np.float64]:
     """The model's state closest to a start; of a follower alone straight and at rest."""
-    if start is None or isinstance(mechanism, FollowerAlone):
+    if start is None or scene.crank is None:
         return model.state_at_rest()
     straight = start.deflection is None and start.deflection_rate is None
-    if straight or mechanism.follower.is_rigid:
+    if straight or scene.follower.is_rigid:
         return model.straight_state(start.crank_angle, start.crank_speed)
-    bent = reconstruct(mechanism, start)
-    x = np.linspace(0.0, mechanism.follower.length, 32 * (model.shapes + 2) + 1)
+    bent = reconstruct(scene, start)
+    x = np.linspace(0.0, scene.follower.length, 32 * (model.shapes + 2) + 1)
     angle = bent.tangent(x) - bent.follower_angle
     rate = bent.tangent_rate(x) - bent.follower_rate
     slider = (bent.slider_position, bent.slider_speed)

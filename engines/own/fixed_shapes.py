@@ -10,7 +10,7 @@ from quickreturn.engines import refusals
 from quickreturn.engines.base import SPIN_UP, USUAL
 from quickreturn.engines.own.staying_shapes import ShapeSettings, StayingShapesEngine
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import hermite_between
 
@@ -37,7 +37,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
     settings_type = FixedShapesSettings
     quantities = (*USUAL, "slider.inertia", SPIN_UP)
 
-    def opens_loop(self, mechanism: Mechanism) -> bool:
+    def opens_loop(self, scene: Scene) -> bool:
         """The slider's place is eliminated."""
         return False
 
@@ -45,8 +45,6 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         from quickreturn.reference_model.model import BeamModel
 
         shapes, transverse = self.shapes(scene.follower, settings), settings.damping_law != _BOTH
-        if isinstance(scene, FollowerAlone):
-            return BeamModel.alone(scene, shapes, transverse_damping=transverse)
         refusals.of_kinks(scene, shapes, "clamped-free modes or one Hermite element")
         return BeamModel.staying(scene, shapes, self.constraint(scene, settings), transverse_damping=transverse)
 

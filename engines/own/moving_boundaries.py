@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.base import USUAL, Comparison
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 if TYPE_CHECKING:
@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 #: Tolerance for an error of the tip deflection against the model's own equations (`reference_model/RIVALS.md`, section 4).
 TOLERANCE_PER_ERROR: Final = 1e-4
-#: Factor between the tolerances of two runs that are compared, and at most this part of its error is left with the tighter one.
+#: Ratio of the tolerances of two runs that are compared.
 TIGHTER: Final = 0.01
+#: Error of the run with the tighter tolerance over that of the other one, at most.
 PART_OF_TIGHTER: Final = 0.3
 LOOSEST: Final = 1e-5
 TIGHTEST: Final = 1e-12
@@ -48,11 +49,11 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
     kind_of_shapes = "shapes that follow the slider"
     quantities = tuple(name for name in USUAL if name != "crank.torque")
 
-    def opens_loop(self, mechanism: Mechanism) -> bool:
+    def opens_loop(self, scene: Scene) -> bool:
         """The slider's place is known from the crank's angle."""
         return False
 
-    def joint_line(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> str:
+    def joint_line(self, scene: Scene, settings: MovingBoundariesSettings) -> str:
         return "slider supports the beam where it meets the line (known from the crank's angle)"
 
     def model(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> "MovingBoundariesModel":  # type: ignore[override]
@@ -65,7 +66,7 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         return MovingBoundariesSettings(tolerance=min(max(accuracy * TOLERANCE_PER_ERROR, TIGHTEST), LOOSEST))
 
     def ladder(self, mechanism: Mechanism) -> tuple[MovingBoundariesSettings, ...]:
-        """Numbers of modes: what is wrong with this model is not its integration. Of a crank that it refuses one rung tells."""
+        """Numbers of modes: what is wrong with this model is not its integration. One rung where the crank is refused anyway."""
         return tuple(MovingBoundariesSettings(modes=modes) for modes in ((2,) if mechanism.crank_is_free else (1, 2, 3, 4, 6)))
 
     def comparisons(self, settings: MovingBoundariesSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:

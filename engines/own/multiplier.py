@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from quickreturn.engines.base import FRICTION, USUAL
 from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.slider_constraint import MULTIPLIER, SliderConstraint
 
 
@@ -27,8 +27,8 @@ class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[Mult
     settings_type = MultiplierSettings
     quantities = (*USUAL, *FRICTION, "follower.material_damping")
 
-    def constraint(self, mechanism: Mechanism, settings: MultiplierSettings) -> SliderConstraint:
+    def constraint(self, scene: Scene, settings: MultiplierSettings) -> SliderConstraint:
         return SliderConstraint(kind=MULTIPLIER, stabilization=settings.stabilization)
 
-    def joint_line(self, mechanism: Mechanism, settings: MultiplierSettings) -> str:
+    def joint_line(self, scene: Scene, settings: MultiplierSettings) -> str:
         return "slider on the centre line (Lagrange multiplier)"

@@ -8,7 +8,7 @@ from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.own.beam_engine import BeamSettings, gain_of
 from quickreturn.engines.own.staying_shapes import RivalEngine
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Follower, Mechanism
+from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements, no_shapes
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, SliderConstraint
 
@@ -61,7 +61,7 @@ LADDER: Final = Ladder(
 
 
 class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
-    """The textbook way: with the lever rule, force on the nodes and motion of the slider are not conjugate and make spurious power."""
+    """The textbook way: with the lever rule the slider's constraint is not workless, its force on the nodes makes spurious power."""
 
     name = "nodal-load"
     method = "Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853"
@@ -72,13 +72,13 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
     def shapes(self, follower: Follower, settings: NodalLoadSettings) -> ShapeSet:
         return no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
 
-    def constraint(self, mechanism: Mechanism, settings: NodalLoadSettings) -> SliderConstraint:
-        """Conjugate distributions need no damping; a rigid follower has no nodes but one multiplier."""
-        kind = MULTIPLIER if mechanism.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
+    def constraint(self, scene: Scene, settings: NodalLoadSettings) -> SliderConstraint:
+        """Workless distributions need no damping; a rigid follower has no nodes but one multiplier."""
+        kind = MULTIPLIER if scene.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
         damping = settings.bending_damping if settings.distribution == "lever" else 0.0
         return SliderConstraint(kind=kind, stabilization=settings.stabilization, bending_damping=damping)
 
-    def joint_line(self, mechanism: Mechanism, settings: NodalLoadSettings) -> str:
+    def joint_line(self, scene: Scene, settings: NodalLoadSettings) -> str:
         """Which distribution."""
         return f"slider on the elements (force on two nodes, {settings.distribution})"
 

@@ -19,7 +19,7 @@ from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.joint import friction_in_words, in_words, rollers
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider, changed
+from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
@@ -33,9 +33,9 @@ TOLERANCE_PER_ACCURACY: Final = 1e-4
 
 #: Modes -> modes of the finer run that the error is estimated with, and the ratio of their errors.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
-#: Part of the square of the lowest frequency that a compliant joint changes from which on its own vibration is left as it is, and part
-#: of the modes' error that slowing it may cost where it is stiffer.
+#: Relative change of the lowest frequency's square by a compliant joint, above which the joint's own vibration is not slowed.
 SOFT: Final = 5e-4
+#: Part of the modes' error that slowing it may cost.
 UNSEEN: Final = 5e-3
 #: Modes at least where rollers are hit: blows set more of them ringing than the crank does.
 MODES_OF_BLOWS: Final = 7
@@ -46,16 +46,17 @@ HIT: Final = 0.1
 TENTH: Final = 0.1
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
-#: Two modes more, and two modes fewer where no more are accepted.
+#: Error with two modes more over that without.
 RATIO: Final = 0.25
+#: The most modes that are accepted; a run with so many is compared with one of two fewer.
 MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
-#: Modes with which one finer run tells the error, where columns differ from it alike -> by how many times what the deflection does at most.
+#: Modes -> `Comparison.alike` of a run with so many; 0 for other numbers.
 ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
-#: Distance at which the search for a steady state makes its last step, which leaves a tenth of it or less: what counts as settled when
-#: marching.
+#: Relative distance from a periodic motion at which the search for it makes its last step. The step leaves a tenth of it or less, which
+#: counts as settled when marching.
 ORBIT_TOLERANCE: Final = 1e-3
 
 
@@ -111,12 +112,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def check(self, scene: Scene) -> None:
         """Refuse also, with a joint that gives way or rubs, parts that the open loop leaves without inertia."""
         super().check(scene)
-        if isinstance(scene, Mechanism) and self.opens_loop(scene):
+        if self.opens_loop(scene):
             refusals.of_massless_parts(self.name, scene, " with a joint that gives way or rubs, which leaves the follower to itself")
 
-    def opens_loop(self, mechanism: Mechanism) -> bool:
+    def opens_loop(self, scene: Scene) -> bool:
         """A joint that gives way leaves the follower's angle free; friction needs the normal force, which an open loop knows."""
-        return not mechanism.slider.is_rigid or mechanism.slider.has_friction
+        return not scene.slider.is_rigid or scene.slider.has_friction
 
     def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
         """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs.
@@ -125,8 +126,6 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """
         from quickreturn.reference_model.model import BeamModel
 
-        if isinstance(scene, FollowerAlone):
-            return BeamModel.alone(scene, settings.modes)
         held = CLOSED
         if not scene.slider.is_rigid:
             inertia = joint_inertia(scene, settings.modes) if scene.slider.is_linear else 0.0
@@ -135,42 +134,42 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             held = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
         return BeamModel.following(scene, settings.modes, held)
 
-    def joint_line(self, mechanism: Mechanism, settings: ReferenceSettings) -> str:
+    def joint_line(self, scene: Scene, settings: ReferenceSettings) -> str:
         """Rigid or compliant."""
-        slider = mechanism.slider
+        slider = scene.slider
         if not slider.is_rigid:
             line = f"slider beside the centre line ({in_words(slider)})"
         else:
-            line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(mechanism, settings)
+            line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(scene, settings)
         return line + friction_in_words(slider)
 
-    def settings_for(self, accuracy: float, mechanism: Scene) -> ReferenceSettings:
+    def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit."""
         usual = LADDER.pick(accuracy)
-        if isinstance(mechanism, Mechanism) and blow(mechanism) > HIT:
+        if blow(scene) > HIT:
             return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
-        return fitted(LADDER, accuracy, mechanism)
+        return fitted(LADDER, accuracy, scene)
 
-    def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+    def comparisons(self, settings: ReferenceSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
 
         Of clamped modes the error of more is a smaller part, which makes the estimate a little too large. Another with still more tells
         whether the error falls as it should: after a blow it does not, for that sets all modes ringing. It shows in accelerations, which
         then differ by a larger part than the deflection.
         """
-        more, ratio = settings.modes + 2, RATIO
-        if isinstance(mechanism, Mechanism):
-            more, ratio = COMPARED.get(settings.modes, (more, ratio))
-        if more > MOST_MODES:
+        if settings.modes + 2 > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
+        if scene.crank is None:
+            return (Comparison(settings, LADDER.sized(settings, settings.modes + 2), RATIO),)
 
         def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
             usual = LADDER.sized(run, modes)
-            corners = isinstance(mechanism, Mechanism) and mechanism.slider.has_corners
+            corners = scene.slider.has_corners
             return usual.replaced(tolerance=max(usual.tolerance, TENTH * run.tolerance)) if corners else usual
 
+        more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         finer, further = sized(settings, more), None
-        if isinstance(mechanism, Mechanism) and more + 2 <= MOST_MODES:
+        if more + 2 <= MOST_MODES:
             rest = RATIO if settings.modes < SMOOTH else SLOWEST
             further = Comparison(finer, sized(finer, more + 2), rest)
         return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
@@ -247,32 +246,32 @@ def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> N
     return state
 
 
-def blow(mechanism: Mechanism) -> float:
+def blow(scene: Scene) -> float:
     """Force with which a roller meets the follower as the slider force changes its sign, over that force; infinite across a clearance.
 
     The softer roller lets go of the follower at the rate of the force over its stiffness, and a mass m that meets the stiffer one at a
     speed v is stopped by v sqrt(k m). The force changes at the crank's pace, and m is the follower's mass, each in order of magnitude.
     """
-    if not mechanism.slider.has_corners:
+    if scene.crank is None or not scene.slider.has_corners:
         return 0.0
-    if mechanism.slider.clearance > 0.0:
+    if scene.slider.clearance > 0.0:
         return math.inf
-    softer, stiffer = sorted(mechanism.slider.sides)
-    return crank_pace(mechanism) / softer * math.sqrt(stiffer * mechanism.follower.mass)
+    softer, stiffer = sorted(scene.slider.sides)
+    return crank_pace(scene) / softer * math.sqrt(stiffer * scene.follower.mass)
 
 
-def joint_inertia(mechanism: Mechanism, modes: int) -> float:
-    """Inertia (kg) beside a compliant joint's spring, which slows the gap's own vibration as far as nobody sees it.
+def joint_inertia(scene: Scene, modes: int) -> float:
+    """Inertia (kg) beside a compliant joint's spring, which slows the gap's own vibration by as much as does not show.
 
     A motion of the angular frequency omega finds the joint softer by (omega / Omega)^2 where the inertia is stiffness / Omega^2, and the
     joint changes the lowest frequency by a part E: the product is kept at a hundredth of the error of the modes, for the lowest frequency
     with the slider at its farthest place. Above 1e6 N/m a step of the explicit integration would else have to follow that vibration.
     """
-    stiffness = mechanism.slider.closed_stiffness
-    if mechanism.follower.is_rigid or stiffness <= 0.0:
+    stiffness = scene.slider.closed_stiffness
+    if scene.crank is None or scene.follower.is_rigid or stiffness <= 0.0:
         return 0.0
-    held = changed(mechanism, {"slider": Slider(inertia=mechanism.slider.inertia)})
-    rigid, own_one = (float(frozen_crank_modes(scene, math.pi, 1).frequencies[0]) for scene in (held, mechanism))
+    held = changed(scene, {"slider": Slider(inertia=scene.slider.inertia)})
+    rigid, own_one = (float(frozen_crank_modes(each, math.pi, 1).frequencies[0]) for each in (held, scene))
     part = 2.0 * abs(1.0 - own_one / rigid)  # of the frequency's square, which a motion's amplitude follows
     if part > SOFT:
         return 0.0

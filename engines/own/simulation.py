@@ -37,9 +37,8 @@ class OwnSimulation(Simulation):
     """Advances the state vector of a model.
 
     Statistics of a trajectory: `right_hand_side_calls`, `integration_seconds`; of an open loop also `degrees_of_freedom` (coordinates
-    integrated), `largest_gap_rate` (m/s), and where the slider's force is not conjugate to the motion `spurious_energy` (J, its work on
-    crank and follower together, which an ideal joint does not do), `spurious_energy_moved` (J, the same without regard to its sign) and
-    `largest_spurious_power` (W).
+    integrated), `largest_gap_rate` (m/s), and with the lever rule, whose constraint is not workless, `spurious_energy` (J, its work on
+    crank and follower together), `spurious_energy_moved` (J, the same without regard to its sign) and `largest_spurious_power` (W).
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What the engines with shapes that stay where they are share: settings, number of shapes, what to compare a run with."""
+"""What the engines with shapes that stay where they are have in common: settings, number of shapes, runs to compare."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -69,9 +69,9 @@ class StayingEngine(BeamEngine[S]):
 
     @abstractmethod
     def shapes(self, follower: Follower, settings: S) -> ShapeSet:
-        """Of a follower; none of a rigid one."""
+        """The shapes of a follower; none for a rigid one."""
 
-    def constraint(self, mechanism: Mechanism, settings: S) -> SliderConstraint:
+    def constraint(self, scene: Scene, settings: S) -> SliderConstraint:
         """What happens to the gap at the slider; unless overridden the follower's angle closes it."""
         return CLOSED
 

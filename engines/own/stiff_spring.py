@@ -12,7 +12,7 @@ from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, S
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.joint import Rollers, friction_in_words, in_words, rollers
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.slider_constraint import SliderConstraint
 
 LEAST_STIFFNESS: Final = 1.0  # N/m
@@ -78,18 +78,18 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
     settings_type = StiffSpringSettings
     quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping")
 
-    def constraint(self, mechanism: Mechanism, settings: StiffSpringSettings) -> SliderConstraint:
+    def constraint(self, scene: Scene, settings: StiffSpringSettings) -> SliderConstraint:
         """The scene's joint if it is compliant, else the stiff spring of the settings; dampings of joint and settings do not add."""
-        if mechanism.slider.is_rigid:
+        if scene.slider.is_rigid:
             spring = Rollers(plus=settings.stiffness, minus=settings.stiffness, damping=settings.damping)
         else:
-            spring = rollers(mechanism.slider)
+            spring = rollers(scene.slider)
         return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=spring)
 
-    def joint_line(self, mechanism: Mechanism, settings: StiffSpringSettings) -> str:
+    def joint_line(self, scene: Scene, settings: StiffSpringSettings) -> str:
         """Whose spring it is."""
         stiff = f"stiff spring in place of the constraint, {settings.stiffness:g} N/m, {settings.damping:g} N*s/m"
-        slider = mechanism.slider
+        slider = scene.slider
         return f"slider beside the centre line ({stiff if slider.is_rigid else in_words(slider)})" + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> StiffSpringSettings:

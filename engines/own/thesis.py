@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import SPIN_UP, USUAL, Comparison, Engine, EngineFailure, ModelDescription
-from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, alone_description, description
+from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements, no_shapes
 
@@ -68,16 +68,13 @@ class ThesisEngine(Engine[ThesisSettings]):
         """Bodies and joints that have terms in the equations."""
         self.check(scene)
         n = self._shapes(scene, settings).count
-        if isinstance(scene, FollowerAlone):
-            return alone_description(scene, f"{n} shapes", n)
         return description(scene, f"{n} shapes" if n else "rigid", ELIMINATED_SLIDER, n)
 
     def _shapes(self, scene: Scene, settings: ThesisSettings) -> ShapeSet:
         """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
         length = scene.follower.length
         shapes = no_shapes(length) if scene.follower.is_rigid else hermite_elements(length, settings.elements)
-        if isinstance(scene, Mechanism):
-            refusals.of_kinks(scene, shapes, "one Hermite element")
+        refusals.of_kinks(scene, shapes, "one Hermite element")
         return shapes
 
     def prepare(self, scene: Scene, start: Start | None, settings: ThesisSettings) -> "OwnSimulation":

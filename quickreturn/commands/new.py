@@ -90,11 +90,9 @@ def _origin(case: "Case") -> Iterator[str]:
 
 
 def _print_what_next(file: str, case: "Case") -> None:
-    from quickreturn.reference_model.mechanism import Mechanism
-
     click.echo(f"{file} is written. Change its values, then try")
     tried = {"show": "", "plot": ".png", "simulate": ".csv", "run": ""}
-    if not isinstance(case.scene, Mechanism):
+    if case.scene.crank is None:
         tried = {"show": "", "simulate": ".csv"}
     for command, ending in tried.items():
         output = ["--output", str(Path(file).with_suffix(ending))] if ending else []

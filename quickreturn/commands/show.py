@@ -80,7 +80,6 @@ def _resonances(cases: "Sequence[Case]") -> list[dict[str, list[str]]]:
 def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
     """What follows from the follower's numbers: name -> value, unit and meaning."""
     from quickreturn.cases.loads import resonance
-    from quickreturn.reference_model.mechanism import Mechanism
     from quickreturn.reference_model.natural_modes import clamped_modes
 
     follower = scene.follower
@@ -88,12 +87,12 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
         "mass": (follower.mass, "kg", "of the follower"),
         "slenderness": (follower.slenderness, "", "length over thickness"),
     }
-    if isinstance(scene, Mechanism) and (first := resonance(scene)):
+    if scene.crank is None:
+        found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
+    elif first := resonance(scene):
         found["first_bending_frequency"] = (first.lowest, "Hz", "crank held, the least over its turn")
         found["mean_bending_frequency"] = (first.first_mode, "Hz", "crank held, the mean over its turn")
         found["resonance"] = (first.ratio, "", f"that mean over the crank's frequency: {first.sentence}")
-    elif not isinstance(scene, Mechanism):
-        found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
     return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
 
 

@@ -235,8 +235,8 @@ def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
     """
     row = ShapeRow.of(np.arange(tables.coefficients.shape[2], dtype=np.float64), shapes, tables)
     row = ShapeRow(*(part.astype(int) for part in row))
-    there = (row.shape, row.shape_s, row.shape_ss)[: 3 if tables.moves else 1]
-    kinds = [kind.reshape(shapes, tables.cells, tables.cell_size) for kind in there]
+    fields = (row.shape, row.shape_s, row.shape_ss)[: 3 if tables.moves else 1]
+    kinds = [field.reshape(shapes, tables.cells, tables.cell_size) for field in fields]
     return {
         "psi": [kind[:, :, : tables.gauss_points + 1].ravel().tolist() for kind in kinds],
         "squares": [row.squares.tolist(), row.squares_s.tolist()],

@@ -79,7 +79,6 @@ class DerivedEngine(Engine[DerivedSettings]):
     def check(self, scene: Scene) -> None:
         """Also refuse a rigid follower and, with a compliant joint, parts without inertia."""
         super().check(scene)
-        assert isinstance(scene, Mechanism)  # `quantities` does not name those of a follower alone
         if scene.follower.is_rigid:
             raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
         if not scene.slider.is_rigid:

@@ -15,6 +15,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.columns import Rows
 from quickreturn.reference_model.machine.compilation import KERNEL, compiled, inlined, stage
 from quickreturn.reference_model.machine.pointers import call_equations, numbers_at
 from quickreturn.reference_model.motion.fields import place
@@ -48,29 +49,29 @@ def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
     """Partial velocities, bias accelerations, and the accelerations of the speeds: equations 2.1 to 5.3, everything left in `w`.
 
     Returns:
-        The slider's place among the points; -1 where the state cannot be: outside the tables, bent too far, or a singular loop.
+        Number of the point at which the slider is; -1 where the state cannot be: outside the tables, bent too far, or a singular loop.
     """
     s = y[p.speeds]
     if p.n == 0 and p.constraint == ELIMINATED:  # of a straight follower the place is known exactly
         s = math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
     if not (t.low <= s <= t.high and abs(y[0]) < 1e9):
         return -1
-    w.slider[0] = s
-    at = place(p, t, w, y, s)
-    if at < 0:
+    w.facts.s = w.watched[0] = s
+    slider_point = place(p, t, w, y, s)
+    if slider_point < 0:
         return -1
     if p.constraint == BASE:
         _turn_base(p, t, w, y)
-    elif move_loop(p, t, w, y, at):
-        bias_of_loop(p, t, w, y, at)
+    elif move_loop(p, t, w, y, slider_point):
+        bias_of_loop(p, t, w, y, slider_point)
     else:
         return -1
     relative_velocities(p, t, w, y)
-    partial_velocities(p, t, w, at)
+    partial_velocities(p, t, w, slider_point)
     bias_accelerations(p, t, w, y)
     assemble(p, t, w, y)
-    w.slider[1] = highest_frequency(p, t, w)
-    return at if _solve(p, t, w, at) else -1
+    w.watched[1] = highest_frequency(p, t, w)
+    return slider_point if _solve(p, t, w, slider_point) else -1
 
 
 @inlined
@@ -84,7 +85,7 @@ def _turn_base(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
 
 
 @inlined
-def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
+def _solve(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> bool:
     """Accelerations and, where the loop is open, the slider's force (equations 5.1 to 5.3)."""
     m, first, f = p.speeds, p.first, w.facts
     if not _factor(w.M, w.factor, first, m):
@@ -95,7 +96,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     if p.constraint in (ELIMINATED, BASE):
         _substitute(w.factor, w.acceleration, first, m)
         return True
-    share_force(p, t, w, at)
+    share_force(p, t, w, slider_point)
     sliding = 0.0  # share of the friction that acts, with the sign of the slider's way
     if p.friction > 0.0 or p.friction_force > 0.0:
         sliding = friction_share(f.s_rate, p.friction_speed)
@@ -119,7 +120,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, at: int) -> bool:
     compliance = 0.0
     for k in range(first, m):
         compliance += w.row_of_gap[k] * w.response[k]
-    # a force on the nodes may lose its hold on the gap, or friction jam; where force and motion are conjugate this is a sum of squares
+    # a force on the nodes may lose its hold on the gap, or friction jam; where B = G this is a sum of squares
     hold = 1.0 + p.joint_inertia * compliance if p.constraint == ROLLERS else compliance
     if not hold > 0.0:
         return False
@@ -175,14 +176,14 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
     t, n, m = p.tables, p.n, p.speeds
     size = 2 * m + 3 + (1 if m > n + 1 else 0)
     y, out = numbers_at(state, size), numbers_at(rate, size)
-    at = motion(p, t, w, y)
-    if at < 0:
+    slider_point = motion(p, t, w, y)
+    if slider_point < 0:
         for k in range(size):
             out[k] = math.nan
         return 0
     for k in range(m):
         out[k], out[m + 1 + k] = y[m + 1 + k], w.acceleration[k]
-    out[m] = w.facts.s_rate + FEEDBACK * (w.facts.missed + w.slider[0] - y[m])
+    out[m] = w.facts.s_rate + FEEDBACK * (w.facts.missed + w.facts.s - y[m])
     out[2 * m + 1] = dissipation(p, t, w, y)
     if m > n + 1:
         out[2 * m + 3] = joint_power(p, w, y)
@@ -191,7 +192,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
         return 1
     moment = moment_about_pivot(p, t, w)
     f = w.facts
-    f.at_slider, f.normal, f.slider_force, f.slider_moment, f.torque = at, 0.0, 0j, 0.0, moment
+    f.slider_point, f.normal, f.slider_force, f.slider_moment, f.torque = slider_point, 0.0, 0j, 0.0, moment
     speed = f.q2_rate
     if p.constraint != BASE:
         slider_force(p, t, w, moment)
@@ -214,14 +215,14 @@ def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Ar
 
 
 @compiled
-def observe_states(equations: int, parameters: int, workspace: int, states: Array, out: Array) -> int:
-    """Fill `out` (k, WIDTH), see `observe`, from `states`; the number of rows filled before a state that cannot be."""
+def observe_states(equations: int, parameters: int, workspace: int, states: Array, rows: Rows) -> int:
+    """Fill `rows` (k,) of `columns.ROW` from `states` (k, size); the number of rows filled before a state that cannot be."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     rate = np.empty(states.shape[1])
-    for row in range(len(states)):
-        y = states[row]
+    for k in range(len(states)):
+        y = states[k]
         if call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 1) == 0:
-            return row
-        if not observe(p, p.tables, w, y, out[row]):
-            return row
+            return k
+        if not observe(p, p.tables, w, y, rows[k]):
+            return k
     return len(states)

@@ -71,8 +71,8 @@ def cumulate(t: Tables, length: Array, f: Array, out: Array) -> None:
             a1 = a2 = b1 = b2 = c1 = c2 = spread(0.0)
             if S - p >= 12:
                 for j in range(G):
-                    at, f1, f2 = j * S + p, f[first + j], f[N + first + j]
-                    a, b, c = load(t.to_points, at), load(t.to_points, at + 4), load(t.to_points, at + 8)
+                    entry, f1, f2 = j * S + p, f[first + j], f[N + first + j]
+                    a, b, c = load(t.to_points, entry), load(t.to_points, entry + 4), load(t.to_points, entry + 8)
                     a1, b1, c1 = plus(a1, f1, a), plus(b1, f1, b), plus(c1, f1, c)
                     a2, b2, c2 = plus(a2, f2, a), plus(b2, f2, b), plus(c2, f2, c)
                 store(out, here + 4, plus(begin_1, size, b1))
@@ -115,7 +115,7 @@ def place(p: Parameters, t: Tables, w: Workspace, y: Array, s: float) -> int:
     """Angles, places and the integrals U_i and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
 
     Returns:
-        The slider's place among the points; -1 where the follower is bent too far.
+        Number of the point at which the slider is; -1 where the follower is bent too far.
     """
     n, N = p.n, t.points
     slider_cell = interpolate_row(t, s, w.row)

@@ -42,7 +42,7 @@ def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: Array) -> Non
 
 
 @stage
-def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
+def partial_velocities(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
     """Rows of V: partial velocities of the beam's points and of all bodies for every speed (equations 4.1 and 4.2)."""
     n, N = p.n, t.points
     end, bodies, arm = t.tip, 2 * N, w.facts.tip_arm
@@ -58,7 +58,7 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
         tip, slider = c + sigma * w.psi_s[end], c + sigma * w.facts.angle_by_s
         if 0 < k <= n:
             tip += w.shape[k - 1, end]
-            slider += w.shape[k - 1, at]
+            slider += w.shape[k - 1, slider_point]
         w.V[k, bodies + TIP_1] = w.V[k, end] - arm.imag * tip
         w.V[k, bodies + TIP_2] = w.V[k, N + end] + arm.real * tip
         w.V[k, bodies + TIP_TURN] = tip

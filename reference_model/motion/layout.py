@@ -25,7 +25,8 @@ class Facts:
     frame: complex  # exp(i q2), which turns from frame B to frame N
     q2_rate: float
     q2_bias: float
-    s_rate: float  # of the slider's place along the follower
+    s: float  # m, the slider's place along the follower
+    s_rate: float
     s_bias: float
     arm: complex  # direction of the crank
     tangent: complex  # of the line that the slider rides on
@@ -38,11 +39,11 @@ class Facts:
     gap: float  # m, from the foot to the crank tip along the normal
     gap_rate: float
     gap_bias: float
-    excess: float  # m, by which the loop is not closed
+    unclosed: float  # m, how far the loop is open
     tip_arm: complex  # m, from x = L to the tip's centre of mass
     gravity: complex  # m/s^2
     tip_force: complex  # N, prescribed
-    at_slider: int  # the slider's place among the points
+    slider_point: int  # number of the point at which the slider is
     force: float  # N, of the slider along the normal where the loop is open
     friction: float  # N, opposes the slider's way along the follower
     normal: float  # N, parts of the slider's force on the follower
@@ -212,7 +213,7 @@ class Workspace(NamedTuple):
     recovered_angle: Vector  # (2 N,) and zeros
     recovered_e: Vector  # (2 N,)
     recovered_place: Vector  # (2 N,) m
-    slider: Vector  # (2,) s, m; highest angular frequency, rad/s, 0 where nobody knows it
+    watched: Vector  # (2,) what the integrator watches: s, m; highest angular frequency, rad/s, 0 where nobody knows it
     facts: Facts
 
 
@@ -237,7 +238,7 @@ def workspace(p: Parameters) -> Workspace:
         ("U", (n, 2 * N)),
         ("V", (m, M)),
         ("M factor", (m, m)),
-        ("slider", (2,)),
+        ("watched", (2,)),
     )
     fields: dict[str, Any] = {name: on_lines(size) for names, size in sizes for name in names.split()}
     fields |= {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}

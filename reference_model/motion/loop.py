@@ -16,26 +16,26 @@ Array = NDArray[np.float64]
 
 
 @inlined
-def _on_line(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> None:
+def _on_line(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> None:
     """Foot, tangent and their changes where the slider rides on the centre line."""
     f = w.facts
-    f.foot, f.tangent = point(w.z, at, t.points), point(w.e, at, t.points)
+    f.foot, f.tangent = point(w.z, slider_point, t.points), point(w.e, slider_point, t.points)
     f.curvature = f.angle_by_s = 0.0
     for i in range(p.n):
-        w.foot_rate[1 + i], w.tangent_rate[1 + i] = point(w.U[i], at, t.points), w.shape[i, at]
+        w.foot_rate[1 + i], w.tangent_rate[1 + i] = point(w.U[i], slider_point, t.points), w.shape[i, slider_point]
         f.curvature += w.curvature_at_slider[i] * y[1 + i]
         f.angle_by_s += w.angle_at_slider_s[i] * y[1 + i]
     f.foot_by_s = complex(1.0, 0.0)
     if t.moves:
-        f.foot_by_s += f.tangent.conjugate() * point(w.Y, at, t.points)
+        f.foot_by_s += f.tangent.conjugate() * point(w.Y, slider_point, t.points)
 
 
 @inlined
-def nodes_of_slider(t: Tables, w: Workspace, at: int) -> tuple[int, int, float, float]:
+def nodes_of_slider(t: Tables, w: Workspace, slider_point: int) -> tuple[int, int, float, float]:
     """Of the slider's element: places of its nodes among the points, -1 for the pivot; length, m, and the slider's share of it."""
-    cell = at // t.cell_size
+    cell = slider_point // t.cell_size
     length = w.length[cell] + w.length[cell + 1]
-    return at - t.cell_size, at + t.cell_size, length, w.length[cell] / length
+    return slider_point - t.cell_size, slider_point + t.cell_size, length, w.length[cell] / length
 
 
 @inlined
@@ -45,10 +45,10 @@ def _at_node(row: Array, node: int, N: int) -> complex:
 
 
 @inlined
-def _on_chord(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
+def _on_chord(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
     """The same where it rides on the chord between the two nodes of its element (equation 3.9)."""
     f = w.facts
-    left, right, length, share = nodes_of_slider(t, w, at)
+    left, right, length, share = nodes_of_slider(t, w, slider_point)
     begin = _at_node(w.z, left, t.points)
     chord = point(w.z, right, t.points) - begin
     size = math.sqrt(dot(chord, chord))
@@ -61,25 +61,25 @@ def _on_chord(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
 
 
 @stage
-def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> bool:
+def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> bool:
     """Gap and partial rates sigma of s, of the gap and c of q2; then the rates themselves (equations 3.1 to 3.6)."""
     n, m, f = p.n, p.speeds, w.facts
     if p.constraint == CHORDS:
-        _on_chord(p, t, w, at)
+        _on_chord(p, t, w, slider_point)
     else:
-        _on_line(p, t, w, y, at)
+        _on_line(p, t, w, y, slider_point)
     crank = p.LA * complex(math.cos(y[0]), math.sin(y[0]))
     tip = crank - p.d
     if p.constraint == ELIMINATED:
         distance, reach = math.sqrt(dot(tip, tip)), math.sqrt(dot(f.foot, f.foot))
         f.frame = tip * f.foot.conjugate() / (distance * reach)
         f.gap, f.missed = 0.0, distance - reach
-        f.excess = abs(f.missed)
+        f.unclosed = abs(f.missed)
     else:
         f.frame = complex(math.cos(y[n + 1]), math.sin(y[n + 1]))
         apart = f.tangent.conjugate() * (f.frame.conjugate() * tip - f.foot)
         f.missed, f.gap = apart.real, apart.imag
-        f.excess = abs(f.gap)
+        f.unclosed = abs(f.gap)
     f.arm = f.frame.conjugate() * crank / p.LA
     f.foot_by_s -= f.gap * f.angle_by_s
     f.closing_by_q2 = f.gap - 1j * f.tangent.conjugate() * f.foot
@@ -113,16 +113,16 @@ def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> bool
 
 
 @inlined
-def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> None:
+def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> None:
     """Bias of the second derivatives of q2, s and gap: what they are when no speed changes (equations 3.7 and 3.8)."""
     n, m, f = p.n, p.speeds, w.facts
     s_rate = f.s_rate
     bias_of_places(p, t, w, y)
     if p.constraint == CHORDS:
-        turn, turn_bias, foot_bias = _bias_of_chord(p, t, w, y, at)
+        turn, turn_bias, foot_bias = _bias_of_chord(p, t, w, y, slider_point)
     else:
-        turn, turn_bias = w.turn[at] + f.curvature * s_rate, 0.0
-        foot_bias = point(w.A, at, t.points) + 1j * s_rate * (2.0 * w.turn[at] + f.curvature * s_rate) * f.tangent
+        turn, turn_bias = w.turn[slider_point] + f.curvature * s_rate, 0.0
+        foot_bias = point(w.A, slider_point, t.points) + 1j * s_rate * (2.0 * w.turn[slider_point] + f.curvature * s_rate) * f.tangent
         for i in range(n):
             turn_bias += 2.0 * w.angle_at_slider_s[i] * s_rate * y[m + 2 + i] + w.angle_at_slider_ss[i] * s_rate**2 * y[1 + i]
     away = foot_bias + p.LA * y[m + 1] ** 2 * f.arm
@@ -162,10 +162,10 @@ def bias_of_places(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
 
 
 @inlined
-def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) -> tuple[float, float, complex]:
+def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> tuple[float, float, complex]:
     """Rate and bias acceleration of the chord's angle, and the bias acceleration of the foot (equation 3.9)."""
     N, m, f = t.points, p.speeds, w.facts
-    left, right, length, share = nodes_of_slider(t, w, at)
+    left, right, length, share = nodes_of_slider(t, w, slider_point)
     chord = point(w.z, right, N) - _at_node(w.z, left, N)
     size = math.sqrt(dot(chord, chord))
     velocity = 1j * f.q2_rate * chord
@@ -179,7 +179,7 @@ def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: Array, at: int) ->
 
 
 @stage
-def share_force(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
+def share_force(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
     """To `spread`: what a unit of the slider's force, sign reversed, does for every speed (equation 4.8)."""
     N, f = t.points, w.facts
     if p.constraint != LEVER:
@@ -187,7 +187,7 @@ def share_force(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
             w.spread[k] = w.row_of_gap[k]
         return
     normal = 1j * f.tangent
-    left, right, _, share = nodes_of_slider(t, w, at)
+    left, right, _, share = nodes_of_slider(t, w, slider_point)
     for k in range(p.speeds):
         w.spread[k] = -share * dot(normal, point(w.V[k], right, N)) - (1.0 - share) * dot(normal, _at_node(w.V[k], left, N))
     w.spread[0] += p.LA * dot(normal, 1j * f.arm)

@@ -5,12 +5,12 @@ accuracy. The cells end at the slider, so that the kink of the moment needs no c
 """
 
 import math
-from typing import Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model import columns as c
+from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
 from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.machine.simd import load, plus_product, spread, total
@@ -25,27 +25,24 @@ Array = NDArray[np.float64]
 
 base_motion, joint_energy = stage(motion_of_base), stage(energy_of_joint)
 
-#: Numbers in a row: those of `columns.OBSERVED`, then those of `columns.JOINT_COLUMNS`.
-WIDTH: Final = len(c.OBSERVED) + len(c.JOINT_COLUMNS)
-
 
 @inlined
-def observe(p: Parameters, t: Tables, w: Workspace, y: Array, o: Array) -> bool:
-    """Fill the row `o` (WIDTH,) for the state evaluated last, with its forces.
+def observe(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> bool:
+    """Fill the row, a `columns.ROW`, for the state evaluated last, with its forces.
 
     False where the recovered line is bent too far.
     """
     m, f = p.speeds, w.facts
-    at = f.at_slider
-    o[c.CRANK_ANGLE], o[c.CRANK_SPEED], o[c.TIP_ACCELERATION] = y[0], y[m + 1], _tip_acceleration(p, t, w)
-    o[c.SLIDER_FORCE], o[c.CRANK_TORQUE], o[c.DISSIPATED_ENERGY], o[c.DRIVE_WORK] = f.normal, f.torque, y[2 * m + 1], y[2 * m + 2]
-    o[c.CONSTRAINT_GAP], o[c.GAP_RATE], o[c.JOINT_POWER] = f.excess, f.gap_rate, 0.0
+    slider_point = f.slider_point
+    row.crank_angle, row.crank_speed, row.tip_acceleration = y[0], y[m + 1], _tip_acceleration(p, t, w)
+    row.slider_force, row.crank_torque, row.dissipated_energy, row.drive_work = f.normal, f.torque, y[2 * m + 1], y[2 * m + 2]
+    row.constraint_gap, row.gap_rate, row.joint_power = f.unclosed, f.gap_rate, 0.0
     if m > p.n + 1:
-        o[c.JOINT_POWER] = joint_power(p, w, y)
-    _energies(p, t, w, y, at, o)
-    _bearing_forces(p, t, w, y, o)
-    _bending_moment(p, t, w, at)
-    return _recover(p, t, w, y, at, o)
+        row.joint_power = joint_power(p, w, y)
+    _energies(p, t, w, y, slider_point, row)
+    _bearing_forces(p, t, w, y, row)
+    _bending_moment(p, t, w, slider_point)
+    return _recover(p, t, w, y, slider_point, row)
 
 
 @stage
@@ -55,7 +52,7 @@ def _tip_acceleration(p: Parameters, t: Tables, w: Workspace) -> float:
 
 
 @stage
-def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array) -> None:
+def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> None:
     """Kinetic, strain and gravity energy (equations 6.2 to 6.4)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
     end = t.tip
@@ -67,7 +64,7 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Arra
     tip = point(w.z, end, N)
     velocity = point(w.relative, end, N) + 1j * (q2_rate * tip + w.turn[end] * f.tip_arm)
     kinetic += 0.5 * p.tip_mass * dot(velocity, velocity) + 0.5 * p.tip_inertia * w.turn[end] ** 2
-    kinetic += 0.5 * p.slider_inertia * (w.turn[at] + f.curvature * f.s_rate) ** 2
+    kinetic += 0.5 * p.slider_inertia * (w.turn[slider_point] + f.curvature * f.s_rate) ** 2
     kinetic += 0.5 * p.joint_inertia * f.gap_rate**2
     strain = joint_energy(f.gap, p.plus, p.minus, p.plus_from, p.minus_from)
     for i in range(n):
@@ -77,11 +74,11 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Arra
         moment += w.mass[j] * point(w.z, j, N)
     crank = p.crank_moment * complex(math.cos(y[0]), math.sin(y[0]))
     gravity = -dot(complex(p.gravity_1, p.gravity_2), (p.rhoA * p.L + p.tip_mass) * p.d + f.frame * moment + crank)
-    o[c.KINETIC_ENERGY], o[c.STRAIN_ENERGY], o[c.GRAVITY_ENERGY] = kinetic, strain, gravity
+    row.kinetic_energy, row.strain_energy, row.gravity_energy = kinetic, strain, gravity
 
 
 @stage
-def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, o: Array) -> None:
+def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> None:
     """Forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.10 and 6.11)."""
     N, f = t.points, w.facts
     bodies = 2 * N
@@ -93,11 +90,11 @@ def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, o: Array) 
     pivot = f.frame * (complex(total(beam_1), total(beam_2)) + tip - f.tip_force - f.slider_force)
     crank = p.crank_moment * (1j * w.acceleration[0] - y[p.speeds + 1] ** 2) * f.arm
     crank = f.frame * (crank + f.slider_force) - p.crank_mass * complex(p.gravity_1, p.gravity_2)
-    o[c.PIVOT_FORCE_X], o[c.PIVOT_FORCE_Y], o[c.CRANK_FORCE_X], o[c.CRANK_FORCE_Y] = pivot.real, pivot.imag, crank.real, crank.imag
+    row.pivot_force_x, row.pivot_force_y, row.crank_force_x, row.crank_force_y = pivot.real, pivot.imag, crank.real, crank.imag
 
 
 @stage
-def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
+def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
     """Moment of the outboard forces at the points, N m, in `w.moment` (equations 6.5 and 6.6)."""
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
@@ -119,14 +116,14 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, at: int) -> None:
         w.moment[j] = about_pivot - w.inboard_moment[j] - cross(point(w.z, j, N), outboard - point(w.inboard_force, j, N))
     if p.constraint != BASE:
         # at the slider itself the moment jumps by the slider's; the outboard side is shown
-        for j in range(at if f.slider_moment != 0.0 else at + 1):
-            w.moment[j] += cross(point(w.z, at, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
+        for j in range(slider_point if f.slider_moment != 0.0 else slider_point + 1):
+            w.moment[j] += cross(point(w.z, slider_point, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
 
 
 @stage
-def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array) -> bool:
+def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> bool:
     """Moments and strains; shape, base angle, slider and tip place of the recovered curvature (equations 6.7 to 6.9)."""
-    N, s, f = t.points, w.slider[0], w.facts
+    N, f = t.points, w.facts
     end, flexibility = t.tip, 1.0 / p.EI
     for j in range(N):
         w.curvature[j] = flexibility * w.moment[j]
@@ -139,28 +136,28 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, at: int, o: Array
     if not directions(w.recovered_angle[:N], w.recovered_e):
         return False
     cumulate(t, w.length, w.recovered_e, w.recovered_place)
-    o[c.MOMENT_SLIDER] = w.moment[at]
-    for place in range(c.PLACES):
-        x = (place + 1) * p.L / (c.PLACES + 1)
-        o[c.FIRST_OF_MOMENTS + place], o[c.FIRST_OF_SHAPE + place] = _at_place(t, w, w.moment, x)
+    row.moment_slider = w.moment[slider_point]
+    for place in range(PLACES):
+        x = (place + 1) * p.L / (PLACES + 1)
+        row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
     for gauge in range(3):
-        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
+        row.strains[gauge] = 0.5 * p.thickness * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
     frame, ds = f.frame, 0.0
     if p.constraint == BASE:
-        o[c.FOLLOWER_ANGLE] = base_motion(p.base_speed, p.base_time, y[0])[0]
+        row.follower_angle = base_motion(p.base_speed, p.base_time, y[0])[0]
     else:
         # the crank tip is beside the line, by the gap along its normal
-        tangent = point(w.recovered_e, at, N)
-        hinge = point(w.recovered_place, at, N) + 1j * f.gap * tangent
+        tangent = point(w.recovered_e, slider_point, N)
+        hinge = point(w.recovered_place, slider_point, N) + 1j * f.gap * tangent
         crank = p.LA * complex(math.cos(y[0]), math.sin(y[0])) - p.d
         ds = 0.5 * (dot(crank, crank) - dot(hinge, hinge)) / dot(hinge, tangent)
         # exp(i q2) has the direction of crank / hinge; both -crank and hinge point forwards
         frame = crank * (hinge + ds * tangent).conjugate()
         frame *= 1.0 / math.sqrt(dot(frame, frame))
-        o[c.FOLLOWER_ANGLE] = math.pi + math.atan2(-frame.imag, -frame.real)
+        row.follower_angle = math.pi + math.atan2(-frame.imag, -frame.real)
     deflected = point(w.recovered_place, end, N)
     tip = p.d + frame * deflected
-    o[c.SLIDER_POSITION], o[c.TIP_DEFLECTION], o[c.TIP_X], o[c.TIP_Y] = s + ds, deflected.imag, tip.real, tip.imag
+    row.slider_position, row.tip_deflection, row.tip_x, row.tip_y = f.s + ds, deflected.imag, tip.real, tip.imag
     return True
 
 

@@ -1,7 +1,7 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
 from quickreturn.reference_model.constants import constants
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, Slider
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import Parameters, Tables
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
 
@@ -19,14 +19,14 @@ def parameters(
         constraint: of the slider; not read for the follower alone.
         transverse_damping: the beam damping acts on the velocity across the base tangent alone.
     """
-    kind = BASE if isinstance(scene, FollowerAlone) else constraint.kind
-    rollers, slider = constraint.rollers, scene.slider if isinstance(scene, Mechanism) else Slider()
+    kind = BASE if scene.crank is None else constraint.kind
+    rollers, slider = constraint.rollers, scene.slider
     return Parameters(
         **constants(scene),
         constraint=kind,
         n=shapes,
         speeds=shapes + (1 if kind in (ELIMINATED, BASE) else 2),
-        first=0 if isinstance(scene, Mechanism) and scene.crank_is_free else 1,
+        first=0 if scene.crank_is_free else 1,
         EI=scene.follower.bending_stiffness,
         damps_along=0.0 if transverse_damping else 1.0,
         base_friction=scene.base.friction_torque,

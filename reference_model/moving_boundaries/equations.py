@@ -61,7 +61,7 @@ class Workspace(NamedTuple):
     rows: Matrix  # (3, length of a row) the table's row and its first two derivatives by l
     signals: Matrix  # (SIGNALS, 4) of the vectors and half the symmetric forms of the table
     facts: Vector  # (4,)
-    slider: Vector  # (2,) arc length of the slider, m; highest angular frequency, rad/s
+    watched: Vector  # (2,) what the integrator watches: arc length of the slider, m; highest angular frequency, rad/s
 
 
 PARAMETERS_TYPE: Final = tuple_type(Parameters)
@@ -191,8 +191,8 @@ def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, wit
     # force of the slider and torque of the drive (equations 4.4 and 4.5)
     weight = p.crank_moment * (math.cos(q1) * p.gravity_2 - math.sin(q1) * p.gravity_1)
     facts[FORCE], facts[TORQUE] = moment / distance, moment * turn_by_q1 + along * l_by_q1 - weight
-    w.slider[0] = distance + signals[t.VECTORS + t.SHORTENED, VALUE]
-    w.slider[1] = math.sqrt(row[t.SQUARES * n + n - 1]) if n else 0.0
+    w.watched[0] = distance + signals[t.VECTORS + t.SHORTENED, VALUE]
+    w.watched[1] = math.sqrt(row[t.SQUARES * n + n - 1]) if n else 0.0
 
     # dissipation, and the work of the drive and of the force on the tip (equations 5.2 and 5.3)
     lost = form(row, t.DRAG, eta_rate, eta_rate) + l_rate * (2.0 * drag + l_rate * drag_twice)

@@ -272,7 +272,7 @@ def evaluate(p: Parameters, w: Workspace, y: NDArray[np.float64]) -> tuple[bool,
     if not regular:
         return False, Slider(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), none
     c = place_slider(p, y[0], eta, w)
-    w.slider[0] = c.s
+    w.watched[0] = c.s
     if not (c.closes and abs(c.slope) < 1.0 and abs(w.end[0]) < 1.0):
         return False, c, none
     k = constraint_row(p, c, q1_rate, eta, eta_rate, w)

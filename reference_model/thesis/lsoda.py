@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 def integrate_lsoda(
     equations: Callable[[Array, Array], bool],
-    slider: Array,
+    watched: Array,
     y: Array,
     output_step: float,
     intervals: int,
@@ -25,7 +25,7 @@ def integrate_lsoda(
 
     Args:
         equations: write dy/dt of a state to their second argument; False where the state cannot be.
-        slider: where the slider is in the state evaluated last, m; its first entry.
+        watched: its first entry is the slider's place in the state evaluated last, m.
         y: state at the start; not changed.
         output_step: grid of the output, s.
         intervals: number of output steps.
@@ -55,7 +55,7 @@ def integrate_lsoda(
         if not (np.all(np.isfinite(states[row])) and equations(states[row], rate)):
             good, status = row, NOT_A_NUMBER
             break
-        if slider[0] > limit:
+        if watched[0] > limit:
             good, status = row, LEFT_FOLLOWER
             break
     return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][-1]), 0.0)

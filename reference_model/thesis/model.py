@@ -5,11 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BENDING, OBSERVED, of_follower_alone
+from quickreturn.reference_model.columns import ROW, Rows, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.integrate import Integration
 from quickreturn.reference_model.machine.pointers import Placed
-from quickreturn.reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.model import ObservationFailed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
@@ -19,7 +19,7 @@ from quickreturn.reference_model.thesis.tables import POINTS
 
 Array = NDArray[np.float64]
 
-_NO_ROW = np.empty(0)
+_NO_ROW = np.zeros(0, ROW)
 
 
 class ThesisModel:
@@ -39,7 +39,7 @@ class ThesisModel:
         self.shapes = shapes
         self.parameters = build_parameters(scene, shapes, exact_geometry=exact_geometry, cells=quadrature_cells(shapes))
         self.workspace = build_workspace(self.parameters.tables)
-        self._alone = isinstance(scene, FollowerAlone)
+        self._alone = scene.crank is None
         self._function = base_right_hand_side if self._alone else right_hand_side
         self._at = Placed(self.parameters, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
@@ -63,8 +63,8 @@ class ThesisModel:
         """State vector of the follower alone at time 0, straight and still."""
         return self.initial_state(0.0, 1.0)
 
-    def right_hand_side(self, y: Array, rate: Array, row: Array = _NO_ROW) -> bool:
-        """dy/dt of a state, written to `rate`, and its observables, to `row` (of `OBSERVED`) if given; False where the state cannot be."""
+    def right_hand_side(self, y: Array, rate: Array, row: Rows = _NO_ROW) -> bool:
+        """dy/dt of a state, written to `rate`, and its observables, to `row` (`ROW`, (1,)) if given; False where the state cannot be."""
         p, w = self._at
         return bool(self._function(p.address, w.address, y, rate, row))
 
@@ -83,7 +83,7 @@ class ThesisModel:
         """States on a uniform grid from the state `y` by LSODA, whose steps start anew (thesis, section 5.2)."""
         scales = self.error_scales(float(y[self.parameters.n + 1])) * tolerance
         limit = math.inf if self._alone else self.parameters.L
-        return integrate_lsoda(self.right_hand_side, self.workspace.slider, y, output_step, intervals, scales, limit)
+        return integrate_lsoda(self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit)
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`.
@@ -91,14 +91,12 @@ class ThesisModel:
         Raises:
             ObservationFailed: a state in which the loop cannot close.
         """
-        out = np.zeros((len(states), len(OBSERVED)))
+        rows = np.zeros(len(states), ROW)
         rate = np.empty(states.shape[1])
-        for row, (y, o) in enumerate(zip(np.ascontiguousarray(states), out, strict=True)):
-            if not self.right_hand_side(y, rate, o):
-                raise ObservationFailed(row)
-        known = dict(zip(OBSERVED, np.ascontiguousarray(out.T), strict=True))
-        found = {name: values for name, values in known.items() if self.shapes.count or name not in BENDING}
-        return of_follower_alone(found) if self._alone else found
+        for k, y in enumerate(np.ascontiguousarray(states)):
+            if not self.right_hand_side(y, rate, rows[k : k + 1]):
+                raise ObservationFailed(k)
+        return recorded_columns(rows, alone=self._alone, bends=self.shapes.count > 0)
 
     def project_deflection(self, deflection: Array, slope: Array) -> Array:
         """Flexible coordinates (n,) closest to a deflection (m) and slope given at `projection_points`, in the mass norm and slope."""

@@ -1,11 +1,12 @@
 """Observables of a state, its shapes shown as they are (thesis/DERIVATION.md, section 6)."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model import columns as c
+from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
@@ -16,10 +17,8 @@ share = stage(share_of_force)
 
 
 @inlined
-def observe(
-    p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, drive: float, o: NDArray[np.float64]
-) -> None:
-    """Fill the row `o`, columns as in `reference_model.columns.OBSERVED`, from what an evaluation left in `w`.
+def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, drive: float, row: Any) -> None:
+    """Fill the row, a `reference_model.columns.ROW`, from what an evaluation left in `w`.
 
     Args:
         p: parameters.
@@ -29,32 +28,32 @@ def observe(
         y: q1, eta, q1dot, etadot, dissipated energy, work of the drive.
         force: slider force, N.
         drive: torque of the drive, N m.
-        o: the row to fill.
+        row: the one to fill.
     """
     n = p.n
-    o[c.CRANK_ANGLE], o[c.CRANK_SPEED], o[c.FOLLOWER_ANGLE], o[c.SLIDER_POSITION] = y[0], y[n + 1], place.q2, place.s
+    row.crank_angle, row.crank_speed, row.follower_angle, row.slider_position = y[0], y[n + 1], place.q2, place.s
     end = len(p.tables.edges) - 1
     tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
     cosine, sine = math.cos(place.q2), math.sin(place.q2)
-    o[c.TIP_X], o[c.TIP_Y], o[c.TIP_DEFLECTION] = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
-    o[c.TIP_ACCELERATION] = tip_acceleration(p, k, w, y[n + 2 : 2 * n + 2])
-    o[c.SLIDER_FORCE], o[c.CRANK_TORQUE] = force, drive
-    energies(p, place, k, w, y, o)
-    bearing_forces(p, place, k, w, y, force, o)
+    row.tip_x, row.tip_y, row.tip_deflection = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
+    row.tip_acceleration = tip_acceleration(p, k, w, y[n + 2 : 2 * n + 2])
+    row.slider_force, row.crank_torque = force, drive
+    energies(p, place, k, w, y, row)
+    bearing_forces(p, place, k, w, y, force, row)
     for gauge in range(3):
         curvature = 0.0
         for i in range(n):
             curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
-        o[c.STRAIN_1 + gauge] = 0.5 * p.thickness * curvature
-    o[c.MOMENT_SLIDER] = p.EI * place.curvature
-    for point in range(c.PLACES):
+        row.strains[gauge] = 0.5 * p.thickness * curvature
+    row.moment_slider = p.EI * place.curvature
+    for point in range(PLACES):
         deflection = moment = 0.0
         for i in range(n):
             deflection += p.shape_places[point, i] * y[1 + i]
             moment += p.moment_places[point, i] * y[1 + i]
-        o[c.FIRST_OF_SHAPE + point], o[c.FIRST_OF_MOMENTS + point] = deflection, moment
+        row.shapes[point], row.moments[point] = deflection, moment
     # the loop is closed on the centre line to the last bits of the slider's place
-    o[c.CONSTRAINT_GAP] = abs(
+    row.constraint_gap = abs(
         math.sqrt(place.x**2 + place.W**2) - math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
     )
 
@@ -91,9 +90,7 @@ def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[
 
 
 @stage
-def bearing_forces(
-    p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, o: NDArray[np.float64]
-) -> None:
+def bearing_forces(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, row: Any) -> None:
     """Forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.9 to 6.11)."""
     n, cosine, sine = p.n, math.cos(place.q2), math.sin(place.q2)
     F1, F2 = _slider_on_follower(p, place, k, w, force)
@@ -102,10 +99,10 @@ def bearing_forces(
     mass, turning, square = p.rhoA * p.L + p.tip_mass, p.crank_moment * w.acceleration[0], p.crank_moment * y[n + 1] ** 2
     c1, c2 = F1 - turning * place.a2 - square * place.a1, F2 + turning * place.a1 - square * place.a2
     acting = share(y[0], p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
-    o[c.PIVOT_FORCE_X] = cosine * p1 - sine * p2 - mass * p.gravity_1 - acting * p.force_1
-    o[c.PIVOT_FORCE_Y] = sine * p1 + cosine * p2 - mass * p.gravity_2 - acting * p.force_2
-    o[c.CRANK_FORCE_X] = cosine * c1 - sine * c2 - p.crank_mass * p.gravity_1
-    o[c.CRANK_FORCE_Y] = sine * c1 + cosine * c2 - p.crank_mass * p.gravity_2
+    row.pivot_force_x = cosine * p1 - sine * p2 - mass * p.gravity_1 - acting * p.force_1
+    row.pivot_force_y = sine * p1 + cosine * p2 - mass * p.gravity_2 - acting * p.force_2
+    row.crank_force_x = cosine * c1 - sine * c2 - p.crank_mass * p.gravity_1
+    row.crank_force_y = sine * c1 + cosine * c2 - p.crank_mass * p.gravity_2
 
 
 @inlined
@@ -155,7 +152,7 @@ def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray
 
 
 @stage
-def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], o: NDArray[np.float64]) -> None:
+def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], row: Any) -> None:
     """Kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
     n = p.n
     kinetic = strain = 0.0
@@ -181,11 +178,11 @@ def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[
     end = len(p.tables.edges) - 1
     moment_1 += p.tip_mass * (p.L - w.F_edges[end] + p.tip_offset * math.cos(angle))
     moment_2 += p.tip_mass * (w.end[1] + p.tip_offset * math.sin(angle))
-    o[c.KINETIC_ENERGY], o[c.STRAIN_ENERGY], o[c.DISSIPATED_ENERGY], o[c.DRIVE_WORK] = kinetic, strain, y[2 * n + 2], y[2 * n + 3]
+    row.kinetic_energy, row.strain_energy, row.dissipated_energy, row.drive_work = kinetic, strain, y[2 * n + 2], y[2 * n + 3]
     gravity = 0.0
     if p.has_gravity:
         cosine, sine = math.cos(place.q2), math.sin(place.q2)
         mass = p.rhoA * p.L + p.tip_mass
         gravity -= p.gravity_1 * (mass * p.d + cosine * moment_1 - sine * moment_2 + p.crank_moment * math.cos(y[0]))
         gravity -= p.gravity_2 * (sine * moment_1 + cosine * moment_2 + p.crank_moment * math.sin(y[0]))
-    o[c.GRAVITY_ENERGY] = gravity
+    row.gravity_energy = gravity

@@ -9,7 +9,7 @@ import numpy as np
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
 from quickreturn.reference_model.machine.pointers import Cube, Matrix, Vector, reader, tuple_type
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import deflection_scale
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables
@@ -86,7 +86,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     places = follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)
     return Parameters(
         **{name: value for name, value in known.items() if name in Parameters._fields},
-        crank_is_free=isinstance(scene, Mechanism) and scene.crank_is_free,
+        crank_is_free=scene.crank_is_free,
         EI=EI,
         has_gravity=scene.has_gravity,
         exact_geometry=exact_geometry,
@@ -98,7 +98,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
         moment_places=EI * shapes.evaluate(places, 2),
         stiffness=EI * (tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)),
         mass_transverse=follower.mass_per_length * (tables.phi.T @ (tables.weights[:, None] * tables.phi)),
-        deflection_scale=0.01 * follower.length if isinstance(scene, FollowerAlone) else deflection_scale(scene),
+        deflection_scale=deflection_scale(scene),
     )
 
 
@@ -117,7 +117,7 @@ class Workspace(NamedTuple):
     f_edges: Matrix  # (m + 1, n)
     F_rate: Vector  # (N,)
     end: Vector  # (2,) W' and W at x = L
-    slider: Vector  # (2,) s, m; highest angular frequency, rad/s: not known here, 0
+    watched: Vector  # (2,) what the integrator watches: s, m; highest angular frequency, rad/s: not known here, 0
     H: Vector  # (N,) int g'' (dW'/dt)^2
     H_edges: Vector  # (m + 1,)
     integrand: Vector  # (N,) scratch
@@ -149,7 +149,7 @@ def build_workspace(tables: Tables) -> Workspace:
         ("F_edges H_edges", (m + 1,)),
         ("f", (N, n)),
         ("f_edges", (m + 1, n)),
-        ("end slider", (2,)),
+        ("end watched", (2,)),
         ("at_s", (4, n)),
         ("f_s f_s_slope", (n,)),
         ("weights", (3, POINTS)),

@@ -15,7 +15,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.columns import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
-from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reports.drawing.curves import WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Drawing, look, new_figure
@@ -68,7 +68,7 @@ def positions_of(scene: Scene, trajectory: Trajectory, times: Array) -> Position
     x = np.linspace(0.0, length, POINTS)
     W, base = shape(x), found["follower_angle"]
     crank_angle = found.get("crank_angle")
-    chord = rigid_motion(scene, crank_angle, 0.0).follower_angle if isinstance(scene, Mechanism) and crank_angle is not None else base
+    chord = rigid_motion(scene, crank_angle, 0.0).follower_angle if scene.crank is not None and crank_angle is not None else base
     turn = (base - chord)[:, None]
     bent = np.stack([np.cos(turn) * x - np.sin(turn) * W, np.sin(turn) * x + np.cos(turn) * W], axis=-1)
     return Positions(times, crank_angle, bent, chord)
@@ -78,7 +78,7 @@ def unbent(case: Case) -> Positions:
     """The mechanism with its crank at `CLEAR`, the follower straight."""
     scene, x = case.scene, np.linspace(0.0, case.scene.follower.length, POINTS)
     straight = np.stack([x, np.zeros_like(x)], axis=-1)[None]
-    if not isinstance(scene, Mechanism):
+    if scene.crank is None:
         return Positions(np.zeros(1), None, straight, np.zeros(1))
     angle = np.array([CLEAR])
     return Positions(np.zeros(1), angle, straight, rigid_motion(scene, angle, 0.0).follower_angle)
@@ -98,8 +98,8 @@ class Scenery:
 
     def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Positions], factor: float) -> None:
         scene = case.scene
-        self._crank_length = scene.crank.length if isinstance(scene, Mechanism) else 0.0
-        self._pivot = np.array([scene.pivot_distance if isinstance(scene, Mechanism) else 0.0, 0.0])
+        self._crank_length = 0.0 if scene.crank is None else scene.crank.length
+        self._pivot = np.array([scene.pivot_distance, 0.0])
         self._motions, self._has_tip = motions, getattr(scene, "tip", None) is not None
         self._placed = {label: motion.placed(self._pivot, factor) for label, motion in motions.items()}
         self._frame(axes, scene.follower.length)

@@ -8,7 +8,7 @@ from quickreturn.cases.benchmark.findings import Point, completed
 from quickreturn.cases.benchmark.truth import Confirmation, Converged
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.studies import Prescribed, StudiedRun
-from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
 from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import cost, settings_words, short_name

@@ -9,7 +9,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.studies import convergence, run_studies
-from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
 
 

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.engines.base import Engine, EngineFailure
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
 from quickreturn.engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from quickreturn.engines.accurate import LARGEST_REST, LEAST_FACTOR, Compared, Result, run_once, shown_factor, simulate
+from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
+from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, Compared, shown_factor
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.engines.accurate import ESTIMATED, Result, run_once, simulate
+from quickreturn.engines.accurate import Result, simulate
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error

@@ -8,13 +8,14 @@ import pytest
 from scipy.interpolate import PPoly
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.engines import accurate
 from quickreturn.engines.base import Comparison, EngineFailure, Refusal
+from quickreturn.engines.error_parts import ESTIMATED, Compared, estimated_part
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn import simulation
 from quickreturn.engines.exudyn.cable import Cable, Kink
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
@@ -104,17 +105,17 @@ def test_stretch_is_estimated_and_climbed_by_a_stiffer_cable():
     soft = load_case("hard-ei-x0.1").mechanism
     soft = dataclasses.replace(soft, follower=dataclasses.replace(soft.follower, thickness=3.0 * soft.follower.thickness))
     converged = ReferenceSettings(modes=9, tolerance=1e-8)
-    truth = accurate.run_once(ReferenceEngine(), soft, standard_start(soft), 0.3, 1e-3, converged).trajectory["tip_deflection"]
+    truth = run_once(ReferenceEngine(), soft, standard_start(soft), 0.3, 1e-3, converged).trajectory["tip_deflection"]
     found = {}
     for factor in (1, 16):
         texts = {"elements": "32", "step": "2.5e-4", "axial_factor": str(factor)}
-        result = accurate.simulate(ENGINE, soft, standard_start(soft), 0.3, 1e-3, texts)
+        result = simulate(ENGINE, soft, standard_start(soft), 0.3, 1e-3, texts)
         found[factor] = relative_error(result.trajectory["tip_deflection"], truth)
         assert found[factor] < result.error_estimate
     assert found[16] < 0.3 * found[1]  # measured 1.0e-4 and 4.7e-4; steps and elements leave 7e-5
-    assert ladder.finer(ExudynSettings(), (0.5, 0.1, 0.3), 1e-3).axial_factor == 4.0
-    assert ladder.finer(ExudynSettings(), (0.5, 0.1, 2.0), 1e-3) == ExudynSettings(axial_factor=ladder.MOST_STIFF)
-    assert ladder.finer(ExudynSettings(axial_factor=ladder.MOST_STIFF), (0.5, 0.1, 2.0), 1e-3) is None
+    assert ladder.finer(ExudynSettings(), ladder.Excess(0.5, 0.1, 0.3), 1e-3).axial_factor == 4.0
+    assert ladder.finer(ExudynSettings(), ladder.Excess(0.5, 0.1, 2.0), 1e-3) == ExudynSettings(axial_factor=ladder.MOST_STIFF)
+    assert ladder.finer(ExudynSettings(axial_factor=ladder.MOST_STIFF), ladder.Excess(0.5, 0.1, 2.0), 1e-3) is None
 
 
 def test_few_elements_are_not_taken_for_a_cable_that_stretches():
@@ -124,7 +125,7 @@ def test_few_elements_are_not_taken_for_a_cable_that_stretches():
     def part(pair: Comparison) -> float:
         runs = (pair.run.as_dict(), pair.other.as_dict())
         run, other = (simulate(mechanism, 0.3, **settings) for settings in runs)
-        return accurate.estimated_part(run, accurate.Compared(run, other, pair.factor), mechanism.follower.length)[0]
+        return estimated_part(run, Compared(run, other, pair.factor), mechanism.follower.length)[0]
 
     _, _, stretch = ENGINE.comparisons(rung, mechanism, 1e-3)
     coarse = Comparison(stretch.run.replaced(elements=6), stretch.other.replaced(elements=6), stretch.factor)
@@ -367,9 +368,9 @@ def arm(length: float, slenderness: float, width: float, speed: float, damping: 
 
 def errors_of(mechanism: Mechanism, duration: float, modes: int, **settings) -> dict[str, float]:
     converged = ReferenceSettings(modes=modes, tolerance=1e-9)
-    truth = accurate.run_once(ReferenceEngine(), mechanism, standard_start(mechanism), duration, 1e-3, converged).trajectory
+    truth = run_once(ReferenceEngine(), mechanism, standard_start(mechanism), duration, 1e-3, converged).trajectory
     found = simulate(mechanism, duration, **settings)
-    return {name: relative_error(found[name], truth[name]) for name in accurate.ESTIMATED}
+    return {name: relative_error(found[name], truth[name]) for name in ESTIMATED}
 
 
 def test_damping_leaves_the_turning_of_a_fast_arm_alone():

@@ -74,7 +74,7 @@ def test_a_run_in_pieces_is_the_run_in_one(name: str) -> None:
 
 
 def test_every_engine_says_what_it_builds_or_why_not() -> None:
-    base, beam, tip = describe_scene(engine("reference"), SCENE).bodies
+    beam, base, tip = describe_scene(engine("reference"), SCENE).bodies
     assert (base, tip) == ("base block", "tip body")
     assert "clamped modes" in beam
     assert describe_scene(engine("thesis"), SCENE).degrees_of_freedom == 2

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.engines.accurate import run_once, simulate
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.mujoco import chain, kernels
+from quickreturn.engines.mujoco import chain
 from quickreturn.engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
+from quickreturn.engines.mujoco.hook import damp_beam
 from quickreturn.engines.mujoco.settings import LADDER, ChainSettings
 from quickreturn.engines.mujoco.simulation import _context
 from quickreturn.engines.registry import engine
@@ -122,7 +123,7 @@ def test_damping_matrix_takes_the_power_that_the_kernel_does() -> None:
     context = _context(scene, hinges, data)[0]
     rates = np.sin(np.arange(1.0, hinges + 2.0))  # of the base and the hinges
     straight, forces = np.ones(hinges + 1, np.complex128), np.zeros(len(data.qpos))
-    power = kernels._damp_beam(context, straight, np.cumsum(rates), forces)
+    power = damp_beam(context, straight, np.cumsum(rates), forces)
     damping = chain.follower_damping(scene, hinges)
     assert rates @ damping @ rates == pytest.approx(power + 0.2 * rates[0] ** 2, rel=1e-12)
     assert damping[1:] @ rates == pytest.approx(-forces[-hinges:], rel=1e-12)

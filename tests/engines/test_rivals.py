@@ -97,7 +97,7 @@ def test_linear_force_on_nodes_converges_to_the_common_motion_slowly() -> None:
     assert consistent < 0.2 * lever[0]
 
 
-def test_both_linear_is_conjugate_but_for_corners() -> None:
+def test_both_linear_is_workless_but_for_corners() -> None:
     """Its energy balance is that of the impacts at the nodes, which the stabilization smears."""
     trajectory = nodal(6, "both linear")
     assert "spurious_energy" not in trajectory.statistics

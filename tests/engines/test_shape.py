@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from quickreturn.engines.accurate import run_once, simulate
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory

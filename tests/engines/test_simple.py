@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.conformance.alone import SCENE as ALONE
 from quickreturn.cases.conformance.scenes import BASE, changed
-from quickreturn.engines.accurate import run_once
 from quickreturn.engines.base import SPIN_UP, EngineFailure, Refusal
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.settings import SettingError
 from quickreturn.engines.simple import Model, SimpleEngine, SimpleSettings
 from quickreturn.engines.start import Start, standard_start

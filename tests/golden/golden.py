@@ -26,8 +26,8 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
 from quickreturn.cases.runs.campaign import carry_out
 from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.engines.accurate import ESTIMATED
 from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.reference_model.mechanism import Mechanism

@@ -9,10 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import JOINT_COLUMNS, OBSERVED
+from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
 from quickreturn.reference_model.motion.layout import workspace
-from quickreturn.reference_model.motion.observe import WIDTH
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
@@ -99,10 +98,10 @@ class Check:
 def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     """All that the equations say, and what the slider's feedback adds."""
     p = state.model.parameters
-    rate, row, w = np.empty_like(y), np.zeros(WIDTH), workspace(p)
-    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, y, row):
+    rate, rows, w = np.empty_like(y), np.zeros(1, ROW), workspace(p)
+    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, y, rows[0]):
         raise ValueError("the state cannot be")
-    found = by_hand(state.model, w, rate, dict(zip((*OBSERVED, *JOINT_COLUMNS), row, strict=True)))
+    found = by_hand(state.model, w, rate, {name: values[0] for name, values in recorded_columns(rows, joint=True).items()})
     return found | {"feedback": rate[p.speeds] - w.facts.s_rate}
 
 

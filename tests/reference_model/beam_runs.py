@@ -35,9 +35,9 @@ def with_fine_tables(
     mechanism: Mechanism, modes: int, *, points: int = 11, intervals: int = 400, constraint: SliderConstraint = CLOSED
 ) -> BeamModel:
     """Shapes that follow the slider, in tables whose errors are 1e-8 and less: what is left is the equations' own."""
-    usual, family = BeamModel.following(mechanism, modes, constraint), fine_family(mechanism, modes)
+    family = fine_family(mechanism, modes)
     constants = parameters(mechanism, modes, span_tables(family, points, intervals), family.high, constraint)
-    return BeamModel(mechanism, constants, family.angles, usual._size)
+    return BeamModel(mechanism, constants, family.angles)
 
 
 def run(
@@ -53,7 +53,7 @@ def run(
 
 
 def balance(columns: dict[str, Array]) -> Array:
-    """Stored energy and what was dissipated, less the work of the drive, J: constant but for the work of a joint that is not conjugate."""
+    """Stored energy and what was dissipated, less the work of the drive, J: constant but for the work that the lever rule does."""
     stored = columns["kinetic_energy"] + columns["strain_energy"] + columns["gravity_energy"]
     return np.asarray(stored + columns["dissipated_energy"] - columns["drive_work"], dtype=np.float64)
 

@@ -402,7 +402,7 @@ def by_hand(model: BeamModel, w: Workspace, rate: Array, shown: Mapping[str, Any
         "slider bias": np.array([f.s_bias]), "gap": np.array([f.gap]), "gap rate": np.array([f.gap_rate]),
         "gap partial rates": w.row_of_gap[:m], "gap bias": np.array([f.gap_bias]), "spread of the force": w.spread[:m],
         "spread of the friction": w.sigma[:m], "joint force": f.force, "joint friction": f.friction,
-        "powers": rate[2 * m + 1 :], "frequency": w.slider[1],
+        "powers": rate[2 * m + 1 :], "frequency": w.watched[1],
     }  # fmt: skip
     return found | dict(shown)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BEARINGS, BENDING, OBSERVED, SHAPE
+from quickreturn.reference_model.columns import BEARINGS, BENDING, ROW, SHAPE, recorded_columns
 from quickreturn.reference_model.machine.compilation import compiled
 from quickreturn.reference_model.machine.pointers import Placed
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
@@ -148,10 +148,10 @@ def computed(equations: Equations, p: Parameters, y: Array) -> Values:
         "accelerations": free,
         "follower_acceleration": w.acceleration[1:2].copy(),
     }
-    rate, row = np.zeros_like(y), np.zeros(len(OBSERVED))
+    rate, row = np.zeros_like(y), np.zeros(1, ROW)
     if not equations.right_hand_side(p, w, y, rate, row):
         raise ValueError("the model refuses the state")
-    column = dict(zip(OBSERVED, row, strict=True))
+    column = {name: values[0] for name, values in recorded_columns(row).items()}
     n = p.n
     values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
     values |= {

@@ -1,12 +1,25 @@
+import numpy as np
+
 from quickreturn.reference_model import columns
 
 
-def test_places_in_a_row_are_those_of_the_names() -> None:
-    row = columns.OBSERVED[: columns.FIRST_OF_SHAPE]
-    assert [getattr(columns, name.upper()) for name in row] == list(range(columns.FIRST_OF_SHAPE))
-    assert columns.OBSERVED[columns.FIRST_OF_SHAPE : columns.FIRST_OF_MOMENTS] == tuple(f"shape_{k:02d}" for k in range(1, 12))
-    assert columns.OBSERVED[columns.FIRST_OF_MOMENTS :] == tuple(f"moment_{k:02d}" for k in range(1, 12))
-    assert (*columns.OBSERVED, *columns.JOINT_COLUMNS).index("joint_power") == columns.JOINT_POWER
+def _row() -> columns.Rows:
+    """A row in which each field of one number has its place, and each numbered one counts from 1."""
+    rows = np.zeros(1, columns.ROW)
+    for k, name in enumerate(columns.ROW.names or ()):
+        rows[0][name] = k if rows[0][name].shape == () else np.arange(1, rows[0][name].size + 1)
+    return rows
+
+
+def test_what_compiled_code_lays_down_in_a_field_is_found_under_the_name_of_the_column() -> None:
+    found = columns.recorded_columns(_row(), joint=True)
+    assert set(found) == {*columns.COLUMNS, *columns.JOINT_COLUMNS} - {"time", "base_torque", "axial_stretch"}
+    for prefix, count in (("strain_", 3), ("shape_", 11), ("moment_", 11)):
+        numbered = [name for name in found if name.startswith(prefix) and name[-1].isdigit()]
+        assert [(int(name.removeprefix(prefix)), found[name][0]) for name in numbered] == [(k, k) for k in range(1, count + 1)]
+    row = _row()[0]
+    for name in ("crank_angle", "moment_slider", "crank_force_y", "joint_power"):
+        assert found[name] == getattr(row, name)
 
 
 def test_every_column_has_a_unit_and_a_meaning_and_those_of_the_contract_come_first() -> None:
@@ -17,7 +30,11 @@ def test_every_column_has_a_unit_and_a_meaning_and_those_of_the_contract_come_fi
 
 
 def test_a_follower_alone_has_the_torque_on_its_base_and_nothing_of_a_crank() -> None:
-    kept = columns.of_follower_alone(dict.fromkeys(columns.OBSERVED, 1.0) | {"crank_torque": 2.0})
-    assert kept["base_torque"] == 2.0
+    kept = columns.recorded_columns(_row(), alone=True)
+    assert kept["base_torque"] == _row()[0].crank_torque
     assert not {"crank_torque", "crank_angle", "slider_force", "constraint_gap", "moment_slider", "crank_force_x"} & set(kept)
     assert {"tip_deflection", "drive_work", "shape_11", "moment_11", "pivot_force_y"} <= set(kept)
+
+
+def test_a_model_that_knows_moments_by_curvature_has_none_of_a_rigid_follower() -> None:
+    assert set(columns.recorded_columns(_row())) - set(columns.recorded_columns(_row(), bends=False)) == set(columns.BENDING)

@@ -117,7 +117,7 @@ def test_without_a_gap_a_force_moves_the_follower_as_elimination_does(shapes: st
 
 @pytest.mark.parametrize(("shapes", "relative"), [("modes", 1e-7), ("elements", 1e-11)])
 @pytest.mark.parametrize("angle", [2.0, math.pi, 5.5])
-def test_frequencies_of_the_thesis_way_and_of_all_conjugate_constraints_agree(shapes: str, relative: float, angle: float) -> None:
+def test_frequencies_of_the_thesis_way_and_of_all_workless_constraints_agree(shapes: str, relative: float, angle: float) -> None:
     """Of the same shapes: of elements to rounding; of modes to (h k)^4 / 384 of cubic tables with pieces h of 6.4 mm and k of 12 1/m."""
     scene = dataclasses.replace(EVERYTHING, slider=Slider()) if shapes == "modes" else ON_ELEMENTS
     family = modes_of(scene, 3) if shapes == "modes" else elements_of(scene, 4)
@@ -140,7 +140,7 @@ def test_frequencies_of_the_spring_approach_the_rigid_ones_at_first_order() -> N
 
 
 def test_lever_rule_makes_frequencies_complex() -> None:
-    """Force and motion that are not conjugate make an unsymmetric problem: pairs of roots leave the imaginary axis (flutter)."""
+    """A constraint that is not workless makes an unsymmetric problem: pairs of roots leave the imaginary axis (flutter)."""
     scene = run_24()
     growth = []
     for kind in (MULTIPLIER, CHORDS, LEVER):

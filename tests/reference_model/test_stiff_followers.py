@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import eigvalsh
 
-from quickreturn.engines.accurate import ESTIMATED, run_once
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.integrate import CEILING, REACHED_END
@@ -84,7 +85,7 @@ def test_the_highest_frequency_is_bounded_closely(modes: int, driven: bool) -> N
         highest = math.sqrt(eigvalsh(stiffness, mass)[-1])
         assert model.can_move(y)
         # the tables keep six modes normalised to 2e-3; the ceiling leaves 4 % to the limit of stability
-        assert highest * (1.0 - 2e-3) <= w.slider[1] < 1.1 * highest
+        assert highest * (1.0 - 2e-3) <= w.watched[1] < 1.1 * highest
 
 
 def mass_matrix(model: BeamModel, y: np.ndarray) -> np.ndarray:
@@ -110,7 +111,7 @@ def test_a_step_ends_where_the_integrator_would_stop_damping_the_highest_mode() 
     result = model.integrate(y, duration, 1, 3e-7)
     assert result.status == REACHED_END
     model.can_move(result.states[-1])
-    longest = CEILING / model.workspace.slider[1]
+    longest = CEILING / model.workspace.watched[1]
     # twelve evaluations a step, some more for the first ones, which are short, and for showing the end
     assert result.calls == pytest.approx(12.0 * duration / longest, rel=0.15)
     assert result.next_step <= 1.2 * longest  # the frequency changes a little with the slider's place

@@ -20,7 +20,7 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import Judged
 from quickreturn.cases.studies import confirming
-from quickreturn.engines.accurate import run_once
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory

@@ -2,7 +2,7 @@
 
     python -m tests.verification.accuracy_campaign --library --machines 40 --output table.csv
 
-An engine claims an error for each of `engines.accurate.ESTIMATED`; the claim holds where the error is no larger. The truth of a scene is
+An engine claims an error for each of `engines.error_parts.ESTIMATED`; the claim holds where the error is no larger. The truth of a scene is
 `reference` with 13 modes, or fewer of a stiff follower, at a tolerance of 1e-9. Its own error is not known but bounded by how far two
 modes fewer are away, which have several times its error where modes converge: a claim is judged only where the truth is known three times
 as well. A formulation that shares nothing with it confirms it, MuJoCo's chain with as many links as can be afforded, or exudyn's cable
@@ -32,11 +32,13 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
-from quickreturn.engines.accurate import ESTIMATED, run_once, simulate
 from quickreturn.engines.accurate import Result as Accurate
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.engines.settings import Settings

@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.random import Generator
 
-from quickreturn.engines.accurate import run_once
 from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory

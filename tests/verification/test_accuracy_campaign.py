@@ -15,7 +15,7 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
-from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from tests.verification.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows

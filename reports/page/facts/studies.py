@@ -8,7 +8,7 @@ import numpy as np
 from quickreturn.cases.benchmark.findings import Point
 from quickreturn.cases.benchmark.truth import CONFIRMED
 from quickreturn.cases.runs.comparison import REFERENCE
-from quickreturn.engines.accurate import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.findings.agreement import engines_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series

@@ -12,7 +12,7 @@ from quickreturn.cases.classes.grid import ROWS, TURNS, case_of, grid, name_of
 from quickreturn.cases.classes.groups import Groups, groups_of, scene_of
 from quickreturn.cases.classes.map import distance, off_the_map
 from quickreturn.cases.library.thesis import run_case
-from quickreturn.engines.accurate import run_once
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed

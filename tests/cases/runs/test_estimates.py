@@ -7,7 +7,7 @@ from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import CycleMeasures, Measure
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import EstimatedMeasure, MeasuredCycle, mean_estimate, with_estimates
-from quickreturn.engines.accurate import LEAST_FACTOR, Compared
+from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
 
 GRID = 360  # crank angles in a half
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 401)

@@ -15,7 +15,7 @@ from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates
 from quickreturn.cases.runs.marching import channels_of, settle
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.engines.accurate import Compared
+from quickreturn.engines.error_parts import Compared
 from quickreturn.reference_model.mechanism import changed
 from tests.cases.runs.test_estimates import measures
 

@@ -11,7 +11,7 @@ from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import RecordedTable, table_of
 from quickreturn.cases.uncertainty.calibration import calibrate
 from quickreturn.cases.uncertainty.covariance import covariance, smooth_part, untold
-from quickreturn.engines.accurate import run_once
+from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import changed

@@ -1,0 +1,142 @@
+"""The smooth centre line of the chain, and where the crank tip meets it.
+
+Points of the plane are complex numbers seen from P; link i = 0 .. N has the direction e_i = exp(i α_i), link 0 is the base.
+
+The centre line is the quadratic B-spline (C1, uniform) whose control points lie beside the hinges V_j,
+    Ṽ_j = V_j - h/24 (e_j - e_{j-1}),
+    p(x) = Σ c_i(x) e_i, control points mirrored at P and at the end so that the line begins and ends there.
+With Ṽ = V the line would lie h²/24 W'' beside the beam that the chain stands for: hinges of stiffness EI/h and rods of inertia
+ρA h³/12 make angles α(1 + k²h²/24) and link centres W(1 - k²h²/24) of a beam bent with wave number k.
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from quickreturn.engines.mujoco.context import VECTOR, Array, Context, Points, compiled, dot, entry
+
+
+@entry(VECTOR(types.float64, types.intp, types.float64, types.intp))
+def centre_line_coefficients(x: float, hinges: int, link_length: float, order: int) -> Array:
+    """c_i (order 0) or its derivative by x (order 1 or 2), i = 0 .. N, for p(x) = Σ c_i(x) e_i; shape (N + 1,)."""
+    h, c = link_length, np.zeros(hinges + 1)
+    if hinges == 0:
+        c[0] = (x, 1.0, 0.0)[order]
+        return c
+    segment = min(max(int(x / h), 0), hinges - 1)  # [segment h, (segment + 1) h] around hinge segment + 1
+    u = x / h - segment
+    if order == 0:
+        before, at, after = 0.5 * (1.0 - u) ** 2, 0.5 + u - u**2, 0.5 * u**2
+        c[0] = 0.5 * h
+        c[1 : segment + 1] = h
+        c[segment] -= h * before
+        c[segment + 1] += h * after
+    elif order == 1:
+        before, at, after = u - 1.0, 1.0 - 2.0 * u, u
+        c[segment], c[segment + 1] = -before, after
+        h = 1.0
+    else:
+        before, at, after = 1.0, -2.0, 1.0
+        c[segment], c[segment + 1] = -1.0 / h, 1.0 / h
+        h = 1.0 / h
+    for offset, weight in ((0, before), (1, at), (2, after)):
+        j, sign = segment + offset, 1.0
+        if j == 0:
+            j, sign = 1, -1.0
+        elif j == hinges + 1:
+            j, sign = hinges, -1.0
+        c[j] -= sign * weight * h / 24.0
+        c[j - 1] += sign * weight * h / 24.0
+    return c
+
+
+@compiled
+def link_directions(ctx: Context, qpos: Array) -> Points:
+    """e_0 .. e_N."""
+    e = np.empty(ctx.hinges + 1, np.complex128)
+    angle = 0.0
+    for i in range(ctx.hinges + 1):
+        angle += qpos[ctx.coordinates - ctx.hinges - 1 + i]
+        e[i] = complex(math.cos(angle), math.sin(angle))
+    return e
+
+
+@compiled
+def link_rates(ctx: Context, qvel: Array) -> Array:
+    """Rates of α_0 .. α_N."""
+    return np.cumsum(qvel[ctx.coordinates - ctx.hinges - 1 :])
+
+
+@compiled
+def find_slider(ctx: Context, e: Points, crank_arm: complex) -> tuple[Array, Array, Array, complex, float]:
+    """The foot of the crank tip on the centre line: (c, c', c'', tangent, gap) there; moves `ctx.slider_position`."""
+    place = crank_arm - ctx.pivot_distance
+    x = ctx.slider_position
+    for _ in range(20):
+        c0 = centre_line_coefficients(x, ctx.hinges, ctx.link_length, 0)
+        c1 = centre_line_coefficients(x, ctx.hinges, ctx.link_length, 1)
+        c2 = centre_line_coefficients(x, ctx.hinges, ctx.link_length, 2)
+        away, slope, bend = place - (c0 * e).sum(), (c1 * e).sum(), (c2 * e).sum()
+        change = dot(away, slope) / (dot(slope, slope) - dot(away, bend))
+        if not abs(change) > 1e-14 * ctx.follower_length:
+            break
+        x += change
+    ctx.slider_position = x
+    tangent = slope / abs(slope)
+    return c0, c1, c2, tangent, dot(1j * tangent, away)
+
+
+@compiled
+def row_of_gap(ctx: Context, e: Points, c0: Array, tangent: complex, crank_arm: complex) -> tuple[Array, float]:
+    """(G, G_crank): rate of the gap is G q̇ + G_crank q̇1; in G, too, if the crank is free. G has shape (coordinates,)."""
+    crank = dot(1j * tangent, 1j * crank_arm)
+    row = np.empty(ctx.coordinates)
+    if ctx.crank_is_free:
+        row[0] = crank
+    outboard = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        outboard -= c0[i] * dot(tangent, e[i])
+        row[ctx.coordinates - ctx.hinges - 1 + i] = outboard
+    return row, crank
+
+
+@compiled
+def row_of_sliding(ctx: Context, e: Points, at: tuple[Array, Array, Array, complex], crank_arm: complex) -> tuple[Array, float, float]:
+    """(S, S_crank, 1/(1 - gap curvature)): rate of the foot's arc length is S q̇ + S_crank q̇1, as with `row_of_gap`.
+
+    Args:
+        ctx: the simulation, with its gap.
+        e: directions of the links.
+        at: c, c', c'' and the tangent there, see `find_slider`.
+        crank_arm: from O to the crank tip.
+    """
+    c0, c1, c2, tangent = at
+    normal, slope = 1j * tangent, abs((c1 * e).sum())
+    share = 1.0 / (1.0 - ctx.gap * dot(normal, (c2 * e).sum()) / slope**2)
+    crank = share * dot(tangent, 1j * crank_arm)
+    row = np.empty(ctx.coordinates)
+    if ctx.crank_is_free:
+        row[0] = crank
+    outboard = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        outboard += share * (c0[i] * dot(normal, e[i]) + ctx.gap / slope * c1[i] * dot(tangent, e[i]))
+        row[ctx.coordinates - ctx.hinges - 1 + i] = outboard
+    return row, crank, share
+
+
+@compiled
+def crank_of(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[complex, float, float]:
+    """(arm from O to the slider, angle, speed)."""
+    if ctx.crank_is_free:
+        angle, speed = qpos[0], qvel[0]
+    else:
+        angle, speed = ctx.prescribed_angle + ctx.prescribed_speed * time, ctx.prescribed_speed
+    return ctx.crank_length * complex(math.cos(angle), math.sin(angle)), angle, speed
+
+
+@compiled
+def rate_of(ctx: Context, row: Array, qvel: Array, crank_row: float, crank_speed: float) -> float:
+    """Rate that a row of the coordinates' rates, and of the crank's, describes."""
+    along = np.dot(row, qvel)
+    return along if ctx.crank_is_free else along + crank_row * crank_speed

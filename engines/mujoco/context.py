@@ -1,0 +1,113 @@
+"""One simulation as compiled code sees it, and how that code is compiled."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+from numba import carray, njit, types  # type: ignore[attr-defined]
+from numpy.typing import NDArray
+
+from quickreturn.engines.mujoco.native import pointer
+from quickreturn.reference_model.machine.compilation import Function
+
+#: One simulation as compiled code sees it. Lengths in m, angles in rad.
+CONTEXT = np.dtype(
+    [
+        # addresses of arrays of MjData, and the number of its coordinates
+        ("qpos", "i8"),
+        ("qvel", "i8"),
+        ("qacc", "i8"),
+        ("force_bias", "i8"),
+        ("force_passive", "i8"),
+        ("force_applied", "i8"),
+        ("energy", "i8"),
+        ("coordinates", "i8"),
+        # the scene
+        ("hinges", "i8"),
+        ("link_length", "f8"),
+        ("follower_length", "f8"),
+        ("bending_stiffness", "f8"),  # N m^2, 0 for a rigid follower
+        ("half_thickness", "f8"),
+        ("beam_damping", "f8"),  # N s/m^2
+        ("material_damping", "f8"),  # s
+        ("base_damping", "f8"),  # N m s/rad
+        ("base_friction", "f8"),  # N m
+        ("pivot_distance", "f8"),
+        ("crank_length", "f8"),
+        ("crank_is_free", "i8"),
+        ("crank_torque", "f8"),  # N m
+        ("crank_damping", "f8"),  # N m s/rad
+        ("prescribed_angle", "f8"),  # at time 0
+        ("prescribed_speed", "f8"),
+        ("prescribed_inertia", "f8"),  # kg m^2 about O, crank and slider
+        ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
+        ("prescribed_weight_2", "f8"),
+        ("crank_mass", "f8"),  # kg, with the slider
+        ("crank_moment", "f8"),  # kg m, the same times its distance from O
+        ("mass_per_length", "f8"),  # kg/m
+        ("tip_mass", "f8"),
+        ("tip_offset", "f8"),  # of its centre beyond the end
+        ("gravity", "c16"),  # m/s^2, along n1 + i n2
+        ("tip_force", "c16"),  # N
+        ("force_begin", "f8"),  # of the crank's turn
+        ("force_span", "f8"),
+        ("force_ramp", "f8"),
+        ("base_is_prescribed", "i8"),  # then there is neither crank nor slider
+        ("spin_up_speed", "f8"),
+        ("spin_up_time", "f8"),  # s
+        ("joint_is_compliant", "i8"),
+        ("plus", "f8"),  # this and the next five: see `joint.Rollers`
+        ("minus", "f8"),
+        ("plus_from", "f8"),
+        ("minus_from", "f8"),
+        ("contact_loss", "f8"),
+        ("joint_damping", "f8"),
+        ("friction", "f8"),  # 1
+        ("friction_force", "f8"),  # N
+        ("friction_speed", "f8"),  # m/s
+        # the slider now
+        ("slider_position", "f8"),
+        ("slider_speed", "f8"),
+        ("slider_force", "f8"),  # N, on the follower
+        ("tangential_force", "f8"),  # N, the same
+        ("slider_couple", "f8"),  # N m, the same: friction acts at the crank tip, which is beside the line
+        ("gap", "f8"),
+        # the crank's motor and the dampings: now, and integrated with the weights of the Runge-Kutta stages
+        ("drive_torque", "f8"),
+        ("stage", "i8"),
+        ("mean_drive_power", "f8"),
+        ("mean_dissipation", "f8"),
+        ("drive_work", "f8"),
+        ("dissipated", "f8"),
+    ]
+)
+
+Context = Any  # a record of CONTEXT: numba gives its fields as attributes
+Array = NDArray[np.float64]
+Points = NDArray[np.complex128]
+
+ADDRESS, VECTOR, CONTEXTS = types.intp, types.float64[::1], numba.from_dtype(CONTEXT)[::1]
+TIME_AND_USERDATA = (1 << 0) | (1 << 12)  # mjSTATE_TIME | mjSTATE_USERDATA
+
+
+def compiled(function: Function) -> Function:
+    """Compile into callers."""
+    return njit(function)
+
+
+def entry(signature: Any) -> Callable[[Function], Function]:
+    """Compile at import, or load what an earlier process compiled: no first call is slower than the next."""
+    return njit(signature, cache=True)
+
+
+@compiled
+def numbers(address: int, length: int) -> Array:
+    """MuJoCo's numbers in place."""
+    return carray(pointer(address), length, np.float64)
+
+
+@compiled
+def dot(a: complex, b: complex) -> float:
+    """Scalar product."""
+    return a.real * b.real + a.imag * b.imag

@@ -1,0 +1,225 @@
+"""MuJoCo's control hook: drive, dampings, and the slider's force, which is a multiplier or the law of the joint's rollers.
+
+A follower alone has a torque on its base in place of the slider's force.
+"""
+
+import math
+
+import numpy as np
+from numba import carray, cfunc, types  # type: ignore[attr-defined]
+
+from quickreturn.engines.mujoco.centre_line import (
+    centre_line_coefficients,
+    crank_of,
+    find_slider,
+    link_directions,
+    link_rates,
+    rate_of,
+    row_of_gap,
+    row_of_sliding,
+)
+from quickreturn.engines.mujoco.context import CONTEXT, TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
+from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, pointer
+from quickreturn.reference_model import joint
+from quickreturn.reference_model.spin_up import base_motion as motion_of_base
+from quickreturn.reference_model.tip_force import share as share_of_force
+
+_STAGE_WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
+
+share, base_motion = compiled(share_of_force), compiled(motion_of_base)
+joint_force, friction_share = compiled(joint.joint_force), compiled(joint.friction_share)
+
+
+@compiled
+def damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
+    """Add the forces of the distributed damping to the hinges' share of `force`; returns the power taken, W.
+
+    It acts on the link centres' velocity relative to the base frame, so it does no work on a turn of the whole follower.
+    """
+    n, h = ctx.hinges, ctx.link_length
+    first = ctx.coordinates - n - 1
+    resistance = np.empty(n + 1, np.complex128)  # on each link centre
+    velocity, power = 0j, 0.0
+    for i in range(1, n + 1):
+        turning = 1j * (rates[i] - rates[0]) * e[i]
+        length = h if i < n else 0.5 * h
+        center = velocity + 0.5 * length * turning
+        resistance[i] = -ctx.beam_damping * length * center
+        power += ctx.beam_damping * length * dot(center, center)
+        velocity += length * turning
+    outboard, moment = 0j, 0.0
+    for i in range(n, 0, -1):
+        length = h if i < n else 0.5 * h
+        moment += dot(1j * e[i], length * (0.5 * resistance[i] + outboard))
+        outboard += resistance[i]
+        force[first + i] += moment
+    return power
+
+
+@compiled
+def _damp_hinges(ctx: Context, qvel: Array) -> float:
+    """Power that the material takes in the hinges, W; MuJoCo's joints have the moments of it."""
+    if ctx.material_damping == 0.0:
+        return 0.0
+    rates = qvel[ctx.coordinates - ctx.hinges :]
+    return ctx.material_damping * ctx.bending_stiffness / ctx.link_length * np.sum(rates**2)
+
+
+@compiled
+def _rub_pivot(ctx: Context, rate: float, force: Array) -> float:
+    """Add the friction of the pivot to the base's share of `force`; returns the power taken, W."""
+    if ctx.base_friction == 0.0:
+        return 0.0
+    moment = ctx.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
+    force[ctx.coordinates - ctx.hinges - 1] -= moment
+    return moment * rate
+
+
+@compiled
+def _hold(model: int, data: int, ctx: Context, rows: tuple[Array, Array], remaining: float, sliding: float, applied: Array) -> float:
+    """Multiplier of a rigid joint: the gap's acceleration vanishes. The slider's friction is in proportion to it, and so found with it.
+
+    Args:
+        model: by address; `data` alike.
+        data: see `model`.
+        ctx: the simulation.
+        rows: of `row_of_gap` and `row_of_sliding`.
+        remaining: the gap's acceleration without that of the coordinates, m/s^2.
+        sliding: share of the friction that acts, with its sign.
+        applied: forces without the joint's.
+    """
+    n, row = ctx.coordinates, rows[0]
+    count = 2 if ctx.friction == 0.0 else 3
+    known, solved = np.empty((count, n)), np.empty((count, n))
+    known[0] = numbers(ctx.force_passive, n) - numbers(ctx.force_bias, n) + applied
+    known[1] = row
+    if ctx.friction > 0.0:
+        known[2] = rows[1]
+    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, count)
+    asked, held = -(np.dot(row, solved[0]) + remaining), np.dot(row, solved[1])
+    if ctx.friction > 0.0:
+        held -= math.copysign(ctx.friction, asked) * sliding * np.dot(row, solved[2])
+        if not held > 0.0:  # the friction jams the slider
+            return math.nan
+    return asked / held
+
+
+@compiled
+def pushes(ctx: Context, crank_angle: float) -> complex:
+    """The force on the tip, N, along n1 + i n2."""
+    if ctx.tip_force == 0.0:
+        return 0j
+    return ctx.tip_force * share(crank_angle, ctx.force_begin, ctx.force_span, ctx.force_ramp)
+
+
+@compiled
+def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: Array) -> float:
+    """Add the force on the tip, the centre line's end; returns its power, W."""
+    pushed = pushes(ctx, crank_angle)
+    if pushed == 0.0:
+        return 0.0
+    first = ctx.coordinates - ctx.hinges - 1
+    at_tip = centre_line_coefficients(ctx.follower_length, ctx.hinges, ctx.link_length, 0)
+    moment = power = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        part = at_tip[i] * dot(1j * e[i], pushed)
+        moment += part
+        force[first + i] += moment
+        power += part * rates[i]
+    return power
+
+
+@compiled
+def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
+    """The hook's work: drive and damping, and the slider force, into `force_applied`.
+
+    A rigid joint's force keeps the gap's acceleration zero, a compliant one's follows from gap and gap rate.
+    """
+    n = ctx.coordinates
+    qpos, qvel, applied = numbers(ctx.qpos, n), numbers(ctx.qvel, n), numbers(ctx.force_applied, n)
+
+    e, rates = link_directions(ctx, qpos), link_rates(ctx, qvel)
+    crank_arm, angle, crank_speed = crank_of(ctx, time, qpos, qvel)
+    c0, c1, c2, tangent, ctx.gap = find_slider(ctx, e, crank_arm)
+    normal = 1j * tangent
+    row, crank_row = row_of_gap(ctx, e, c0, tangent, crank_arm)
+
+    turning = 1j * rates * e
+    slope = (c1 * e).sum()
+    ctx.slider_speed = dot(tangent, 1j * crank_arm * crank_speed - (c0 * turning).sum()) / abs(slope)
+    follower = -(c0 * rates**2 * e).sum() + 2.0 * ctx.slider_speed * (c1 * turning).sum() + ctx.slider_speed**2 * (c2 * e).sum()
+    remaining = dot(normal, -crank_arm * crank_speed**2 - follower)
+
+    applied[:] = 0.0
+    if ctx.crank_is_free:
+        applied[0] = ctx.crank_torque
+    dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
+    dissipation += damp_beam(ctx, e, rates, applied) + _damp_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
+    tool_power = _push_tip(ctx, angle, e, rates, applied)
+
+    rubs = ctx.friction > 0.0 or ctx.friction_force > 0.0
+    sliding, sliding_speed, sliding_row, crank_sliding, share_at_foot = 0.0, 0.0, row, 0.0, 1.0
+    if rubs:
+        sliding_row, crank_sliding, share_at_foot = row_of_sliding(ctx, e, (c0, c1, c2, tangent), crank_arm)
+        sliding_speed = rate_of(ctx, sliding_row, qvel, crank_sliding, crank_speed)
+        sliding = friction_share(sliding_speed, ctx.friction_speed)
+        applied -= ctx.friction_force * sliding * sliding_row
+    if ctx.joint_is_compliant:
+        gap_rate = rate_of(ctx, row, qvel, crank_row, crank_speed)
+        law = ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from
+        multiplier = -joint_force(ctx.gap, gap_rate, *law, ctx.contact_loss, ctx.joint_damping)
+        dissipation -= gap_rate * (multiplier + joint_force(ctx.gap, 0.0, *law, 0.0, 0.0))
+    else:
+        multiplier = _hold(model, data, ctx, (row, sliding_row), remaining, sliding, applied)
+    applied += multiplier * row
+    ctx.slider_force = -multiplier
+    ctx.drive_torque = ctx.crank_torque
+    if not ctx.crank_is_free:
+        weight = ctx.prescribed_weight_2 * math.cos(angle) - ctx.prescribed_weight_1 * math.sin(angle)
+        ctx.drive_torque = weight - multiplier * crank_row
+    if rubs:
+        with_force = ctx.friction * abs(multiplier) * sliding
+        applied -= with_force * sliding_row
+        along = ctx.friction_force * sliding + with_force
+        dissipation += along * sliding_speed
+        ctx.tangential_force = along * share_at_foot
+        ctx.slider_couple = -ctx.gap * ctx.tangential_force
+        if not ctx.crank_is_free:
+            ctx.drive_torque += along * crank_sliding
+    if ctx.stage < 4:
+        ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
+        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * (ctx.drive_torque * crank_speed + tool_power)
+        ctx.stage += 1
+
+
+@compiled
+def _turn_base(model: int, data: int, ctx: Context, time: float) -> None:
+    """The hook's work without crank and slider: the damping, and the torque on the base that gives it the prescribed acceleration."""
+    n = ctx.coordinates
+    qpos, qvel, applied = numbers(ctx.qpos, n), numbers(ctx.qvel, n), numbers(ctx.force_applied, n)
+    rates = link_rates(ctx, qvel)
+    applied[:] = 0.0
+    dissipation = ctx.base_damping * rates[0] ** 2 + damp_beam(ctx, link_directions(ctx, qpos), rates, applied)
+    dissipation += _damp_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
+    known, solved = np.zeros((2, n)), np.empty((2, n))
+    known[0] = numbers(ctx.force_passive, n) - numbers(ctx.force_bias, n) + applied
+    known[1, 0] = 1.0
+    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
+    ctx.drive_torque = (base_motion(ctx.spin_up_speed, ctx.spin_up_time, time)[2] - solved[0, 0]) / solved[1, 0]
+    applied[0] += ctx.drive_torque
+    if ctx.stage < 4:
+        ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
+        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * ctx.drive_torque * rates[0]
+        ctx.stage += 1
+
+
+@cfunc(types.void(types.intp, types.intp), cache=True)
+def control_hook(model: int, data: int) -> None:
+    """MuJoCo's `mjcb_control`: called in every stage of a step, when the mass matrix and all other forces are known."""
+    time_and_context = np.empty(2)
+    mj_get_state(model, data, time_and_context.ctypes.data, TIME_AND_USERDATA)
+    context = carray(pointer(int(time_and_context[1])), 1, CONTEXT)
+    if context[0].base_is_prescribed:
+        _turn_base(model, data, context[0], time_and_context[0])
+    else:
+        _constrain(model, data, context[0], time_and_context[0])

@@ -1,0 +1,156 @@
+"""A row of observables from MuJoCo's present state."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from quickreturn.engines.mujoco.centre_line import centre_line_coefficients, crank_of, link_directions, link_rates
+from quickreturn.engines.mujoco.context import TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
+from quickreturn.engines.mujoco.hook import pushes
+from quickreturn.engines.mujoco.native import mj_energy_position, mj_energy_velocity, mj_forward, mj_get_state
+from quickreturn.reference_model import joint
+from quickreturn.reference_model.columns import PLACES
+
+joint_energy = compiled(joint.joint_energy)
+
+
+@compiled
+def _smooth_moments(ctx: Context, qpos: Array, qvel: Array) -> Array:
+    """Bending moment over EI at the hinges, 1/m, without the kink and the jump that the slider makes; shape (N,).
+
+    The slider force F bends hinge j by F b_j, b_j = Σ_{i >= j} c_i; the beam by the ramp F (s - x) inboard of the slider. Its couple acts
+    with the derivatives of the c_i.
+    """
+    smooth = np.empty(ctx.hinges)
+    if ctx.hinges == 0:
+        return smooth
+    kink, jump = ctx.slider_force / ctx.bending_stiffness, ctx.slider_couple / ctx.bending_stiffness
+    c0 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 0)
+    c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
+    lever = turned = 0.0
+    for j in range(ctx.hinges, 0, -1):
+        lever += c0[j]
+        turned += c1[j]
+        k = ctx.coordinates - ctx.hinges - 1 + j
+        bent = qpos[k] + ctx.material_damping * qvel[k]
+        smooth[j - 1] = bent / ctx.link_length - kink * lever - jump * turned
+    return smooth
+
+
+@compiled
+def _at_place(ctx: Context, smooth: Array, x: float) -> float:
+    """A field at the arc length x by the cubic through the four nearest hinges; 0 where there is no hinge."""
+    if ctx.hinges == 0:
+        return 0.0
+    if not math.isfinite(x):
+        return math.nan
+    points = min(4, ctx.hinges)
+    place = x / ctx.link_length - 0.5  # in links from the first hinge
+    left = min(max(math.floor(place) - 1, 0), ctx.hinges - points)
+    value = 0.0
+    for j in range(left, left + points):
+        weight = 1.0
+        for k in range(left, left + points):
+            if k != j:
+                weight *= (place - k) / (j - k)
+        value += weight * smooth[j]
+    return value
+
+
+@compiled
+def _moment(ctx: Context, smooth: Array, x: float) -> float:
+    """Bending moment over EI at the arc length x, 1/m, kink and jump included; at the slider the outboard one."""
+    if ctx.hinges == 0:
+        return 0.0
+    jump = ctx.slider_couple / ctx.bending_stiffness if x < ctx.slider_position else 0.0
+    return _at_place(ctx, smooth, x) + ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x) + jump
+
+
+@compiled
+def _follower_inertia(ctx: Context, e: Points, rates: Array, accelerations: Array) -> complex:
+    """Rate of the momentum of all links and the tip body, less their weight, N, along n1 + i n2."""
+    n, h, at_hinge, total = ctx.hinges, ctx.link_length, 0j, 0j
+    for i in range(n + 1):
+        length = h if 0 < i < n else (0.5 * h if n else ctx.follower_length)
+        turning = (1j * accelerations[i] - rates[i] ** 2) * e[i]
+        total += ctx.mass_per_length * length * (at_hinge + 0.5 * length * turning - ctx.gravity)
+        at_hinge += length * turning
+    return total + ctx.tip_mass * (at_hinge + ctx.tip_offset * turning - ctx.gravity)
+
+
+@compiled
+def _bearing_forces(
+    ctx: Context, motion: tuple[float, float, float], e: Points, rates: Array, accelerations: Array
+) -> tuple[complex, complex]:
+    """Forces of the ground on base and crank, N, along n1 + i n2, by Newton's law for follower and crank.
+
+    Args:
+        ctx: the simulation, with its slider's place and force.
+        motion: angle (rad), speed and acceleration of the crank.
+        e: directions of the links.
+        rates: of their angles, rad/s.
+        accelerations: of their angles, rad/s^2.
+    """
+    c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
+    slope = (c1 * e).sum()
+    on_follower = complex(ctx.tangential_force, ctx.slider_force) * slope / abs(slope)
+    angle, speed, acceleration = motion
+    pivot = _follower_inertia(ctx, e, rates, accelerations) - pushes(ctx, angle) - on_follower
+    swing = (1j * acceleration - speed**2) * complex(math.cos(angle), math.sin(angle))
+    return pivot, ctx.crank_moment * swing - ctx.crank_mass * ctx.gravity + on_follower
+
+
+@compiled
+def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None:
+    """Fill a `columns.ROW` from the present state. Gauges: arc lengths, (3,)."""
+    n, hinges = ctx.coordinates, ctx.hinges
+    qpos, qvel = numbers(ctx.qpos, n), numbers(ctx.qvel, n)
+    qacc, energy = numbers(ctx.qacc, n), numbers(ctx.energy, 2)
+    ctx.stage = 4  # no stage of a step
+    mj_forward(model, data)
+    mj_energy_position(model, data)
+    mj_energy_velocity(model, data)
+
+    time_and_context = np.empty(2)
+    mj_get_state(model, data, time_and_context.ctypes.data, TIME_AND_USERDATA)
+    _, angle, crank_speed = crank_of(ctx, time_and_context[0], qpos, qvel)
+    first = n - hinges - 1
+    e, rates, accelerations = link_directions(ctx, qpos), link_rates(ctx, qvel), np.cumsum(qacc[first:])
+    at_tip = centre_line_coefficients(ctx.follower_length, hinges, ctx.link_length, 0)
+    tip = (at_tip * e).sum()
+    tip_acceleration = (at_tip * (1j * accelerations - rates**2) * e).sum()
+    base_angle = qpos[first]
+    if hinges >= 2:
+        base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent, h²/24 dκ/dx beside the link's
+    strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
+    smooth, bending_rates = _smooth_moments(ctx, qpos, qvel), qvel[first + 1 :] / ctx.link_length
+    gravity = energy[0] - strain_energy
+    strain_energy += joint_energy(ctx.gap, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from)
+    gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
+
+    row.crank_angle, row.crank_speed = angle, crank_speed
+    row.follower_angle, row.slider_position = base_angle, ctx.slider_position
+    row.tip_x, row.tip_y = ctx.pivot_distance + tip.real, tip.imag
+    across = 1j * complex(math.cos(base_angle), math.sin(base_angle))
+    row.tip_deflection = dot(across, tip)
+    for place in range(1, PLACES + 1):
+        x = place * ctx.follower_length / (PLACES + 1)
+        line = centre_line_coefficients(x, hinges, ctx.link_length, 0)
+        row.shapes[place - 1] = dot(across, (line * e).sum())
+        row.moments[place - 1] = ctx.bending_stiffness * _moment(ctx, smooth, x)
+    row.moment_slider = ctx.bending_stiffness * _moment(ctx, smooth, ctx.slider_position)
+    row.tip_acceleration = dot(1j * e[hinges], tip_acceleration)
+    for gauge in range(3):
+        curvature = _moment(ctx, smooth, gauges[gauge])
+        if ctx.material_damping > 0.0:
+            curvature -= ctx.material_damping * _at_place(ctx, bending_rates, gauges[gauge])
+        row.strains[gauge] = ctx.half_thickness * curvature
+    crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else 0.0
+    pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
+    row.pivot_force_x, row.pivot_force_y = pivot.real, pivot.imag
+    row.crank_force_x, row.crank_force_y = at_crank.real, at_crank.imag
+    row.slider_force, row.crank_torque = ctx.slider_force, ctx.drive_torque
+    row.kinetic_energy = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
+    row.strain_energy, row.dissipated_energy, row.constraint_gap = strain_energy, ctx.dissipated, abs(ctx.gap)
+    row.gravity_energy, row.drive_work = gravity, ctx.drive_work

@@ -1,0 +1,102 @@
+"""The time loop: steps of MuJoCo, the gap closed after each, and a row of the table after every few."""
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+from numba import types
+
+from quickreturn.engines.mujoco.centre_line import crank_of, find_slider, link_directions, rate_of, row_of_gap
+from quickreturn.engines.mujoco.context import ADDRESS, CONTEXTS, TIME_AND_USERDATA, VECTOR, Array, Context, compiled, entry, numbers
+from quickreturn.engines.mujoco.hook import base_motion
+from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, mj_step
+from quickreturn.engines.mujoco.record import record
+from quickreturn.reference_model.columns import ROW
+
+GOOD, SLIDER_LEFT, NOT_FINITE = 0, 1, 2
+
+_LARGEST_RATE = 1e7  # rad/s: beyond, nothing is a motion any more; MuJoCo itself warns at 1e10
+_ROWS = numba.from_dtype(ROW)[::1]
+
+
+@compiled
+def _project(model: int, data: int, ctx: Context) -> None:
+    """Close the gap that the step left, and its rate, along M⁻¹Gᵀ (M of the last stage)."""
+    n = ctx.coordinates
+    qpos, qvel = numbers(ctx.qpos, n), numbers(ctx.qvel, n)
+    time_and_context = np.empty(2)
+    mj_get_state(model, data, time_and_context.ctypes.data, TIME_AND_USERDATA)
+    if ctx.base_is_prescribed:  # what the step left is its own error
+        qpos[0], qvel[0], _ = base_motion(ctx.spin_up_speed, ctx.spin_up_time, time_and_context[0])
+        return
+    direction = np.empty(n)
+    for iteration in range(6):
+        crank_arm, _, crank_speed = crank_of(ctx, time_and_context[0], qpos, qvel)
+        e = link_directions(ctx, qpos)
+        c0, _, _, tangent, gap = find_slider(ctx, e, crank_arm)
+        row, crank_row = row_of_gap(ctx, e, c0, tangent, crank_arm)
+        if iteration == 0:
+            mj_solve_mass(model, data, direction.ctypes.data, row.ctypes.data, 1)
+        elif not abs(gap) > 1e-15 * ctx.follower_length:
+            break
+        qpos -= direction * (gap / np.dot(row, direction))
+    qvel -= direction * (rate_of(ctx, row, qvel, crank_row, crank_speed) / np.dot(row, direction))
+
+
+@compiled
+def _state(ctx: Context) -> int:
+    """GOOD, or what is wrong with the present state."""
+    qvel = numbers(ctx.qvel, ctx.coordinates)
+    if not np.max(np.abs(qvel)) < _LARGEST_RATE or not math.isfinite(ctx.slider_position):
+        return NOT_FINITE
+    if not 0.0 <= ctx.slider_position <= ctx.follower_length:
+        return SLIDER_LEFT
+    return GOOD
+
+
+@entry(types.UniTuple(types.intp, 2)(ADDRESS, ADDRESS, CONTEXTS, types.float64, types.intp, VECTOR, _ROWS))
+def advance(model: int, data: int, context: Any, step: float, steps: int, gauges: Array, table: Any) -> tuple[int, int]:
+    """Fill `table` (`columns.ROW`, shape (rows,)): the present state, then one row after every `steps` steps of `step` (s).
+
+    Returns:
+        (rows filled, GOOD or why it ended early). Good rows only.
+    """
+    ctx = context[0]
+    for k in range(len(table)):
+        for _ in range(steps if k > 0 else 0):
+            ctx.stage, ctx.mean_dissipation, ctx.mean_drive_power = 0, 0.0, 0.0
+            mj_step(model, data)
+            if not ctx.joint_is_compliant:
+                _project(model, data, ctx)
+            ctx.dissipated += step * ctx.mean_dissipation
+            ctx.drive_work += step * ctx.mean_drive_power
+            state = _state(ctx)
+            if state != GOOD:
+                return k, state
+        record(model, data, ctx, gauges, table[k])
+        if not math.isfinite(table[k].slider_position + table[k].tip_acceleration):  # strains of a scene without gauges are no numbers
+            return k, NOT_FINITE
+    return len(table), GOOD
+
+
+@entry(types.float64(CONTEXTS, VECTOR, VECTOR, types.float64, types.float64))
+def assemble(context: Any, qpos: Array, qvel: Array, crank_angle: float, crank_speed: float) -> float:
+    """Turn the base until the slider lies on the centre line, and set its rate likewise; hinges and crank stay as they are.
+
+    Returns:
+        The gap that is left, m.
+    """
+    ctx = context[0]
+    base = ctx.coordinates - ctx.hinges - 1
+    crank_arm = ctx.crank_length * complex(math.cos(crank_angle), math.sin(crank_angle))
+    gap = 0.0
+    for _ in range(30):
+        e = link_directions(ctx, qpos)
+        c0, _, _, tangent, gap = find_slider(ctx, e, crank_arm)
+        row, crank_row = row_of_gap(ctx, e, c0, tangent, crank_arm)
+        if not abs(gap) > 1e-15 * ctx.follower_length:
+            break
+        qpos[base] -= gap / row[base]
+    qvel[base] = -(crank_row * crank_speed + np.dot(row[base + 1 :], qvel[base + 1 :])) / row[base]
+    return gap

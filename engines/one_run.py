@@ -1,0 +1,90 @@
+"""One run of an engine, and the checks that its trajectory must pass."""
+
+import math
+import traceback
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulation, first_line
+from quickreturn.engines.settings import SettingError, Settings
+from quickreturn.engines.start import Start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.mechanism import Scene
+
+#: Libraries in which a mistake of an engine may surface; its own line is shown, not theirs.
+_BELOW: Final = frozenset({"numpy", "scipy"})
+
+
+@dataclass(frozen=True)
+class Made:
+    """The trajectory of a run, and the simulation at its end, which can be advanced further."""
+
+    trajectory: Trajectory
+    simulation: Simulation
+
+
+def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
+    """One run with the given settings, checked to be complete and finite.
+
+    Raises:
+        Refusal, SettingError: as the engine raises them.
+        EngineFailure: the run broke down, in whatever way: an unforeseen exception of an engine is reported as this too.
+        MemoryError, OSError: memory, disk or the like are lacking.
+    """
+    try:
+        simulation = engine.prepare(scene, start, settings)
+        trajectory = simulation.advance(duration, output_step)
+    except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
+        raise
+    except Exception as error:  # a third-party engine may raise anything
+        cause = f"the engine raised {type(error).__name__}{raised_at(error)}: {first_line(error)}"
+        raise EngineFailure(0.0, cause, "report this to the author of the engine") from error
+    check_trajectory(trajectory, duration, output_step)
+    return Made(trajectory, simulation)
+
+
+def raised_at(error: BaseException) -> str:
+    """Where an engine raised an exception, such as " at my_engine.py, line 12": the engine's line, not that of numpy which it called."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not _BELOW & set(Path(frame.filename).parts)] or frames
+    return f" at {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""
+
+
+def check_trajectory(trajectory: Trajectory, duration: float, output_step: float) -> None:
+    """Raise `EngineFailure` unless the trajectory is complete, on its grid and finite.
+
+    The time grid may start anywhere; it must have `duration / output_step` steps of `output_step`.
+    """
+    lengths = {len(values) for values in trajectory.columns.values()}
+    if len(lengths) != 1:
+        raise EngineFailure(0.0, "the engine returned columns of different lengths", "report this to the author of the engine")
+    finite = np.logical_and.reduce([np.isfinite(values) for values in trajectory.columns.values()])
+    if not finite.all():
+        bad = int(np.argmin(finite))
+        name = next(name for name, values in trajectory.columns.items() if not np.isfinite(values[bad]))
+        good = float(trajectory["time"][bad - 1]) if bad else 0.0
+        head = {name: values[:bad] for name, values in trajectory.columns.items()}
+        partial = replace(trajectory, columns=head) if bad else None
+        raise EngineFailure(good, f"{name} is no longer a finite number", "try finer settings", partial)
+    times, rows = trajectory["time"], round(duration / output_step) + 1
+    # A grid built by repeated addition may drift by some rounding errors, never by a thousandth of a step.
+    on_grid = np.allclose(np.diff(times), output_step, rtol=1e-3, atol=0.0)
+    if len(times) != rows or not on_grid:
+        raise EngineFailure(
+            float(times[-1]) if len(times) else 0.0,
+            f"the engine returned {len(times)} rows that are not the {rows} of the output grid{_of_time(times, output_step)}",
+            "try finer settings",
+            trajectory if len(times) and on_grid else None,
+        )
+
+
+def _of_time(times: NDArray[np.float64], output_step: float) -> str:
+    """What is wrong with a column of times, as far as that can be said."""
+    step = float(np.median(np.diff(times))) if len(times) > 1 else output_step
+    if math.isclose(step, 1e3 * output_step, rel_tol=1e-3):
+        return "; the time column is in milliseconds, not in s"
+    return "" if math.isclose(step, output_step, rel_tol=1e-3) else f"; its time steps are {step:.4g}, not {output_step:.4g} s"
