@@ -108,7 +108,7 @@ def recorded_columns(rows: Rows, *, alone: bool = False, bends: bool = True, joi
         bends: False: without bending moments, which a model that knows them by curvature has not of a rigid follower.
         joint: with `JOINT_COLUMNS`.
     """
-    values = rows.view(np.float64).reshape(len(rows), -1).T.copy()
+    values = rows.view(np.float64).reshape(len(rows), ROW.itemsize // 8).T.copy()
     found = dict(zip((*OBSERVED, *JOINT_COLUMNS), values, strict=True))
     unknown = {*(() if joint else JOINT_COLUMNS), *(() if bends else BENDING)}
     kept = {name: column for name, column in found.items() if name not in unknown}

@@ -14,13 +14,15 @@ def _scene(tmp_path: Path) -> None:
     (tmp_path / "small.toml").write_text(SCENE)
 
 
-def test_simulate_runs_reference_and_writes_nothing_unless_asked(call: Call, tmp_path: Path) -> None:
+def test_simulate_runs_reference_and_writes_nothing_but_the_store_unless_asked(call: Call, tmp_path: Path) -> None:
     before = sorted(tmp_path.iterdir())
-    answer = call("simulate", "small.toml", "--duration", "10 ms")
+    answer = call("simulate", "small.toml", "--duration", "10 ms", "--no-store")
+    assert sorted(tmp_path.iterdir()) == before
+    assert call("simulate", "small.toml", "--duration", "10 ms").code == 0
+    assert {*tmp_path.iterdir()} == {*before, tmp_path / ".quickreturn"}
     assert answer.code == 0
     assert "reference" in answer.output
     assert answer.output.splitlines()[-1] == "no trajectory is written; --output small.csv writes it"
-    assert sorted(tmp_path.iterdir()) == before
 
 
 def test_simulate_without_output_says_so_in_json(call: Call) -> None:
