@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import Rows
+from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.machine.compilation import compiled, stage
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
@@ -23,8 +23,8 @@ base_motion = stage(motion_of_base)
 
 
 @compiled
-def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Rows) -> bool:
-    """dy/dt at the state y, to `rate`, and unless `row` (of `columns.ROW`) is empty the observables, to it; the first two are addresses.
+def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
+    """dy/dt at the state y, to `rate`, and unless `row` is empty the observables, to it (numbers of a `ROW`); the first two are addresses.
 
     Returns:
         False, and `rate` all nan, where the loop cannot close or the shapes give out: a rejected step for the integrator.
@@ -44,12 +44,12 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
     for i in range(n):
         rate[2 * n + 3] += w.tool[i + 2] * y[n + 2 + i]
     if len(row):
-        observe(p, c, k, w, y, force, drive, row[0])
+        observe(p, c, k, w, y, force, drive, row.view(ROW)[0])
     return True
 
 
 @compiled
-def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Rows) -> bool:
+def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
     """The same for the follower alone (equations 8.1 and 8.2); observables of crank and slider are zero, the torque is the base's."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     n, eta, eta_rate = p.n, y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2]
@@ -79,7 +79,7 @@ def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array,
     rate[2 * n + 2] = dissipation(p, 0.0, turn, eta_rate, w)
     rate[2 * n + 3] = torque * turn
     if len(row):
-        observe(p, c, k, w, y, 0.0, torque, row[0])
+        observe(p, c, k, w, y, 0.0, torque, row.view(ROW)[0])
     return True
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import ROW, Rows, recorded_columns
+from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.integrate import Integration
 from quickreturn.reference_model.machine.pointers import Placed
@@ -19,7 +19,7 @@ from quickreturn.reference_model.thesis.tables import POINTS
 
 Array = NDArray[np.float64]
 
-_NO_ROW = np.zeros(0, ROW)
+_NO_ROW = np.empty(0)
 
 
 class ThesisModel:
@@ -63,8 +63,8 @@ class ThesisModel:
         """State vector of the follower alone at time 0, straight and still."""
         return self.initial_state(0.0, 1.0)
 
-    def right_hand_side(self, y: Array, rate: Array, row: Rows = _NO_ROW) -> bool:
-        """dy/dt of a state, written to `rate`, and its observables, to `row` (`ROW`, (1,)) if given; False where the state cannot be."""
+    def right_hand_side(self, y: Array, rate: Array, row: Array = _NO_ROW) -> bool:
+        """dy/dt of a state, written to `rate`, and its observables, to `row` (of a `ROW`) if given; False where the state cannot be."""
         p, w = self._at
         return bool(self._function(p.address, w.address, y, rate, row))
 
@@ -93,8 +93,9 @@ class ThesisModel:
         """
         rows = np.zeros(len(states), ROW)
         rate = np.empty(states.shape[1])
-        for k, y in enumerate(np.ascontiguousarray(states)):
-            if not self.right_hand_side(y, rate, rows[k : k + 1]):
+        numbers = rows.view(np.float64).reshape(len(rows), ROW.itemsize // 8)
+        for k, (y, row) in enumerate(zip(np.ascontiguousarray(states), numbers, strict=True)):
+            if not self.right_hand_side(y, rate, row):
                 raise ObservationFailed(k)
         return recorded_columns(rows, alone=self._alone, bends=self.shapes.count > 0)
 

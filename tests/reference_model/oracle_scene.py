@@ -149,7 +149,7 @@ def computed(equations: Equations, p: Parameters, y: Array) -> Values:
         "follower_acceleration": w.acceleration[1:2].copy(),
     }
     rate, row = np.zeros_like(y), np.zeros(1, ROW)
-    if not equations.right_hand_side(p, w, y, rate, row):
+    if not equations.right_hand_side(p, w, y, rate, row.view(np.float64)):
         raise ValueError("the model refuses the state")
     column = {name: values[0] for name, values in recorded_columns(row).items()}
     n = p.n

@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.shapes import hermite_elements
 from quickreturn.reference_model.thesis.parameters import UnsuitableShapes, build_parameters, build_workspace
@@ -89,7 +88,7 @@ def test_states_that_cannot_be_are_refused_with_nan() -> None:
     for eta in ([0.0, 1.2], [0.9 * p.L, 0.9], [math.nan, 0.0]):
         y = state_vector(p, state, np.array(eta), np.zeros(2))
         rate = np.zeros_like(y)
-        assert not COMPILED.right_hand_side(p, w, y, rate, np.zeros(0, ROW))
+        assert not COMPILED.right_hand_side(p, w, y, rate, np.empty(0))
         assert np.all(np.isnan(rate))
 
 
