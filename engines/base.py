@@ -88,6 +88,10 @@ class Simulation(ABC):
     setup_seconds: float
     time: float
 
+    def present_start(self) -> Start | None:
+        """The present state as a start for any engine; None if the simulation cannot tell it."""
+        return None
+
     @abstractmethod
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """Integrate on by `duration` (s, a multiple of `output_step`) from where the simulation stands.

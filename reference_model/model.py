@@ -62,17 +62,17 @@ class BeamModel:
         self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
     @classmethod
-    def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED) -> "BeamModel":
+    def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, *, slowed: bool = False) -> "BeamModel":
         """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower.
 
-        Clamped modes for the follower alone.
+        Clamped modes for the follower alone. If `slowed`, an added inertia slows the higher half of the modes (equation 5.15).
         """
         if scene.crank is None:
             return cls.alone(scene, modes)
         if scene.follower.is_rigid:
             return cls.staying(scene, no_shapes(scene.follower.length), constraint)
         (tables, reach), family, seconds = beam.following(scene, modes)
-        return cls(scene, parameters(scene, modes, tables, reach, constraint), family.angles, seconds)
+        return cls(scene, parameters(scene, modes, tables, reach, constraint, slowed=slowed), family.angles, seconds)
 
     @classmethod
     def staying(
@@ -116,7 +116,7 @@ class BeamModel:
         kept = [*(part[..., :count, :] for part in row[:3]), *(part[..., :count] for part in row[3:-1]), row.length]
         blocks = [part.reshape(*t.coefficients.shape[:2], -1) for part in kept]
         tables = t._replace(coefficients=beam.padded_to_lines(np.concatenate(blocks, axis=-1)))
-        fewer = p._replace(n=count, speeds=p.speeds - p.n + count, tables=tables)
+        fewer = p._replace(n=count, speeds=p.speeds - p.n + count, added_inertia=p.added_inertia[:count], tables=tables)
 
         def shapes(s: float, x: Array) -> tuple[Array, Array]:
             psi, psi_s = self._shapes(s, x)

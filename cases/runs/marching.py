@@ -15,6 +15,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Simulation, SteadyState
 from quickreturn.engines.one_run import check_trajectory
+from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Columns, Trajectory, join
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
@@ -91,6 +92,10 @@ class March:
         """`crank_speed` (rad/s) at the beginning; `step` (s) between rows; `begun`: the rows of the simulation so far."""
         self._simulation, self._crank_speed, self._step, self._begun = simulation, crank_speed, step, begun
         self.solve_seconds, self.simulated_seconds = (0.0, 0.0) if begun is None else (begun.solve_seconds, simulation.time)
+
+    def present_start(self) -> Start | None:
+        """The present state as a start, see `Simulation.present_start`."""
+        return self._simulation.present_start()
 
     def __iter__(self) -> Iterator[Cycle]:
         """Simulate on. EngineFailure: the run failed, or the crank is too slow or too fast for a measurement of cycles."""

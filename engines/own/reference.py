@@ -42,8 +42,12 @@ MODES_OF_BLOWS: Final = 7
 #: Part of the slider force from which on a roller that meets the follower hits it (`blow`): measured are 0.07, which needs no more modes
 #: than a rigid joint, and 0.6, which does (`engines/LADDERS.md`, section 5).
 HIT: Final = 0.1
-#: Least tolerance that a finer run needs where rollers touch and part, over that of the run itself.
+#: Largest tolerance of a finer run over that of the run itself: a tenth shows the integration's error. Where rollers touch and part more
+#: modes need no smaller one.
 TENTH: Final = 0.1
+#: The largest tolerance where rollers touch and part.
+TOLERANCE_OF_CORNERS: Final = 3e-7
+LEAST_TOLERANCE: Final = 1e-12
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
 #: Error with two modes more over that without.
@@ -53,6 +57,9 @@ MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
+#: The most modes that a rung of the ladder slows by added inertia. The last rung has none: after a blow high modes ring, and what is slowed
+#: rings too slowly.
+SLOWED: Final = 9
 #: Modes -> `Comparison.alike` of a run with so many; 0 for other numbers.
 ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Relative distance from a periodic motion at which the search for it makes its last step. The step leaves a tenth of it or less, which
@@ -65,27 +72,34 @@ class ReferenceSettings(BeamSettings):
     """Settings of `reference`."""
 
     modes: int = setting(5, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
-    tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
+    tolerance: float = setting(
+        1e-7, "local error of the integration, relative to fixed sizes of the states", low=LEAST_TOLERANCE, high=1e-4
+    )
+    added_inertia: bool = setting(False, "the higher half of the modes has an added inertia and vibrates no faster than the middle one")
 
     @property
     def shape_count(self) -> int:
         return self.modes
 
 
-#: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s.
+#: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s, with added inertia up to `SLOWED` modes.
 _RUNGS: Final = (
     (1, 1e-5, 2.7e-2),
     (2, 1e-5, 1.5e-3),
-    (4, 3e-7, 8e-4),
-    (5, 1e-7, 4.9e-4),
-    (6, 1e-7, 2.3e-4),
-    (7, 1e-8, 8.2e-5),
-    (8, 1e-8, 3.4e-5),
-    (9, 3e-9, 1.5e-5),
+    (4, 1e-6, 8e-4),
+    (5, 3e-7, 4.8e-4),
+    (6, 3e-7, 2.3e-4),
+    (7, 3e-7, 8.1e-5),
+    (8, 1e-7, 3.5e-5),
+    (9, 3e-8, 1.5e-5),
     (11, 1e-9, 4e-6),
 )
 LADDER: Final = Ladder(
-    tuple((ReferenceSettings(modes=modes, tolerance=tolerance), claim) for modes, tolerance, claim in _RUNGS), "modes", "tolerance"
+    tuple(
+        (ReferenceSettings(modes=modes, tolerance=tolerance, added_inertia=modes <= SLOWED), claim) for modes, tolerance, claim in _RUNGS
+    ),
+    "modes",
+    "tolerance",
 )
 
 
@@ -132,7 +146,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             held = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
         elif scene.slider.has_friction:
             held = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
-        return BeamModel.following(scene, settings.modes, held)
+        return BeamModel.following(scene, settings.modes, held, slowed=settings.added_inertia)
 
     def joint_line(self, scene: Scene, settings: ReferenceSettings) -> str:
         """Rigid or compliant."""
@@ -144,11 +158,16 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return line + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit."""
-        usual = LADDER.pick(accuracy)
-        if blow(scene) > HIT:
-            return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
-        return fitted(LADDER, accuracy, scene)
+        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit.
+
+        Rollers that touch and part set all modes ringing: none is slowed then.
+        """
+        hit = blow(scene) > HIT
+        found = LADDER.pick(accuracy) if hit else fitted(LADDER, accuracy, scene)
+        if scene.slider.has_corners:
+            modes = max(found.modes, MODES_OF_BLOWS) if hit else found.modes
+            return found.replaced(modes=modes, tolerance=min(found.tolerance, TOLERANCE_OF_CORNERS), added_inertia=False)
+        return found.replaced(added_inertia=found.added_inertia and scene.crank is not None)
 
     def comparisons(self, settings: ReferenceSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
@@ -159,14 +178,13 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """
         if settings.modes + 2 > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
-        if scene.crank is None:
-            return (Comparison(settings, LADDER.sized(settings, settings.modes + 2), RATIO),)
 
         def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
-            usual = LADDER.sized(run, modes)
-            corners = scene.slider.has_corners
-            return usual.replaced(tolerance=max(usual.tolerance, TENTH * run.tolerance)) if corners else usual
+            usual, tenth = LADDER.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
+            return usual.replaced(tolerance=tenth if scene.slider.has_corners else min(usual.tolerance, tenth))
 
+        if scene.crank is None:
+            return (Comparison(settings, sized(settings, settings.modes + 2), RATIO),)
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         finer, further = sized(settings, more), None
         if more + 2 <= MOST_MODES:
@@ -176,7 +194,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
         """The next rung of the ladder."""
-        return LADDER.finer(settings, excess)
+        found = LADDER.finer(settings, excess)
+        return found and found.replaced(added_inertia=settings.added_inertia and found.modes <= SLOWED)
 
     def steady_state(
         self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "OwnSimulation | None" = None, patient: bool = False

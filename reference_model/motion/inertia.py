@@ -96,7 +96,7 @@ def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None
 
 @stage
 def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """Mass matrix (lower triangle) and generalised forces Q for the speeds (equations 4.5 to 4.7)."""
+    """Mass matrix (lower triangle) and generalised forces Q for the speeds (equations 4.5 to 4.7, 5.15)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
     bodies, size = 2 * N, len(w.mass)
     for j in range(2 * N):
@@ -133,6 +133,8 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
             w.weighted[j] = w.mass[j] * w.V[k, j]
         for i in range(k + 1):
             w.M[k, i] = _dot(w.weighted, w.V[i], size)
+        if 0 < k <= n:
+            w.M[k, k] += p.added_inertia[k - 1]
     w.Q[0] += p.torque - p.crank_damping * y[m + 1] + crank_weight(p, w)
 
 
@@ -208,7 +210,9 @@ def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
     n = p.n
     if p.knows_frequency == 0:
         return 0.0
-    square = w.squares[n - 1]
+    square = 0.0
+    for k in range(n):
+        square = max(square, w.squares[k] / (1.0 + p.added_inertia[k]))
     if p.first == 1:
         return math.sqrt(square)
     coupling = 0.0

@@ -154,6 +154,7 @@ class Parameters(NamedTuple):
     base_time: float  # s, of the spin-up
     thickness: float
     gauges: Vector
+    added_inertia: Vector  # (n,) of the amplitudes over their modal masses, see `parameters.added_inertia`
     reach: float  # m, s at which the slider counts as leaving the follower
     knows_frequency: int  # whether the shapes' highest frequency bounds that of the equations (5.9)
     tables: Tables

@@ -69,6 +69,7 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: in
     strain = joint_energy(f.gap, p.plus, p.minus, p.plus_from, p.minus_from)
     for i in range(n):
         strain += 0.5 * w.squares[i] * y[1 + i] ** 2
+        kinetic += 0.5 * p.added_inertia[i] * y[m + 2 + i] ** 2
     moment = p.tip_mass * (tip + f.tip_arm)
     for j in range(N):
         moment += w.mass[j] * point(w.z, j, N)

@@ -1,13 +1,27 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
+from typing import Final
+
+import numpy as np
+
 from quickreturn.reference_model.constants import constants
 from quickreturn.reference_model.mechanism import Scene
-from quickreturn.reference_model.motion.layout import Parameters, Tables
+from quickreturn.reference_model.motion.layout import Parameters, ShapeRow, Tables, Vector
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
+
+#: Modes that are never slowed.
+FEWEST_UNSLOWED: Final = 3
 
 
 def parameters(
-    scene: Scene, shapes: int, tables: Tables, reach: float, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
+    scene: Scene,
+    shapes: int,
+    tables: Tables,
+    reach: float,
+    constraint: SliderConstraint = CLOSED,
+    *,
+    transverse_damping: bool = False,
+    slowed: bool = False,
 ) -> Parameters:
     """Constants of a scene with shapes in tables.
 
@@ -18,6 +32,7 @@ def parameters(
         reach: m, place of the slider at which it counts as leaving the follower.
         constraint: of the slider; not read for the follower alone.
         transverse_damping: the beam damping acts on the velocity across the base tangent alone.
+        slowed: whether the higher half of the shapes, which are modes then, has an added inertia.
     """
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
@@ -42,7 +57,20 @@ def parameters(
         joint_inertia=constraint.inertia,
         stabilization=constraint.stabilization,
         bending_damping=constraint.bending_damping + scene.follower.material_damping if shapes else 0.0,
+        added_inertia=added_inertia(tables, shapes) if slowed else np.zeros(shapes),
         reach=reach,
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,
         tables=tables,
     )
+
+
+def added_inertia(tables: Tables, shapes: int) -> Vector:
+    """Inertia of each amplitude over its modal mass that lets no mode vibrate faster than the middle one does at its fastest.
+
+    Equation 5.15; shape (n,). The first three modes never have any.
+    """
+    middle = max(shapes // 2 + 1, FEWEST_UNSLOWED)
+    if shapes <= middle:
+        return np.zeros(shapes)
+    squares = ShapeRow.of(tables.coefficients[:, 3], shapes, tables).squares.max(axis=0)
+    return np.maximum(squares / squares[middle - 1] - 1.0, 0.0)
