@@ -92,10 +92,12 @@ class DerivedBeam:
             (arm,) = arms
         if not p.damps_along:
             system.damper("across", arm.beam.y, scene.follower.damping * arm.beam.shares)
-        e, self.system, self.table = Equations(system), system, system.tables[0]
         names = [each.name for each in system.coordinates]
         self.q2, self.s = names.index("follower_angle"), names.index("slider_position")
         etas = [names.index(f"eta_{k}") for k in range(1, p.n + 1)]
+        for k, added in zip(etas, p.added_inertia, strict=True):
+            system.body(f"slows {names[k]}", inertia=added, angle=system.coordinates[k].q)
+        e, self.system, self.table = Equations(system), system, system.tables[0]
         # in the order of the hand-derived model, in which time takes the place of the crank of a follower alone
         self.free = [*([] if self.alone else [0]), *etas, *([] if self.rigid or self.alone else [self.q2])]
         self.etas, self.first = etas, 0 if self.alone else p.first
@@ -109,8 +111,8 @@ class DerivedBeam:
         results = {name: value for name, (value, _) in system.outputs.items()}
         results |= {f"tip_rate_{k}": system.rate(results[f"tip_{k}"]) for k in (0, 1)}
         if p.knows_frequency:
-            last = e.q[etas[-1]]
-            results["highest stiffness"] = ca.jacobian(ca.jacobian(arm.strain, last), last)
+            stiffness = ca.diag(ca.hessian(arm.strain, e.q)[0])[etas]
+            results["highest square"] = ca.mmax(stiffness / (1.0 + ca.DM(p.added_inertia)))
         if p.constraint == CHORDS:  # moments are those of a force on the follower itself, wherever the slider rides
             results |= {f"foot_{k}": each for k, each in enumerate(ca.vertsplit(arm.place - arm.beam.origin))}
         if p.constraint == LEVER:
@@ -121,9 +123,9 @@ class DerivedBeam:
         self.results = ca.Function("results", [*state, e.a, forces], shown)
 
     @classmethod
-    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED) -> "DerivedBeam":
+    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED, *, slowed: bool = False) -> "DerivedBeam":
         """With natural modes that follow the slider."""
-        return cls(BeamModel.following(mechanism, modes, constraint), constraint)
+        return cls(BeamModel.following(mechanism, modes, constraint, slowed=slowed), constraint)
 
     @classmethod
     def staying(
@@ -232,7 +234,7 @@ class DerivedBeam:
         shown = self._shown(q, v, every, held, time, values)
         found["accelerations"] = np.append([0.0] if self.alone else [], acceleration)
         if p.knows_frequency:
-            found["frequency"] = math.sqrt(shown["highest stiffness"] * self._coupling(mass))
+            found["frequency"] = math.sqrt(shown["highest square"] * self._coupling(mass))
         return found | self._powers(shown, q, v, time, found, held) | self._observed(shown, q, v, time, held)
 
     def missed(self, state: State, off: float) -> float:

@@ -72,10 +72,10 @@ def test_errors_are_measured_against_a_hundredth_of_the_length_or_what_the_scene
 
 
 @pytest.mark.parametrize("driven", [True, False])
-@pytest.mark.parametrize("modes", [1, 3, 6])
-def test_the_highest_frequency_is_bounded_closely(modes: int, driven: bool) -> None:
+@pytest.mark.parametrize(("modes", "slowed"), [(1, False), (3, False), (6, False), (6, True)])
+def test_the_highest_frequency_is_bounded_closely(modes: int, slowed: bool, driven: bool) -> None:
     scene = scene_of(1.0, driven=driven)
-    model = BeamModel.following(scene, modes)
+    model = BeamModel.following(scene, modes, slowed=slowed)
     w, first = model.workspace, 0 if driven else 1
     for angle in (2.0, 3.5, 6.0):
         y = model.straight_state(angle, SPEED)
@@ -86,6 +86,20 @@ def test_the_highest_frequency_is_bounded_closely(modes: int, driven: bool) -> N
         assert model.can_move(y)
         # the tables keep six modes normalised to 2e-3; the ceiling leaves 4 % to the limit of stability
         assert highest * (1.0 - 2e-3) <= w.watched[1] < 1.1 * highest
+
+
+@pytest.mark.parametrize(("modes", "middle"), [(4, 3), (5, 3), (7, 4)])
+def test_an_added_inertia_slows_the_higher_half_of_the_modes_and_leaves_the_rest(modes: int, middle: int) -> None:
+    """No mode is faster than the middle one at its fastest; up to there, and in what stands still, nothing changes."""
+    scene = scene_of(1.0)
+    slowed, plain = (BeamModel.following(scene, modes, slowed=each) for each in (True, False))
+    angles = np.linspace(0.0, math.pi, 61)
+    fastest = max(frozen_crank_modes(scene, angle, middle).frequencies[-1] for angle in angles)
+    for angle in angles[::6]:
+        own, before = (each.natural_frequencies(angle, modes) for each in (slowed, plain))
+        assert own[-1] < 1.02 * fastest < before[-1]
+        # held still, the modes are independent of each other: each keeps its frequency or is slowed
+        assert all(np.isclose(own, frequency, rtol=1e-6).any() for frequency in before[:middle])
 
 
 def mass_matrix(model: BeamModel, y: np.ndarray) -> np.ndarray:
