@@ -28,6 +28,7 @@ LARGEST_DEFLECTION: Final = 0.125  # of the follower's length
 LARGEST_CONDITION: Final = 50.0  # run 24 has 13 over 2 s; at twice its crank speed 80
 LEAST_STIFFNESS_RATIO: Final = 5.0  # first bending frequency over the crank's; run 24 has 4.1
 MACHINE_DURATION: Final = 2.0  # s
+COMBINED_DURATION: Final = 1.0  # s
 
 #: Young's modulus (Pa), density (kg/m^3).
 MATERIALS: Final = {"steel": (210e9, 7850.0), "aluminium": (70e9, 2700.0), "plastic": (3e9, 1200.0)}
@@ -83,6 +84,23 @@ def sensible_machines(seed: int) -> Iterator[Scene]:
         if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO:
             continue
         scene = _judged(f"machine-{number + 1:03d}", mechanism, MACHINE_DURATION)
+        if scene is not None:
+            number += 1
+            yield scene
+
+
+def combined_machines(seed: int) -> Iterator[Scene]:
+    """Sensible machines with everything at once, without end, the same ones for the same seed.
+
+    A slider with mass and in half of them with inertia, a compliant joint in half of them, 30 to 3000 times as stiff as the follower, a
+    force on the tip over a part of the turn in half of them, gravity in most; the follower's damping is 0.2 to 300 % of critical.
+    """
+    generator, number = np.random.default_rng([seed, 7]), 0
+    while True:
+        mechanism = _with_everything(_machine(generator), generator)
+        if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO:
+            continue
+        scene = _judged(f"combined-{number + 1:02d}", mechanism, COMBINED_DURATION)
         if scene is not None:
             number += 1
             yield scene
@@ -213,6 +231,37 @@ def _machine(generator: Generator) -> Mechanism:
             strain_gauges=(0.25 * length, 0.5 * length, 0.75 * length),
         ),
         tip=Tip(mass=tip_mass, inertia=tip_mass * (length * uniform(0.01, 0.08)) ** 2) if tip_mass else None,
+    )
+
+
+def _with_everything(machine: Mechanism, generator: Generator) -> Mechanism:
+    """A machine with all that can act on it, see `combined_machines`."""
+    uniform = generator.uniform
+
+    def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
+        return float(math.exp(uniform(math.log(low), math.log(high))))
+
+    follower = machine.follower
+    arm, length = follower.mass_per_length * follower.length, follower.length
+    rate = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / length**2
+    stiffness = 3.0 * follower.bending_stiffness / length**3
+    slider = Slider(
+        mass=arm * uniform(0.0, 0.5),
+        inertia=arm * (length * uniform(0.005, 0.03)) ** 2 if uniform() < 0.5 else 0.0,
+        joint_stiffness=stiffness * between(30.0, 3000.0) if uniform() < 0.5 else math.inf,
+    )
+    tip = machine.tip or Tip(mass=arm * uniform(0.1, 1.0), inertia=arm * (length * uniform(0.01, 0.08)) ** 2)
+    if uniform() < 0.5:
+        force, direction = stiffness * length * between(1e-4, 1e-2), uniform(0.0, 2.0 * math.pi)
+        acting = {"force_from": math.pi - 1.5, "force_to": math.pi + 1.0, "force_ramp": 0.3}
+        tip = dataclasses.replace(tip, force=(force * math.cos(direction), force * math.sin(direction)), **acting)
+    weight, direction = 9.81 if uniform() < 0.6 else 0.0, uniform(0.0, 2.0 * math.pi)
+    return dataclasses.replace(
+        machine,
+        slider=slider,
+        tip=tip,
+        gravity=(weight * math.cos(direction), weight * math.sin(direction)),
+        follower=dataclasses.replace(follower, damping=2.0 * between(0.002, 3.0) * rate * follower.mass_per_length),
     )
 
 

@@ -25,6 +25,7 @@ from tests.verification.random_scenes import (
     LARGEST_DEFLECTION,
     LARGEST_SLIDER_POSITION,
     Scene,
+    combined_machines,
     random_scenes,
     sensible_machines,
 )
@@ -48,7 +49,9 @@ def test_random_scenes_are_sensible_and_the_same_each_time() -> None:
     scenes = list(itertools.islice(random_scenes(SEED), 2))
     assert scenes == list(itertools.islice(random_scenes(SEED), 2))
     assert scenes[0].mechanism != scenes[1].mechanism
-    for scene in scenes:
+    combined = next(combined_machines(SEED))
+    assert combined == next(combined_machines(SEED))
+    for scene in (*scenes, combined):
         mechanism = scene.mechanism
         simulation = ReferenceEngine().prepare(mechanism, standard_start(mechanism), ReferenceSettings(modes=4))
         motion = simulation.advance(scene.duration, 1e-3)
@@ -111,7 +114,8 @@ def test_claims_of_others_hold() -> None:
 
 
 def _full() -> list[tuple[Scene, tuple[tuple[str, float | None], ...]]]:
-    scenes = itertools.chain(library_scenes(), itertools.islice(sensible_machines(SEED), 40))
+    drawn = itertools.islice(sensible_machines(SEED), 40), itertools.islice(combined_machines(SEED), 25)
+    scenes = itertools.chain(library_scenes(), *drawn)
     return [(scene, tuple(itertools.product(ENGINES, ACCURACIES))) for scene in scenes]
 
 
