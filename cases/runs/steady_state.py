@@ -10,7 +10,8 @@ the slider rattles between its rollers, the last thirty are measured, and means 
 
 The runs by which the engine estimates its error (`Comparison`) are compared after as many cycles from the same start: from the orbit the
 last cycle of the error estimate, which needs no further simulation, otherwise the last cycle. They show the effect of the settings on each
-measure of the cycle (`cases.runs.estimates`).
+measure of the cycle (`cases.runs.estimates`). In a rattling motion they begin where the run itself has ended, if its engine can tell its
+state.
 """
 
 import contextlib
