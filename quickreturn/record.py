@@ -1,7 +1,7 @@
-"""Write the tables: `python -m quickreturn.reports.long_studies`.
+"""Writes the tables of `reports.long_studies`: `python -m quickreturn.record`.
 
 Missing results are computed, which takes hours; `--stored` takes only stored results.
-Names of studies, as in `CODE`, choose among them: `python -m quickreturn.reports.long_studies classes`.
+Names of studies, as in `CODE`, choose among them: `python -m quickreturn.record classes`.
 """
 
 import dataclasses
@@ -15,7 +15,6 @@ from quickreturn.cases.benchmark import SCENES, Benchmark, compiling, measure, s
 from quickreturn.cases.benchmark.scenes import ENGINES
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes import study as classes
-from quickreturn.cases.finding import study as finding
 from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.key import LIBRARIES, code_fingerprint
 from quickreturn.cases.jobs.store import Store, write_atomically
@@ -24,10 +23,12 @@ from quickreturn.cases.judging.matrix import Matrix, judge_scenes
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.studies import confirming
-from quickreturn.cases.uncertainty.thesis import bands
+from quickreturn.cases.thesis.finding import study as finding
+from quickreturn.cases.thesis.scatter import bands
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reports.long_studies import CODE, FOLDER, About, ConditioningRow, ConformanceRow, PointRow, about, text_of
 from quickreturn.reports.machine import version
+from quickreturn.reports.thesis import long_studies as _  # noqa: F401 - registers its studies
 
 #: Statistics of a solver that the page shows.
 STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
@@ -37,7 +38,7 @@ def main(arguments: Sequence[str]) -> int:
     """Write the tables of all studies, or of the named ones; exit code 2 for an unknown argument."""
     names = [each for each in arguments if each != "--stored"]
     if unknown := sorted(set(names) - set(CODE)):
-        print(f"python -m quickreturn.reports.long_studies: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
+        print(f"python -m quickreturn.record: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
         return 2
     workshop, told = Workshop(Store()), list[str]()
     if "--stored" in arguments:

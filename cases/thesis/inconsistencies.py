@@ -7,8 +7,8 @@ import functools
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.data import read_table
-from quickreturn.cases.library.thesis import RUNS, run_case
+from quickreturn.cases.thesis.data import read_table
+from quickreturn.cases.thesis.runs import RUNS, run_case
 
 #: Pa. No wrought aluminium alloy carries more before it yields (7075-T6: 0.50 GPa).
 _HIGHEST_YIELD_STRESS: Final = 0.55e9
@@ -79,7 +79,7 @@ def inconsistencies() -> tuple[Inconsistency, ...]:
         "both readings",
         "with the crank frozen the third converged mode lies at 113 to 135 Hz and has these signs, the second at 46 to 64 Hz",
     )
-    labels = [abs(float(label)) for row in read_table("thesis_figure_axes.csv") for label in row["strain_labels_as_printed"].split()]
+    labels = [abs(float(label)) for row in read_table("figure_axes.csv") for label in row["strain_labels_as_printed"].split()]
     stress = max(labels) * run_case(24).scene.follower.elastic_modulus
     strain_unit = Inconsistency(
         tuple(RUNS),

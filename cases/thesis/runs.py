@@ -5,9 +5,9 @@ from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.data import read_table, read_toml
 from quickreturn.cases.document import Document
 from quickreturn.cases.reading import case_of
+from quickreturn.cases.thesis.data import read_table, read_toml
 
 TAG: Final = "thesis"
 
@@ -70,7 +70,7 @@ def _run(row: MappingProxyType[str, str]) -> ThesisRun:
 
 
 #: Number -> run.
-RUNS: Final = MappingProxyType({run.number: run for run in map(_run, read_table("thesis_runs.csv"))})
+RUNS: Final = MappingProxyType({run.number: run for run in map(_run, read_table("runs.csv"))})
 
 
 def run_name(number: int) -> str:
@@ -94,7 +94,7 @@ def run_document(number: int) -> Document:
         "crank.initial_speed": f"{run.crank_speed} rad/s",
     }
     header = {"name": run_name(number), "title": run_title(number), "tags": [TAG]}
-    shared = Document(run_name(number), header, read_toml("thesis_scene.toml"))
+    shared = Document(run_name(number), header, read_toml("scene.toml"))
     return shared.changed({**of_run, **tip_body(run.plates)})
 
 
@@ -105,5 +105,5 @@ def run_case(number: int) -> Case:
 
 def tip_body(plates: int) -> dict[str, str]:
     """Mass and inertia of the tip with 0, 2, 4 or 6 plates (table 5.1), by key."""
-    (tip,) = (row for row in read_table("thesis_tip_bodies.csv") if int(row["mass_plates"]) == plates)
+    (tip,) = (row for row in read_table("tip_bodies.csv") if int(row["mass_plates"]) == plates)
     return {"tip.mass": f"{tip['mass_lbf_s2_per_in']} lbf*s^2/in", "tip.inertia": f"{tip['rotary_inertia_lbf_s2_in']} lbf*s^2*in"}

@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.experiment import statements
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.thesis.experiment import statements
+from quickreturn.cases.thesis.runs import RUNS, run_name
 from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
 
 #: Number of points of each run. In run 24 the outer quantiles agree with those of 512 points to 0.7 % for the frequency, to 8 % for the

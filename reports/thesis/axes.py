@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quickreturn.cases.experiment import AxisLabels, axis_labels
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.thesis.experiment import AxisLabels, axis_labels
 from quickreturn.engines.registry import MODEL
-from quickreturn.reports.findings.runs import thesis_runs
+from quickreturn.reports.thesis.runs import thesis_runs
 
 #: Channel of an axis -> trajectory columns that it shows.
 COLUMNS = {"tip_acceleration": ("tip_acceleration",), "strain": ("strain_1", "strain_2", "strain_3")}

@@ -6,14 +6,14 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
-from quickreturn.cases.experiment import Statement, statements
-from quickreturn.cases.finding.study import Row
 from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from quickreturn.cases.thesis_modes import ELEMENTS, ThesisModes
+from quickreturn.cases.thesis.experiment import Statement, statements
+from quickreturn.cases.thesis.finding.study import Row
+from quickreturn.cases.thesis.modes import ELEMENTS, ThesisModes
 from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.agreement import differences, summary_of
-from quickreturn.reports.findings.runs import thesis_runs
 from quickreturn.reports.templates import environment
+from quickreturn.reports.thesis.runs import thesis_runs
 
 HOLDS: Final = "holds"
 IN_PART: Final = "holds in part"
@@ -80,7 +80,7 @@ def _conclusion(statement: Statement, basis: Basis) -> Conclusion:
 
 @cache
 def _sentences() -> Any:
-    return environment(escaped=False).get_template("conclusions.jinja").module
+    return environment(escaped=False, packages=("quickreturn.reports.thesis",)).get_template("conclusions.jinja").module
 
 
 def _told(words: str, statement: Statement, outcome: str, inference: bool = False, **facts: Any) -> Conclusion:

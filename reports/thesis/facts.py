@@ -1,27 +1,30 @@
 """Facts of the chapters on the thesis: its model compared with the converged one, its statements, the experiment, its inconsistencies."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from quickreturn.cases.experiment import statements
-from quickreturn.cases.experiment.stiffness import stiffness_reading
-from quickreturn.cases.library import inconsistencies
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import REFERENCE
-from quickreturn.cases.uncertainty.thesis import Band
+from quickreturn.cases.thesis.experiment import statements
+from quickreturn.cases.thesis.experiment.stiffness import stiffness_reading
+from quickreturn.cases.thesis.inconsistencies import inconsistencies
+from quickreturn.cases.thesis.scatter import Band
 from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import differences, engines_of
-from quickreturn.reports.findings.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
-from quickreturn.reports.findings.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, NOT, OUTCOMES
-from quickreturn.reports.findings.raw_extremes import Excess, counted_excess
-from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.facts.finding import EXCESS, finding
-from quickreturn.reports.tables import experiment as experiment_tables
-from quickreturn.reports.tables import scatter as scatter_tables
-from quickreturn.reports.tables import thesis_view as tables
+from quickreturn.reports.thesis import experiment_tables
+from quickreturn.reports.thesis import scatter as scatter_tables
+from quickreturn.reports.thesis import thesis_view as tables
+from quickreturn.reports.thesis.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
+from quickreturn.reports.thesis.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, NOT, OUTCOMES
+from quickreturn.reports.thesis.finding import EXCESS, finding
+from quickreturn.reports.thesis.measured import counts
+from quickreturn.reports.thesis.raw_extremes import Excess, counted_excess
 from quickreturn.reports.words import HALF, span
+
+if TYPE_CHECKING:
+    from quickreturn.reports.thesis.content import ThesisContent
 
 #: Hz, the frequency that section 3.4 reads off run 24.
 SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")
@@ -33,11 +36,9 @@ STRAINS: Final = CHANNELS[1:]
 MARKED: Final = 0.02
 
 
-def thesis(content: Content) -> dict[str, Any] | None:
-    """The facts; None without a run of the thesis."""
+def thesis(content: "ThesisContent") -> dict[str, Any]:
+    """The facts."""
     results = content.thesis_results
-    if not results:
-        return None
     conclusions, excesses = content.conclusions, counted_excess(results)
     found = {half: [each.ratio for each in differences(results, MODEL, "frequency", half=half)] for half in HALF}
     fitted = [difference.relative for difference in differences(results, MODEL, "frequency")]
@@ -100,10 +101,8 @@ def _larger_after(excesses: Sequence[Excess]) -> list[bool]:
     return larger
 
 
-def experiment(content: Content) -> dict[str, Any] | None:
-    """The facts on the remains of the experiment; None without a run of the thesis."""
-    if not content.thesis_results:
-        return None
+def experiment(content: "ThesisContent") -> dict[str, Any]:
+    """The facts on the remains of the experiment."""
     axes, alone = axis_comparisons(content.results), measured_alone(content.results)
     engines = [name for name in engines_of(content.results) if name in OWN]
     ratios: dict[str, dict[str, list[float]]] = {}
@@ -123,7 +122,7 @@ def experiment(content: Content) -> dict[str, Any] | None:
         "alone": max((axis for axis in alone if axis.channel == "strain"), key=lambda axis: axis.largest_label, default=None),
         "stiffness": stiffness_reading([]),
         "strain_band": max((each.strain[2] / each.strain[0] for each in content.bands if each.strain), default=None),
-        "recorded": any(item.counts for item in content.comparisons),
+        "recorded": any(counts(item) for item in content.comparisons),
         "speeds": experiment_tables.speeds_and_axes(content.results, axes, engines),
         "alone_table": experiment_tables.measured_alone(alone, engines),
     }
@@ -137,9 +136,7 @@ def _ranges(ratios: Mapping[str, Sequence[float]]) -> dict[str, list[str]]:
     return told
 
 
-def inconsistencies_found(content: Content) -> dict[str, Any] | None:
-    """The facts on contradictions of the thesis; None without one of its runs."""
-    if not content.thesis_results:
-        return None
+def inconsistencies_found(content: "ThesisContent") -> dict[str, Any]:
+    """The facts on contradictions of the thesis."""
     found = inconsistencies()
     return {"found": found, "table": experiment_tables.inconsistencies(found)}

@@ -4,14 +4,14 @@ import statistics
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.experiment import statements
-from quickreturn.cases.finding.effects import effects, name_of
-from quickreturn.cases.finding.study import SECOND, Row
 from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
-from quickreturn.reports.findings.runs import thesis_runs
-from quickreturn.reports.findings.sufficiency import OF_NO_JOINT, SIMULATION, Tried, conflicting, splits, sufficiency, tried
+from quickreturn.cases.thesis.experiment import statements
+from quickreturn.cases.thesis.finding.effects import effects, name_of
+from quickreturn.cases.thesis.finding.study import SECOND, Row
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.tables import finding as tables
+from quickreturn.reports.thesis import finding_tables as tables
+from quickreturn.reports.thesis.runs import thesis_runs
+from quickreturn.reports.thesis.sufficiency import OF_NO_JOINT, SIMULATION, Tried, conflicting, splits, sufficiency, tried
 from quickreturn.reports.words import number
 
 #: The readings of the words that the frequency before the return is right, and that after it the excess is larger.

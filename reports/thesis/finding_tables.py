@@ -5,11 +5,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.finding.effects import name_of
-from quickreturn.cases.finding.study import SAMPLE, SECOND, Row
 from quickreturn.cases.runs.comparison import REFERENCE
-from quickreturn.reports.findings.sufficiency import Sufficiency, Tried
+from quickreturn.cases.thesis.finding.effects import name_of
+from quickreturn.cases.thesis.finding.study import SAMPLE, SECOND, Row
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.thesis.sufficiency import Sufficiency, Tried
 from quickreturn.reports.words import HALF, listed, percent
 
 #: Beginning of the columns of each formulation -> its engine.

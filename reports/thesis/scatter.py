@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
-from quickreturn.cases.library.thesis import run_name
-from quickreturn.cases.uncertainty.thesis import UNPRINTED, Band
+from quickreturn.cases.thesis.runs import run_name
+from quickreturn.cases.thesis.scatter import UNPRINTED, Band
 from quickreturn.reports.tables.table import CASE, Column, Table
 from quickreturn.reports.words import HALF
 

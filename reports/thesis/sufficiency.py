@@ -1,8 +1,8 @@
 """Which effect would suffice for each statement of the thesis: its published model is the simulation, a changed machine the experiment.
 
-A statement compares simulation and experiment, and the experiment is lost. So each effect of the study (`cases.finding`) takes its place:
-it is compared with the single cubic as published, by the readings of the statements in `cases/data/thesis_statements.toml`. Nothing is
-adjusted to the words; every set is given with its number of choices.
+A statement compares simulation and experiment, and the experiment is lost. So each effect of the study (`cases.thesis.finding`) takes its
+place: it is compared with the single cubic as published, by the readings of the statements in `cases/thesis/data/statements.toml`. Nothing
+is adjusted to the words; every set is given with its number of choices.
 """
 
 import math
@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.experiment import Statement, axis_labels, statements
-from quickreturn.cases.finding.effects import PUBLISHED, Effect, effects, name_of
-from quickreturn.cases.finding.study import EXAMPLE, Row
 from quickreturn.cases.runs.comparison import HALVES, REFERENCE
-from quickreturn.reports.findings.conclusions import ACCURATE
+from quickreturn.cases.thesis.experiment import Statement, axis_labels, statements
+from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects, name_of
+from quickreturn.cases.thesis.finding.study import EXAMPLE, Row
+from quickreturn.reports.thesis.conclusions import ACCURATE
 
 #: The row of the thesis' own model, which is the simulation.
 SIMULATION: Final = ("cubic", "1 element")

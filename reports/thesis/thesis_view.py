@@ -6,9 +6,9 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, Kind
 from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.agreement import Summary, differences, summary_of
-from quickreturn.reports.findings.conclusions import HOLDS, IN_PART, NOT, Conclusion
-from quickreturn.reports.findings.raw_extremes import Excess
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.thesis.conclusions import HOLDS, IN_PART, NOT, Conclusion
+from quickreturn.reports.thesis.raw_extremes import Excess
 from quickreturn.reports.words import HALF, channel_name
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from quickreturn import record as recording
 from quickreturn.cases.benchmark import Benchmark
 from quickreturn.cases.benchmark.truth import truth_of
 from quickreturn.cases.case_file import load_case
@@ -24,11 +25,10 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.record import main
 from quickreturn.reports import long_studies
 from quickreturn.reports import report as report_module
 from quickreturn.reports.long_studies import About, ConformanceRow, PointRow, table, text_of
-from quickreturn.reports.long_studies import __main__ as recording
-from quickreturn.reports.long_studies.__main__ import main
 from tests.cases.made_up_map import made_up_map
 from tests.reports import pages
 from tests.reports.made_up_benchmark import made_up_benchmark

@@ -6,32 +6,32 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.experiment import statements
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, compare
 from quickreturn.cases.runs.estimates import EstimatedConsensus
 from quickreturn.cases.runs.request import Run
-from quickreturn.cases.thesis_modes import (
+from quickreturn.cases.thesis.experiment import statements
+from quickreturn.cases.thesis.modes import (
     Span,
     ThesisModes,
     thesis_modes,
 )
 from quickreturn.reports.findings.agreement import differences, outward, spread
-from quickreturn.reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
-from quickreturn.reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from quickreturn.reports.findings.failures import troubles
 from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
-from quickreturn.reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.facts import thesis
 from quickreturn.reports.page.facts.agreement import run_map
 from quickreturn.reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
+from quickreturn.reports.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
+from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
+from quickreturn.reports.thesis.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from tests.reports import pages
-from tests.reports.made_up_finding import made_up_finding
+from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_run, with_table
 from tests.reports.reported_results import reported_result
+from tests.reports.thesis.made_up_finding import made_up_finding
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +153,7 @@ def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     """Neither an engine of another package nor a recorded table, however far off, though both are compared."""
     wrong = dataclasses.replace(run_24.runs["mujoco"], engine="foreign", consensus=(EstimatedConsensus("pre", 99.0, 0.1, 0.1),))
     others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
-    before, after = Content(results=[run_24]), Content(results=[others])
+    before, after = content_of(results=[run_24]), content_of(results=[others])
     assert after.conclusions == before.conclusions
     axes = axis_comparisons(after.results)
     assert axes

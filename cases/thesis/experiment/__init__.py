@@ -1,7 +1,7 @@
 """Remaining data of the experiment: speeds, frequencies, axis labels, words; recordings of it belong into `curves`."""
 
-from quickreturn.cases.experiment.published import AxisLabels, axis_labels, channel_is_usable, measured_crank_speed
-from quickreturn.cases.experiment.statements import Statement, statements
+from quickreturn.cases.thesis.experiment.published import AxisLabels, axis_labels, channel_is_usable, measured_crank_speed
+from quickreturn.cases.thesis.experiment.statements import Statement, statements
 
 __all__ = [
     "AxisLabels",

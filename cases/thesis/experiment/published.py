@@ -3,8 +3,8 @@
 import functools
 from dataclasses import dataclass
 
-from quickreturn.cases.data import read_table
-from quickreturn.cases.library.thesis import RUNS
+from quickreturn.cases.thesis.data import read_table
+from quickreturn.cases.thesis.runs import RUNS
 from quickreturn.cases.units import in_si
 
 
@@ -34,10 +34,10 @@ class AxisLabels:
 def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
     """All legible axes, or those of one run, figures in the appendix first."""
     found = []
-    for row in read_table("thesis_figure_axes.csv"):
+    for row in read_table("figure_axes.csv"):
         axes = (
             ("tip_acceleration", row["tip_acceleration_labels_in_s2"], in_si("in/s^2")),
-            ("strain", row["strain_labels_as_printed"], in_si("percent")),  # see cases.library.inconsistencies
+            ("strain", row["strain_labels_as_printed"], in_si("percent")),  # see cases.thesis.inconsistencies
         )
         for channel, labels, unit in axes:
             if labels and run in (None, int(row["run"])):
@@ -45,6 +45,11 @@ def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
                 shown = [kind in row["curves"] for kind in ("experiment", "simulation")]
                 found.append(AxisLabels(row["figure"], int(row["run"]), channel, values, *shown))
     return tuple(found)
+
+
+def printed_ranges(run: int) -> dict[str, tuple[float, float]]:
+    """Channel -> range of the labels of its axis, in the first figure of a run that has more than one label there."""
+    return {each.channel: each.range for each in reversed(axis_labels(run)) if each.range[0] < each.range[1]}
 
 
 def measured_crank_speed(run: int) -> float | None:

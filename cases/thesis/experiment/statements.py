@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from quickreturn.cases.data import read_toml
-from quickreturn.cases.library.thesis import RUNS
+from quickreturn.cases.thesis.data import read_toml
+from quickreturn.cases.thesis.runs import RUNS
 
 Kind = Literal["relation", "frequency", "observation", "cause"]
 
@@ -45,7 +45,7 @@ class Statement:
 def statements() -> tuple[Statement, ...]:
     """All statements in the order of the thesis."""
     found = []
-    for entry in read_toml("thesis_statements.toml")["statement"]:
+    for entry in read_toml("statements.toml")["statement"]:
         runs = tuple(RUNS) if entry["runs"] == "all" else tuple(range(entry["runs"][0], entry["runs"][1] + 1))
         found.append(Statement(**entry | {"runs": runs}))
     return tuple(found)

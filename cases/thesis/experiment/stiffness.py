@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.data import read_toml
-from quickreturn.cases.library.thesis import run_case
+from quickreturn.cases.thesis.data import read_toml
+from quickreturn.cases.thesis.runs import run_case
 
 PSI: Final = 6894.757293168361  # Pa
 #: Young's modulus of common wrought aluminium alloys, Pa: 6061 and 2024, 10.0 and 10.6 million psi.
@@ -30,4 +30,4 @@ def stiffness_reading(excesses: Sequence[float]) -> StiffnessReading:
     modulus = run_case(24).scene.follower.elastic_modulus
     below = sorted(1.0 - modulus / ordinary for ordinary in ALUMINIUM)
     needed = 1.0 - (1.0 + float(np.median(excesses))) ** -2.0 if excesses else None
-    return StiffnessReading(read_toml("thesis_scene.toml")["follower"]["bending_stiffness"], modulus, (below[0], below[1]), needed)
+    return StiffnessReading(read_toml("scene.toml")["follower"]["bending_stiffness"], modulus, (below[0], below[1]), needed)

@@ -1,4 +1,4 @@
-"""The effects by which the machine may differ from its simulation, as `cases/data/thesis_effects.toml` declares them."""
+"""The effects by which the machine may differ from its simulation, as `cases/thesis/data/effects.toml` declares them."""
 
 import functools
 from collections.abc import Mapping
@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.data import read_toml
+from quickreturn.cases.thesis.data import read_toml
 from quickreturn.reference_model.mechanism import Mechanism
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect; `cases/data/thesis_effects.toml` says what its values mean."""
+    """One effect; `cases/thesis/data/effects.toml` says what its values mean."""
 
     id: str
     name: str
@@ -42,7 +42,7 @@ PUBLISHED: Final = Effect("published", "none", "", ("",), (), ("as published",))
 def effects() -> tuple[Effect, ...]:
     """All of them; `words` are filled."""
     found = []
-    for entry in read_toml("thesis_effects.toml")["effect"]:
+    for entry in read_toml("effects.toml")["effect"]:
         lists = {key: tuple(entry.get(key, entry["strengths"])) for key in ("strengths", "choices", "words")}
         found.append(Effect(**entry | lists))
     return tuple(found)

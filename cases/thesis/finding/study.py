@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.finding.effects import PUBLISHED, Effect, effects
-from quickreturn.cases.finding.response import Request, Response, respond
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.library.thesis import RUNS, run_case
 from quickreturn.cases.measures.consensus import consensus
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import Orbit, orbits
 from quickreturn.cases.runs.request import CODE
+from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects
+from quickreturn.cases.thesis.finding.response import Request, Response, respond
+from quickreturn.cases.thesis.runs import RUNS, run_case
 
 #: The strength at which errors are estimated and a second formulation computes, and the runs for both.
 MIDDLE: Final = 1
@@ -114,7 +114,7 @@ def _job(effect: Effect, run: int, way: Way, begin: Orbit) -> Job[tuple[Response
         )
         for strength in strengths
     )
-    code = ("quickreturn.cases.finding.response", *CODE)
+    code = ("quickreturn.cases.thesis.finding.response", *CODE)
     return Job(" ".join((effect.id, str(run), way)).strip(), respond, (requests,), kind="finding", engines=(engine,), code=code)
 
 

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.experiment import axis_labels, channel_is_usable, measured_crank_speed, statements
-from quickreturn.cases.recorded import FOLDER_VARIABLE, experiment_tables
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.thesis.experiment import axis_labels, channel_is_usable, measured_crank_speed, statements
+from quickreturn.cases.thesis.experiment.recordings import FOLDER_VARIABLE, experiment_tables
 
 
 def test_the_example_of_the_readme_has_the_form_that_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    readme = (Path(__file__).parents[2] / "cases" / "experiment" / "curves" / "README.md").read_text()
+    readme = (Path(__file__).parents[3] / "cases" / "thesis" / "experiment" / "curves" / "README.md").read_text()
     example = re.search(r"```\n(# case.*?)\.\.\.\n(.*?)```", readme, re.DOTALL)
     assert example is not None
     (tmp_path / "curve.csv").write_text(example[1] + example[2])
@@ -55,3 +56,21 @@ def test_statements_can_be_confirmed_and_contradicted() -> None:
     assert by_id["second-mode"].holds({24: 124.0}) is False
     assert by_id["first-mode-range"].holds({24: 20.0}) is True
     assert by_id["joint-cause"].holds({24: 1.0}) is None
+
+
+def test_there_is_no_recording_of_the_experiment_and_none_is_invented() -> None:
+    assert experiment_tables() == []
+
+
+def test_recordings_of_the_experiment_say_what_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    (tmp_path / "b.csv").write_text("# case = thesis-24\n# origin = digitised\ntime,tip_x\n0,1")
+    (table,) = experiment_tables()
+    assert table.of_experiment
+    assert table.declared == {"case": "thesis-24", "origin": "digitised"}
+    (tmp_path / "a.csv").write_text("# case = thesis-24\ntime,tip_x\n0,1")
+    with pytest.raises(CaseError, match="origin: this declaration is missing"):
+        experiment_tables()
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
+    with pytest.raises(CaseError, match="is no folder"):
+        experiment_tables()

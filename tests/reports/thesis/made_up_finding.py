@@ -1,8 +1,8 @@
 """A made-up study of what the thesis' finding comes from: every effect, with a known share in each half."""
 
-from quickreturn.cases.finding.effects import PUBLISHED, effects
-from quickreturn.cases.finding.study import CONFIRMED_RUNS, OF_JOINT, SECOND, Row
-from quickreturn.cases.library.thesis import RUNS
+from quickreturn.cases.thesis.finding.effects import PUBLISHED, effects
+from quickreturn.cases.thesis.finding.study import CONFIRMED_RUNS, OF_JOINT, SECOND, Row
+from quickreturn.cases.thesis.runs import RUNS
 
 #: Change of the frequency before and after the return at the strongest, %; of other effects none.
 CHANGES = {

@@ -2,11 +2,11 @@
 
 import dataclasses
 
-from quickreturn.cases.uncertainty.thesis import EXCESS, UNPRINTED, Band
-from quickreturn.reports import long_studies
+from quickreturn.cases.thesis.scatter import EXCESS, UNPRINTED, Band
 from quickreturn.reports.long_studies import text_of
-from quickreturn.reports.tables.scatter import bands as banded
-from quickreturn.reports.tables.scatter import unprinted
+from quickreturn.reports.thesis import long_studies
+from quickreturn.reports.thesis.scatter import bands as banded
+from quickreturn.reports.thesis.scatter import unprinted
 from tests.reports.pages import one_run
 from tests.reports.pages import text_of as told_of
 

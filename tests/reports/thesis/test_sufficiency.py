@@ -4,8 +4,8 @@ import dataclasses
 
 import pytest
 
-from quickreturn.reports.findings.sufficiency import Tried, conflicting, ratios, splits, sufficiency, tried
-from tests.reports.made_up_finding import made_up_finding
+from quickreturn.reports.thesis.sufficiency import Tried, conflicting, ratios, splits, sufficiency, tried
+from tests.reports.thesis.made_up_finding import made_up_finding
 
 SETS = tried(made_up_finding())
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from quickreturn.cases.finding.effects import Effect, effects
-from quickreturn.cases.library.thesis import run_case
+from quickreturn.cases.thesis.finding.effects import Effect, effects
+from quickreturn.cases.thesis.runs import run_case
 
 EFFECTS = {effect.id: effect for effect in effects()}
 

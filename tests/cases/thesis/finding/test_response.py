@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.finding import study
-from quickreturn.cases.finding.effects import PUBLISHED, Effect, effects
-from quickreturn.cases.finding.response import Response, _ring, respond
-from quickreturn.cases.library.thesis import run_case
 from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import Orbit, find_orbit
+from quickreturn.cases.thesis.finding import study
+from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects
+from quickreturn.cases.thesis.finding.response import Response, _ring, respond
+from quickreturn.cases.thesis.runs import run_case
 from quickreturn.reference_model.mechanism import Mechanism, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 

@@ -2,12 +2,12 @@
 
 import pytest
 
-from quickreturn.cases.finding import study
-from quickreturn.cases.finding.effects import PUBLISHED, effects
-from quickreturn.cases.finding.response import Response, respond
-from quickreturn.cases.library.thesis import run_case
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import find_orbit
+from quickreturn.cases.thesis.finding import study
+from quickreturn.cases.thesis.finding.effects import PUBLISHED, effects
+from quickreturn.cases.thesis.finding.response import Response, respond
+from quickreturn.cases.thesis.runs import run_case
 
 
 def response(peak: float, factor: float) -> Response:
