@@ -18,14 +18,14 @@ from quickreturn.cases.thesis.modes import (
 )
 from quickreturn.reports.findings.agreement import differences, outward, spread
 from quickreturn.reports.findings.failures import troubles
-from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
+from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.facts import thesis
 from quickreturn.reports.page.facts.agreement import run_map
 from quickreturn.reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
 from quickreturn.reports.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
+from quickreturn.reports.thesis.measured import statement_values
 from quickreturn.reports.thesis.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from tests.reports import pages
 from tests.reports.pages import content_of
