@@ -1,4 +1,4 @@
-"""What the report concludes, from results whose answer is known beforehand."""
+"""What the report concludes on the thesis, from results whose answer is known beforehand."""
 
 import dataclasses
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, compare
+from quickreturn.cases.runs.comparison import HALVES, CaseResult, compare
 from quickreturn.cases.runs.estimates import EstimatedConsensus
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis.experiment import statements
@@ -16,21 +16,18 @@ from quickreturn.cases.thesis.modes import (
     ThesisModes,
     thesis_modes,
 )
-from quickreturn.reports.findings.agreement import differences, outward, spread
-from quickreturn.reports.findings.failures import troubles
 from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.facts.agreement import run_map
-from quickreturn.reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
+from quickreturn.reports.thesis import facts
 from quickreturn.reports.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from quickreturn.reports.thesis.measured import statement_values
 from quickreturn.reports.thesis.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
 from tests.reports import pages
 from tests.reports.pages import content_of
-from tests.reports.plotted_results import with_run, with_table
-from tests.reports.reported_results import reported_result
+from tests.reports.plotted_results import with_table
+from tests.reports.reported_results import ALIKE, reported_result, with_frequencies
 from tests.reports.thesis.made_up_finding import made_up_finding
 
 
@@ -39,19 +36,6 @@ def run_24() -> CaseResult:
     return reported_result("thesis-24")
 
 
-def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: float = 17.0) -> CaseResult:
-    """A case on which each engine's consensus is `base` times its factors before and after the return."""
-    result = reported_result(name)
-    for engine, run in result.runs.items():
-        frequency = {half: base * factor for half, factor in zip(HALVES, factors[engine], strict=True)}
-        known = {half: {"first_mode_frequency": frequency[half], "first_mode_frequency_uncertainty": 0.1} for half in HALVES}
-        measures = tuple(dataclasses.replace(measure, **known[measure.half]) for measure in run.measures)
-        consensus = tuple(dataclasses.replace(each, first_mode_frequency=frequency[each.half]) for each in run.consensus)
-        result = with_run(result, engine, measures=measures, consensus=consensus)
-    return result
-
-
-ALIKE = {"thesis": (1.13, 1.13), "reference": (1.0, 1.0), "exudyn": (1.0, 1.0), "mujoco": (1.0, 1.0)}
 THESIS_MODES = ThesisModes(
     converged=(Span(11.0, 20.0), Span(45.0, 64.0), Span(112.0, 153.0)),
     cubic=(Span(12.0, 23.0), Span(60.0, 85.0)),
@@ -166,36 +150,6 @@ def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     assert "foreign" in answer_of(after).engines
 
 
-def test_differences_are_relative_to_the_other_engine_and_extremes_to_its_peak() -> None:
-    result = with_frequencies("thesis-24", ALIKE | {"exudyn": (1.01, 0.98)})
-    found = spread(differences([result], "exudyn", "frequency"))
-    assert found is not None
-    assert found.lowest == pytest.approx(-0.02)
-    assert found.highest == pytest.approx(0.01)
-    assert found.worst.half == "post"
-    reference, exudyn = result.runs["reference"], result.runs["exudyn"]
-    extreme = next(d for d in differences([result], "exudyn", "extreme", half="pre", channel="strain_1") if d.quantity == "minimum")
-    mine, other = exudyn.measure("pre", "strain_1"), reference.measure("pre", "strain_1")
-    assert mine is not None
-    assert other is not None
-    assert extreme.relative == pytest.approx((mine.minimum - other.minimum) / reference.peak("strain_1"))
-
-
-@pytest.mark.parametrize("factor", [0.9, 1.1])
-def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) -> None:
-    result = reported_result("thesis-24")
-    smaller = [
-        dataclasses.replace(each, minimum=factor * each.minimum, maximum=factor * each.maximum)
-        for each in result.runs["reference"].measures
-    ]
-    result = with_run(result, "exudyn", measures=tuple(smaller))
-    signed = [outward(each.quantity, each.relative) for each in differences([result], "exudyn", "extreme")]
-    # minima are negative and maxima positive in these made-up signals; both are about as large as the peak, which is 1.01 of the signal's
-    assert signed == pytest.approx([factor - 1.0] * len(signed), rel=0.05)
-    (row,) = run_map([result]).rows
-    assert row["exudyn_extreme_difference"].value == max(signed, key=abs)
-
-
 def test_a_label_of_half_the_peak_is_missed_by_as_much_as_one_of_twice_the_peak() -> None:
     assert misfit([0.5]) == pytest.approx(misfit([2.0])) == pytest.approx(2.0)
     assert misfit([1.0, 1.0, 4.0]) == 1.0
@@ -217,12 +171,6 @@ def test_figures_with_measured_curves_alone_are_told_apart(run_24: CaseResult) -
     (strain,) = (axis for axis in measured_alone([run_24]) if axis.figure == "3.8")
     peak = max(run_24.runs["thesis"].peak(name) for name in CHANNELS[1:])
     assert strain.ratios["thesis"] == pytest.approx(peak / 1.5e-4)  # the axis reads 0.015 percent
-
-
-def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
-    statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
-    found = {run.engine: run.ending.incomplete for _, run in troubles([reported_result("thesis-24", statuses)])}
-    assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 
 def counted_run(frequency: float, slow: float) -> Run:
@@ -266,71 +214,6 @@ def test_the_third_mode_bends_gauges_1_and_3_against_gauge_2_and_the_first_all_a
     assert (found.alternating[2], found.alike[0], found.alternating[1]) == (1.0, 1.0, 0.0)
 
 
-def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Difference]:
-    """The same with exudyn's maximum of strain 3 before the return off by so many times what both claim, and its check."""
-    reference, exudyn = (result.runs[name].measure("pre", "strain_3") for name in ("reference", "exudyn"))
-    assert reference is not None
-    assert exudyn is not None
-    wanted = ("exudyn", "maximum", "pre", "strain_3")
-
-    def found(of: CaseResult) -> Difference:
-        (check,) = (c for c in of.checks if (c.engine, c.quantity, c.half, c.channel) == wanted)
-        return check
-
-    off = reference.maximum + excess * found(result).tolerance
-    measures = [dataclasses.replace(each, maximum=off) if each is exudyn else each for each in result.runs["exudyn"].measures]
-    result = with_run(result, "exudyn", measures=tuple(measures))
-    other = compare(result.case, result.runs)
-    return other, found(other)
-
-
-def test_a_departure_is_told_with_what_both_claim() -> None:
-    result, check = departing(reported_result("thesis-24"))
-    assert check in result.missed
-    wanted = {"engine": "exudyn", "quantity": "maximum", "half": "pre", "channel": "strain_3"}
-    (numbers,) = (row for row in departures([result]).rows if all(row[key].value == value for key, value in wanted.items()))
-    # made up: estimates of 1 % of the peak, settling errors of 5e-4 of it
-    assert numbers["claim"].value == pytest.approx(0.01 + 5e-4)
-    assert numbers["tolerance"].value == pytest.approx(2.0 * (0.01 + 5e-4))
-    assert numbers["difference"].value == pytest.approx(3.0 * numbers["tolerance"].value)  # type: ignore[operator]
-    beyond = {(row["engine"].value, row["other"].value, row["quantity"].value): row["beyond"].value for row in summary([result]).rows}
-    assert beyond["exudyn", "reference", "maximum"] == sum(c.engine == "exudyn" and c.quantity == "maximum" for c in result.missed) >= 1
-
-
-def test_a_departure_that_is_marginal_is_called_so() -> None:
-    for excess, marginal in ((1.0 + 0.5 * MARGINAL, True), (1.0 + 2.0 * MARGINAL, False)):
-        result, check = departing(reported_result("thesis-24"), excess)
-        assert ("marginal" in cause(result, check)) is marginal
-
-
-def test_a_departure_of_an_engine_that_misses_its_accuracy_says_so() -> None:
-    result, check = departing(reported_result("thesis-24"))
-    assert "accuracy asked" not in cause(result, check)
-    result = with_run(result, "exudyn", reached=False)
-    assert "exudyn does not reach the accuracy asked" in cause(result, check)
-
-
-def test_a_strain_extreme_while_the_slider_is_at_the_gauge_is_told() -> None:
-    result, check = departing(reported_result("thesis-24"))
-    follower = result.case.mechanism.follower
-    cycle, gauge = result.runs["reference"].cycle, follower.strain_gauges[2]
-    half = cycle["crank_angle"] <= 2.0 * np.pi
-    for distance, told in ((0.0, True), (10.0 * KINK * follower.length, False)):
-        at_gauge = int(np.argmin(np.where(half, np.abs(cycle["slider_position"] - (gauge - distance)), np.inf)))
-        cycle["strain_3"] = np.where(np.arange(half.size) == at_gauge, 1.0, 0.0)
-        assert ("passes the gauge" in cause(result, check)) is told
-
-
-def test_classes_count_runs() -> None:
-    results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
-    rows = {row["engine"].value: [cell.value for key, cell in row.items() if key != "engine"] for row in classes(results).rows}
-    assert {engine: sum(counts) for engine, counts in rows.items()} == dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), 2)  # type: ignore[arg-type]
-    # the cubic is 13 % off in these made-up results, the reference claims 1 % of the peaks, and what failed has no class
-    assert rows["thesis"][-2:] == [2, 0]
-    assert rows["reference"] == [0, 0, 2, 0, 0, 0, 0]
-    assert rows["exudyn"][-1] == 1
-
-
 @pytest.mark.parametrize(("before", "explained"), [(0.0, True), (0.04, True), (-0.2, False), (0.08, False)])
 def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_of_them(
     monkeypatch: pytest.MonkeyPatch, before: float, explained: bool
@@ -342,7 +225,7 @@ def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_
         for half, median in medians.items()
         for channel in CHANNELS
     ]
-    monkeypatch.setattr(thesis, "counted_excess", lambda _: excesses)
+    monkeypatch.setattr(facts, "counted_excess", lambda _: excesses)
     told = pages.text_of(pages.one_run())
     assert "So the halves differ as the thesis says." in told
     assert ("it does not explain that part of its words" in told) is not explained
