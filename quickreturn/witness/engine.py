@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 MOST_MODES: Final = 11
 #: Scale of the error of the slider's place, relative to the follower's length, and of a joint's gap, relative to the deflection.
 SMALL: Final = 0.01
-#: Relative tolerance of scipy's integrator, the least that it accepts. The fixed scales of `_sizes` control the error.
+#: Relative tolerance of scipy's integrator, as small as rounding: the fixed scales of `_sizes` control the error.
 ROUNDING: Final = 3e-14
 #: Part of the way to the follower's end. If the integration stops beyond it, the slider has left the follower.
 NEARLY: Final = 0.97
