@@ -32,7 +32,7 @@ verify: $(VERIFY)
 
 # For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
 record: $(READY)
-	$(BIN)/python -m quickreturn.reports.long_studies
+	$(BIN)/python -m quickreturn.record
 
 lint: $(TEST)
 	$(BIN)/ruff check .

@@ -11,9 +11,6 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.resources import files
-from itertools import product
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -26,8 +23,6 @@ from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 
-#: Environment variable with the folder of recordings of the experiment, in place of the project's own.
-FOLDER_VARIABLE: Final = "QUICKRETURN_CURVES"
 MOST_ROWS: Final = 1_000_000
 _LARGEST: Final = 100_000_000  # bytes
 
@@ -75,7 +70,7 @@ def is_table(name: str) -> bool:
     return name.lower().endswith(".csv")
 
 
-def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
+def read_table(path: str) -> RecordedTable:
     """A recorded table from a file. CaseError: the file cannot be read, or is not such a table."""
     shown, text = path_shown(path), read_text(path, "a recorded table", _LARGEST)
     lines = text.splitlines()
@@ -89,7 +84,7 @@ def read_table(path: str, of_experiment: bool = False) -> RecordedTable:
     if (late := _late_row(values["time"])) is not None:
         number = [number for number, line in enumerate(lines[at + 1 :], at + 2) if line.strip()][late]
         raise _does_not_rise(shown, f"line {number}, time", values["time"][late])
-    return _table(printable(os.path.basename(path)), path, sizes, values, declared, of_experiment)
+    return _table(printable(os.path.basename(path)), path, sizes, values, declared)
 
 
 def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | None = None) -> RecordedTable:
@@ -127,11 +122,10 @@ def _table(
     sizes: Mapping[str, float | None],
     values: Mapping[str, Array],
     declared: Mapping[str, str],
-    of_experiment: bool = False,
 ) -> RecordedTable:
     columns = {name: values[name] if size is None else size * values[name] for name, size in sizes.items()}
     bare = frozenset(name for name, size in sizes.items() if size is None)
-    return RecordedTable(name, path, columns, bare, declared, of_experiment)
+    return RecordedTable(name, path, columns, bare, declared)
 
 
 def _late_row(time: Array) -> int | None:
@@ -142,25 +136,6 @@ def _late_row(time: Array) -> int | None:
 
 def _does_not_rise(source: str, place: str, value: float) -> CaseError:
     return CaseError(source, place, f"{value:.12g}", "does not rise", "sort the rows and drop doubles")
-
-
-def experiment_tables() -> list[RecordedTable]:
-    """All tables in the folder of the experiment's recordings, by file name; each declares its case and its origin.
-
-    The environment variable QUICKRETURN_CURVES names the folder; the default is the project's own.
-
-    Raises:
-        CaseError: no such folder, or a file is not such a table.
-    """
-    place = Path(os.environ.get(FOLDER_VARIABLE) or str(files("quickreturn.cases.experiment") / "curves"))
-    if not place.is_dir():
-        raise CaseError(path_shown(str(place)), None, None, "is no folder", f"{FOLDER_VARIABLE} names a folder of CSV files")
-    tables = [read_table(str(path), of_experiment=True) for path in sorted(place.glob("*.csv"))]
-    for table, key in product(tables, ("case", "origin")):
-        if key not in table.declared:
-            accepted = f'write "# {key} = ..." above the heading, with {" or ".join(DECLARATIONS[key]) or "the name of a case"}'
-            raise CaseError(table.shown, key, None, "this declaration is missing", accepted)
-    return tables
 
 
 def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[RecordedTable]]:

@@ -1,4 +1,4 @@
-"""Studies that the report shows beside the 24 runs: accuracy against a confirmed solution, convergence, and another start."""
+"""Three studies that the report shows: accuracy against a confirmed solution, convergence, and the effect of the start."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,34 +26,35 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown.
 ACCURACY_CASE: Final = "thesis-24"
-#: The same machine with the crank at its mean speed, and an engine that takes no other crank, with settings that make its models.
+#: The same machine with its mean crank speed prescribed.
 PRESCRIBED_CASE: Final = "hard-prescribed-speed"
+#: An engine that requires a prescribed crank speed, and the settings that select each of its models.
 PRESCRIBED: Final[tuple[str, tuple[dict[str, str], ...]]] = ("moving-boundaries", ({}, {"foreshortening": "true"}))
-#: Modes and tolerances of the convergence table of the reference; the last of each is the solution it is measured against.
+#: Modes and tolerances in the convergence table of the reference. The last pair gives the solution against which errors are measured.
 MODES: Final = (1, 2, 3, 4, 5, 6, 7, 9, 11)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudiedRun:
-    """A run from the standard start to an engine's default accuracy, what it took, and how far it is from the converged solution."""
+    """A run of an engine from the standard start at its default accuracy: its cost, and its errors against the converged solution."""
 
     engine: str
     settings: dict[str, Any]
     degrees_of_freedom: int
     solve_seconds: float
     setup_seconds: float
-    error_estimate: float | None = None  # the engine's own, of the tip deflection
+    error_estimate: float | None = None  # the engine's estimate of the error of the tip deflection
     remark: str = ""
     errors: dict[str, float | None] = field(default_factory=dict)  # of each column of `ESTIMATED`
 
 
 @dataclass(frozen=True)
 class Prescribed:
-    """What a prescribed crank speed changes, and the models that need one.
+    """The effect of a prescribed crank speed, and the runs of models that require one.
 
-    `changed`: of each column the difference of the converged solution from that of the driven crank, relative to the latter. `runs`: errors
-    are those against the converged solution at the same speed.
+    `changed`: column -> difference between the converged solutions at the prescribed speed and with the driven crank, relative to the
+    second. `runs`: their errors are against the converged solution at the same speed.
     """
 
     changed: dict[str, float | None]
@@ -62,9 +63,9 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class BothStarts:
-    """A package that marched from the orbit of the reference and from the standard start.
+    """Two runs of a package to the steady state: from the reference's periodic orbit, and from the standard start.
 
-    `difference`: of the two last cycles, RMS over the channels, relative to theirs.
+    `difference`: RMS over the channels of the difference between the two last cycles, relative to the RMS of the cycles.
     """
 
     engine: str
@@ -77,22 +78,22 @@ class BothStarts:
 class Studies:
     """Rows of all studies."""
 
-    accuracy: Sequence[StudiedRun]  # of each engine at its default accuracy
-    converged: Converged | None  # what that is measured against; None where it could not be computed
-    confirming: Sequence[Confirmation]  # solutions of others that confirm it, where they are stored (see `confirming`)
-    prescribed: Prescribed | None  # None where a converged solution could not be computed
-    convergence: Sequence[Point]  # of the engine `reference`, over modes and tolerances; errors are those against the last
-    both_starts: Sequence[BothStarts]  # of each package that marches
-    failures: Sequence[str]  # sentences on what could not be computed
+    accuracy: Sequence[StudiedRun]  # a run of each engine at its default accuracy
+    converged: Converged | None  # the solution against which their errors are measured; None if it could not be computed
+    confirming: Sequence[Confirmation]  # stored solutions of other engines that confirm it (see `confirming`)
+    prescribed: Prescribed | None  # None if a converged solution could not be computed
+    convergence: Sequence[Point]  # runs of `reference` over modes and tolerances, with errors against the last run
+    both_starts: Sequence[BothStarts]  # one for each package that marches
+    failures: Sequence[str]  # a sentence on each part that could not be computed
 
 
 def work() -> Work:
-    """Jobs of the studies, to compute with other runs; `run_studies` then finds them in the store."""
+    """Jobs of the studies, for computing them together with other runs; `run_studies` then finds their results in the store."""
     return Work(_requests(), _jobs())
 
 
 def confirming(workshop: Workshop) -> list[Confirmation]:
-    """Solutions of other engines that confirm the converged one; they take a minute. KeyboardInterrupt: Ctrl-C."""
+    """Solutions of other engines that confirm the converged solution. Computing them takes a minute. KeyboardInterrupt: Ctrl-C."""
     case = load_case(ACCURACY_CASE)
     (true,) = workshop.outcomes([_truth(case)], "confirmation")
     if true.value is None:
@@ -105,7 +106,7 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
 
 
 def run_studies(workshop: Workshop) -> Studies:
-    """All studies, from the store where they are there. KeyboardInterrupt: Ctrl-C; what was computed is stored."""
+    """All studies; stored results are not computed again. KeyboardInterrupt: Ctrl-C; finished results are stored."""
     case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
     outcomes = workshop.outcomes(_jobs(), "studies")
     true, convergence, at_speed, *runs = outcomes
@@ -132,7 +133,7 @@ Runs = Mapping[Name, Run]
 
 
 def _jobs() -> list[Job[Any]]:
-    """The truth of the case, the convergence of the reference there, the truth at the prescribed speed, and the runs that are asked for."""
+    """Jobs for the converged solution, the convergence table, the converged solution at the prescribed speed, and the requested runs."""
     case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
     runs = [request.job(f"default {request.engine}") for request in (*defaults, *models)]
     convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, _scene(case))
@@ -148,7 +149,7 @@ def _scene(case: Case) -> tuple[Mechanism, float, float]:
 
 
 def _asked() -> tuple[list[TrajectoryRequest], list[TrajectoryRequest]]:
-    """Each engine at its default accuracy, and the models of `PRESCRIBED`."""
+    """Requests for each engine at its default accuracy, and for the models of `PRESCRIBED`."""
     case, at_speed = load_case(ACCURACY_CASE), load_case(PRESCRIBED_CASE)
     name, choices = PRESCRIBED
     return [_at_default(case, each) for each in MAIN], [replace(_at_default(at_speed, name), settings=settings) for settings in choices]
@@ -161,7 +162,7 @@ def _at_default(case: Case, name: str) -> TrajectoryRequest:
 def _studied(
     asked: Iterable[TrajectoryRequest], outcomes: Iterable[Outcome[Answer]], true: Trajectory | None, failures: list[str]
 ) -> list[StudiedRun]:
-    """The runs that there are, with their errors; why there is none goes to `failures`."""
+    """The completed runs with their errors. Appends a sentence on each failed run to `failures`."""
     found = []
     for request, outcome in zip(asked, outcomes, strict=True):
         made = outcome.value and outcome.value.result(request, engine(str(request.engine)))
@@ -189,13 +190,13 @@ def _convergence(case: Case) -> list[Point]:
 
 
 def convergence(method: Method, case: Case) -> list[Point]:
-    """Runs of a ladder, coarse to fine, and their errors against the last, whose own error their fall towards it bounds.
+    """Runs of a ladder, coarse to fine, with their errors against the last run. The decrease of these errors bounds the last run's error.
 
     Raises:
         EngineFailure: a run broke down.
     """
     attempts = [Attempt(method, settings) for settings in method.ladder]
-    attempts[0].warm_up(case)  # so that the times do not contain compilation
+    attempts[0].warm_up(case)  # compiles, so that the times do not contain the compilation
     found = list[Trajectory]()
     for attempt in attempts:
         attempt.repeat(case, 0)
@@ -205,7 +206,7 @@ def convergence(method: Method, case: Case) -> list[Point]:
     return [attempt.told(case, found[-1]) for attempt in attempts]
 
 
-#: Packages that also march from the standard start, on one run, to show that they reach the same cycle.
+#: Packages that march in one run from both starts, which shows whether they reach the same cycle.
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
@@ -214,7 +215,7 @@ def _requests() -> dict[Name, RunRequest]:
     case = load_case(ACCURACY_CASE)
     for name in PACKAGES:
         requests[name, "orbit"] = RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name)
-        # with the settings that the run from the orbit begins with; where that needed finer ones the two are no pair
+        # both runs begin with the same settings; if the run from the orbit needed finer ones, the two are not compared
         chosen = engine(name)
         settings = as_texts(chosen.settings_for(chosen.default_accuracy, case.mechanism).as_dict())
         requests[name, "straight"] = replace(requests[name, "orbit"], settings=settings, straight=True, estimated=False)
@@ -226,7 +227,7 @@ def _both_starts(results: Runs, failures: list[str]) -> list[BothStarts]:
     for name in PACKAGES:
         orbit, straight = results[name, "orbit"], results[name, "straight"]
         if not (orbit.usable and straight.usable) or orbit.settings != straight.settings:
-            reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other was given"
+            reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other run has"
             failures.append(f"study of {name} from both starts: {reason}")
         else:
             found.append(BothStarts(name, orbit, straight, cycle_difference(straight.cycle, orbit.cycle)))
@@ -234,5 +235,5 @@ def _both_starts(results: Runs, failures: list[str]) -> list[BothStarts]:
 
 
 def cycle_difference(one: Columns, other: Columns) -> float:
-    """RMS over the channels of their difference in two cycles, each relative to its RMS in the first."""
+    """RMS over the channels of the difference between two cycles, each channel relative to its RMS in the first cycle."""
     return relative_change(on_common_grid(channels_of(other)), on_common_grid(channels_of(one)))

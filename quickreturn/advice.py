@@ -73,9 +73,7 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
         problem = "a follower that cannot bend, or a crank that stands still, has no place on the map of classes"
         raise CaseError(chosen.name, None, None, problem, "a finite follower.bending_stiffness and a crank that turns")
     if not known.scenes:
-        raise CaseError(
-            chosen.name, None, None, "the map of classes has not been recorded", "python -m quickreturn.reports.long_studies classes"
-        )
+        raise CaseError(chosen.name, None, None, "the map of classes has not been recorded", "python -m quickreturn.record classes")
     return _advice(chosen, groups, wanted, known)
 
 

@@ -187,10 +187,11 @@ def report(
         OutputError: the folder cannot be written to.
     """
     from quickreturn.reports.report import write_report
+    from quickreturn.reports.thesis.content import content_type
 
     chosen = loaded(cases)
     names, texts, tables = prepared(chosen, engines, given_settings(settings))
-    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables, checked(accuracy), texts).page
+    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables, checked(accuracy), texts, content_type(chosen)).page
 
 
 def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:

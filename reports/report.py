@@ -18,16 +18,14 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import judge_scenes
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
-from quickreturn.cases.recorded import RecordedTable, experiment_tables
+from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work
-from quickreturn.cases.runs.comparison import CaseResult, cross_validate
+from quickreturn.cases.runs.comparison import cross_validate
 from quickreturn.cases.runs.request import CODE, Run
 from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
-from quickreturn.cases.thesis_modes import ThesisModes, thesis_modes
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reports import long_studies
 from quickreturn.reports.findings.resonance import curves_around, jobs_around
-from quickreturn.reports.findings.runs import of_library, run_number
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import check_folder, write_file
 from quickreturn.reports.page.chapters import chapters_of
@@ -73,6 +71,7 @@ def write_report(
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
+    content_type: type[Content] = Content,
 ) -> Written:
     """Compute what is missing, and write the page and its tables.
 
@@ -81,9 +80,10 @@ def write_report(
         folder: folder of the page; it is created and checked before anything runs (see `reports.output.check_folder`).
         workshop: processes and store.
         engines: names of engines.
-        tables: case -> its recorded tables, besides the recordings of the experiment.
+        tables: case -> its recorded tables, besides those of the subject.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: engine -> setting -> value as text.
+        content_type: the subject.
 
     Raises:
         CaseError: a recorded table cannot be read or is not of its case; nothing has been computed.
@@ -92,16 +92,16 @@ def write_report(
     """
     check_folder(folder, PAGE)
     recorded = {case: [*found] for case, found in (tables or {}).items()}
-    for table in experiment_tables():
+    for table in content_type.recordings():
         recorded.setdefault(table.declared["case"], []).append(table)
-    own = [] if any(case.source == "library" and run_number(case.name) for case in cases) else cases
+    own = cases if content_type.is_own else []
     beside = work() if _studied(cases) else Work(jobs=[job for job in jobs_around(own).values() if isinstance(job, Job)])
     results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, beside)
-    frozen, missing = _thesis_modes(of_library(results, ACCURACY_CASE), workshop)
-    content = Content(
+    further, missing = content_type.further(results, workshop)
+    content = content_type(
         results=results,
         **_studies(cases, workshop),
-        thesis_modes=frozen,
+        **further,
         verification=stored_verification(workshop.store.folder),
         conformance=_conformance(engines, workshop),
         facts=machine_facts(),
@@ -138,17 +138,6 @@ def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
     return long_studies.conformance() | own
 
 
-def _thesis_modes(example: CaseResult | None, workshop: Workshop) -> tuple[ThesisModes | None, list[str]]:
-    """Frequencies of the example run with its crank held, and the reason if they could not be computed."""
-    if example is None:
-        return None, []
-    job = Job("frozen crank", thesis_modes, (example.case.mechanism,), kind="frozen crank", code=("quickreturn.cases.thesis_modes",))
-    (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
-    if outcome.value is not None:
-        return outcome.value, []
-    return None, [f"{example.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}"]
-
-
 def _studied(cases: Sequence[Case]) -> bool:
     """Whether the report contains all runs of the studies."""
     return ACCURACY_CASE in {case.name for case in cases if case.source == "library"}
@@ -168,9 +157,6 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
         "confirmation": not studies.confirming,
         "benchmark": any(own[name] is None and name in known for name in SCENES),
         "hard scenes": not matrix.cells,
-        "classes": True,
-        "finding": True,
-        "unprinted": True,
     }
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
@@ -178,9 +164,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
         "compiling": compiling(workshop.as_it_is, ENGINES) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "classes": long_studies.class_map(),
-        "finding": long_studies.finding(),
-        "bands": long_studies.bands(),
-        "of_record": {study: about for study, taken in of_record.items() if taken and (about := long_studies.about(study))},
+        "of_record": {study: about for study in long_studies.CODE if of_record.get(study, True) and (about := long_studies.about(study))},
     }
 
 

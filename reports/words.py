@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from quickreturn.cases.library import registered
 from quickreturn.cases.units import in_si
-from quickreturn.reports.findings.runs import run_number
 
 MINUS: Final = "−"
 #: A blank at which no line breaks.
@@ -146,9 +146,9 @@ def short_name(column: str) -> str:
 
 
 def case_label(name: str) -> str:
-    """The text "run 24" for a run of the thesis, the case's name otherwise."""
-    run = run_number(name)
-    return name if run is None else f"run{TIED}{run}"
+    """The text "run 24" for a registered case of the library, the case's name otherwise."""
+    entry = registered().get(name)
+    return name if entry is None else f"run{TIED}{entry.number}"
 
 
 def place(case: str, half: str, channel: str | None) -> str:

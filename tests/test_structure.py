@@ -38,6 +38,15 @@ def test_imports_go_one_way(floor: str) -> None:
         assert above - {TOP} == set(), file
 
 
+def test_the_core_imports_nothing_of_the_thesis() -> None:
+    """Its engine is one method among others; its runs, words, studies and chapters register with the core, or the top passes them in."""
+    apart = {f"{TOP}.cases.thesis", f"{TOP}.reports.thesis"}
+    importing = {file.relative_to(ROOT) for file in FILES if any(".".join(name.split(".")[:3]) in apart for name in imported(file))}
+    core = {file for file in importing if file.parts[:2] not in (("cases", "thesis"), ("reports", "thesis")) and file.parts[0] != TOP}
+    assert core == {Path("reports/drawing/document_pictures.py")}  # a program of its own, which no module imports
+    assert len(importing) > 20
+
+
 def test_commands_import_no_commands() -> None:
     names = {file.stem for file in (ROOT / TOP / "commands").glob("*.py") if "@click.command" in file.read_text("utf-8")}
     assert len(names) > 15

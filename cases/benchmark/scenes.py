@@ -16,27 +16,27 @@ from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.settings import SettingError
 from quickreturn.engines.start import standard_start
 
-#: Run 24, the run with the least strain, two hard scenes: a soft follower, and a slider that gets to 96 % of the follower; and run 24 with
-#: the crank at a prescribed speed, for a method that takes no other.
+#: Run 24; the run with the least strain; two hard scenes, one with a soft follower and one in which the slider reaches 96 % of the
+#: follower; and run 24 at a prescribed crank speed, because one method requires this.
 SCENES: Final = ("thesis-24", "thesis-17", "hard-ei-x0.1", "hard-crank-6in", "hard-prescribed-speed")
 
 ENGINES: Final = (*MAIN, *RIVALS)
 
 
 def stored(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES) -> Benchmark | None:
-    """The latest result with this code and these libraries, or None."""
+    """The latest result that this code and these libraries computed, or None."""
     found = workshop.stored(_job(case, names, ()))
     return None if found is None else found.value
 
 
 def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS) -> Benchmark:
-    """Measure engines (names) anew, in a process of its own, and store the result; see `cases.benchmark.measurement.benchmark`.
+    """Measure engines (names) anew in one new process, and store the result; see `cases.benchmark.measurement.benchmark`.
 
-    An engine that dies, or is stopped at the executor's limits, is left out, and the others are measured again; such a result is not
-    stored. The time limit is for each engine. The least time of the repetitions of a run counts.
+    If an engine dies or exceeds the executor's limits, the other engines are measured again without it, and the result is not stored. The
+    time limit holds for each engine. A run is repeated, and its shortest time is its result.
 
     Raises:
-        EngineFailure, Refusal: the solution that defines errors cannot be computed, or the process ended without an answer.
+        EngineFailure, Refusal: the solution that defines the errors cannot be computed, or the process ended without an answer.
         KeyboardInterrupt: Ctrl-C.
     """
     limits, failures = workshop.executor.limits, tried(case, workshop.executor, names)
@@ -52,7 +52,7 @@ def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repe
         culprit, since = last_at_work(outcome.output)
         overrun = outcome.failure.startswith("stopped at the time limit")
         if overrun and limits.seconds is not None and outcome.seconds - since < limits.seconds:
-            cause = f"the benchmark of all engines was {outcome.failure}, with none at work for longer than one of them may be"
+            cause = f"the benchmark of all engines was {outcome.failure}, although no single engine exceeded its limit"
             raise EngineFailure(0.0, cause, "try a longer --time-limit, fewer engines or fewer repetitions")
         if culprit is None or culprit not in sound:
             raise EngineFailure(0.0, f"the process of the benchmark {outcome.explanation}", "try fewer engines at once")
@@ -66,8 +66,8 @@ def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repe
 def tried(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str]:
     """Engines that must not run in the common process, with the reason.
 
-    Each engine is tried with its coarsest settings in a process of its own. An engine that reports its own failure is not among them: that
-    is a result, and stays in the table.
+    Each engine runs its coarsest settings in a process of its own. An engine that reports a failure may run in the common process: the
+    failure is a result, which the table shows.
     """
     failures = {}
     for outcome in answers(executor, [Job(name, _try, (case, name)) for name in names], "trying the engines"):
@@ -87,6 +87,6 @@ def _try(case: Case, name: str) -> str:
 
 
 def _job(case: Case, names: Sequence[str], arguments: tuple[Any, ...]) -> Job[Benchmark]:
-    """The measurement of a scene. Its key contains only scene and engines, not the number of repetitions or the limit of time."""
+    """The job that measures a scene. Its key contains the scene and the engines, but neither the repetitions nor the time limit."""
     inputs = (case.mechanism, case.duration, case.output_step)
     return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=("quickreturn.cases.benchmark",), inputs=inputs)

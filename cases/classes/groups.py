@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.cases.library.thesis import run_case
+from quickreturn.cases.library import library_case
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip, changed
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
@@ -48,7 +48,7 @@ def scene_of(groups: Groups) -> Mechanism:
     Raises:
         ImpossibleMechanism: the slider would leave the follower, or the crank reach the pivot.
     """
-    base = run_case(24).mechanism
+    base = library_case("thesis-24").mechanism
     arm, mass = base.follower, groups.tip * base.follower.mass
     stiffness = groups.joint * arm.bending_stiffness / arm.length**3
     made = changed(

@@ -10,7 +10,7 @@ from typing import Final
 from quickreturn.cases.classes.groups import Groups
 from quickreturn.cases.classes.measurement import FAILED, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach
 from quickreturn.cases.classes.study import ClassScene
-from quickreturn.cases.library.thesis import run_case
+from quickreturn.cases.library import library_case
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
@@ -84,7 +84,7 @@ def off_the_map(mechanism: Mechanism) -> list[str]:
     given = {f"{section}.{key}": value for section, values in values_of(mechanism).items() for key, value in values.items()}
     others = [name for name, value in given.items() if name in NAMED and name not in _GROUPED and value != NAMED[name].default]
     found = [f"{name} is given, but no scene of the map has it" for name in others]
-    reach, usual = (each.follower.length / each.pivot_distance for each in (mechanism, run_case(24).mechanism))
+    reach, usual = (each.follower.length / each.pivot_distance for each in (mechanism, library_case("thesis-24").mechanism))
     if abs(reach / usual - 1.0) > _SIMILAR:
         found.append(f"follower.length over mechanism.pivot_distance is {reach:.3g}, on the map it is {usual:.3g}")
     return found

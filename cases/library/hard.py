@@ -1,4 +1,4 @@
-"""Hard scenes, each run 24 of the thesis with a few changed values: engines fail in them, or are wrong without a warning.
+"""Hard scenes, each the case `ORIGINAL` with a few changed values: engines fail in them, or are wrong without a warning.
 
 Violent motion (soft follower, fast crank), stiff equations (hard follower, light follower), the ends of the follower, light and
 heavy tips, long undamped motion, and optional features of a scene. A scene in `IMPOSSIBLE` must be refused with the sentence given there.
@@ -10,17 +10,18 @@ from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.document import Document, document_of
-from quickreturn.cases.library.thesis import run_case, run_document, tip_body
+from quickreturn.cases.reading import case_of
 from quickreturn.cases.variation import Variation
 
 TAG: Final = "hard"
-_ORIGINAL: Final = 24
+ORIGINAL: Final = "thesis-24"
 
 #: Dotted key -> text as in a case file.
 Values = Mapping[str, str | list[str] | None]
 
 
-_NO_PLATES: Final[Values] = tip_body(0)
+#: The tip body without its mass plates.
+_NO_PLATES: Final[Values] = {"tip.mass": "4.1e-05 lbf*s^2/in", "tip.inertia": "2.8e-06 lbf*s^2*in"}
 #: The crank starts at torque / damping.
 _AT_EQUILIBRIUM: Final[Values] = {"crank.initial_speed": None}
 
@@ -98,11 +99,11 @@ IMPOSSIBLE: Final = MappingProxyType(
 
 def scene_title(name: str) -> str:
     """The difference of a hard scene from run 24, in one line."""
-    return f"Run {_ORIGINAL}, {SCENES[name].name}"
+    return f"Run 24, {SCENES[name].name}"
 
 
-def scene_document(name: str) -> Document:
+def scene_document(name: str, original: Document) -> Document:
     """A hard scene as in a case file, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
-    values = SCENES[name].values(document_of(run_case(_ORIGINAL)).at)
+    values = SCENES[name].values(document_of(case_of(original)).at)
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
-    return replace(run_document(_ORIGINAL).changed(values), source=name, header=header)
+    return replace(original.changed(values), source=name, header=header)

@@ -64,8 +64,9 @@ def command(
     options.refuse_missing(names if engines else ())
     workshop = options.opened_workshop(loaded, names)
     from quickreturn.reports.report import write_report
+    from quickreturn.reports.thesis.content import content_type
 
-    written = write_report(loaded, Path(output), workshop, names, tables, accuracy, texts)
+    written = write_report(loaded, Path(output), workshop, names, tables, accuracy, texts, content_type(loaded))
     _print(written)
     for case, run in written.incomplete:
         options.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")

@@ -1,4 +1,4 @@
-"""Translates CasADi's list of instructions to LLVM's and compiles them with numba's library; no C compiler is needed."""
+"""Translates the instructions of a CasADi function to LLVM and compiles them with llvmlite; this needs no C compiler."""
 
 import ctypes
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from quickreturn.derive.units import DescriptionError
 Array = NDArray[np.float64]
 
 _COMPARED: Final = "{r}c = fcmp %s double {a}, %s\n{r} = uitofp i1 {r}c to double"
-#: LLVM's instructions for one of CasADi's, with operands `a` and `b` and result `r`.
+#: CasADi's operation -> its LLVM instructions, with operands `a` and `b` and result `r`.
 _TEMPLATES: Final = {
     "assign": "{r} = fadd double {a}, -0.0",
     "add": "{r} = fadd contract double {a}, {b}",
@@ -40,23 +40,24 @@ _ONE: Final = "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp l
 _TWO: Final = "fmin fmax atan2 pow fmod copysign hypot"
 _FUNCTIONS: Final = dict.fromkeys(_ONE.split(), "double {a}") | dict.fromkeys(_TWO.split(), "double {a}, double {b}")
 _CALLS: Final = {name: "{r} = call double @" + name + f"({arguments})" for name, arguments in _FUNCTIONS.items()}
-#: LLVM's instructions by CasADi's number of the operation.
+#: CasADi's number of an operation -> its LLVM instructions.
 _LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEMPLATES | _CALLS).items()}
 
-#: Largest difference between machine code and interpreter, relative to an output, to a thousandth of the largest, or to a thousandth in SI:
-#: fused operations round differently, and if all forces vanish only this difference is left.
+#: Largest accepted difference between machine code and interpreter, relative to the greatest of three values: the output, a thousandth of
+#: the largest output, and 0.001 in SI units. Fused operations round differently; if all forces vanish, only this rounding is left.
 AGREEMENT: Final = 1e-9
-#: Effort of the compiler, 0 to 3. With none 30,000 instructions compile in half the time and run three to fifteen times as long.
+#: Optimization level of the compiler, 0 to 3. At level 0 a function of 30,000 instructions compiles in half the time and runs three to
+#: fifteen times as long.
 EFFORT: Final = 2
 
 
 class MachineCode:
-    """A function of one vector to one vector, compiled.
+    """A compiled function from one vector to another.
 
     Args:
-        inputs: symbols, a column.
-        outputs: expressions, a column.
-        names: of the outputs, for messages.
+        inputs: column of symbols.
+        outputs: column of expressions.
+        names: names of the outputs, for messages.
     """
 
     def __init__(self, inputs: ca.SX, outputs: ca.SX, names: Sequence[str]) -> None:
@@ -72,13 +73,13 @@ class MachineCode:
         self._at = self._in.ctypes.data, self._out.ctypes.data
 
     def __call__(self, x: Array) -> Array:
-        """Outputs of the inputs `x`."""
+        """The outputs for the inputs `x`."""
         self._in[:] = x
         self._call(*self._at)
         return self._out.copy()
 
     def check(self, x: Array) -> None:
-        """Compare machine code and interpreter at one point.
+        """Compare machine code and interpreter for the inputs `x`.
 
         Raises:
             DescriptionError: an output is not a number, or the two differ.
@@ -92,14 +93,14 @@ class MachineCode:
 
 
 def refuse_nan(names: Sequence[str], values: Array) -> None:
-    """Refuse values that are not numbers; the message names the first."""
+    """Raise DescriptionError if a value is not finite; the message names the first such value."""
     for name, value in zip(names, values, strict=True):
         if not np.isfinite(value):
             raise DescriptionError(f"{name} is {value} at the start; look for a root of a negative number or a division by zero there")
 
 
 def _assembly(function: Any) -> str:
-    """LLVM's text of a CasADi function of one dense vector."""
+    """The LLVM assembly of a CasADi function of one dense vector."""
     lines = [f"declare double @{name}({arguments.format(a='', b='')})" for name, arguments in _FUNCTIONS.items()]
     lines.append("define void @equations(ptr %in, ptr %out) {")
     held: dict[int, str] = {}

@@ -1,4 +1,4 @@
-"""Numerical evaluation of derived equations: start, simulation, named outputs."""
+"""Evaluates derived equations numerically: finds a start, integrates, and computes the named outputs."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
@@ -16,25 +16,24 @@ from quickreturn.derive.system import System, column
 from quickreturn.derive.units import DescriptionError, in_si
 
 Array = NDArray[np.float64]
-#: Names of parameters, or of coordinates and rates, to values.
+#: Name of a parameter, a coordinate or a rate -> its value.
 Values = Mapping[str, float]
-#: Time and state to the state's rate.
+#: A function that gives the rate of the state at a time and a state.
 Rates = Callable[[float, Array], Array]
 
-#: A loop counts as closed if its gap, relative to the size of its terms, is below this after Newton's method.
+#: Largest gap of a closed loop after Newton's method, relative to the size of the loop's terms.
 CLOSED: Final = 1e-8
-#: A loop counts as staying closed if the rate of its gap, relative to the largest rate in the loops, is below this: given rates have few
-#: digits.
+#: Largest rate of the gap of a loop that stays closed, relative to the largest rate in the loops. People give rates with few digits.
 OPENS: Final = 1e-5
 
 
 class Model:
-    """A system's equations, compiled.
+    """The compiled equations of a system.
 
     Args:
-        system: as described.
-        form: "projection" on the free speeds, or with "multipliers", see `Equations`.
-        feedback: 1/s, see `Equations`.
+        system: the description.
+        form: "projection" onto the free speeds, or "multipliers"; see `Equations`.
+        feedback: 1/s; see `Equations`.
 
     Raises:
         DescriptionError: a mistake in the description.
@@ -56,15 +55,15 @@ class Model:
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
 
     def values(self, changed: Values | None) -> Array:
-        """Values of all parameters in SI, some of them changed in their units."""
+        """Values of all parameters in SI; `changed` gives other values, each in the parameter's unit."""
         self.refuse_unknown(changed or {}, "parameter", self.parameters)
         values = self.parameters | dict(changed or {})
         return np.array([values[name] * in_si(unit)[0] for name, (_, _, unit) in self.system.parameters.items()])
 
     def start(self, values: Values, parameters: Values | None = None) -> Array:
-        """State at time 0 from given coordinates and rates, by name in their units; the others are zero, or follow from the loops.
+        """The state at time 0 for given coordinates and rates, by name in their units. The others are zero or follow from the loops.
 
-        Newton's method finds a coordinate that a loop gives, from its guess; a given value is kept.
+        Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values.
 
         Raises:
             DescriptionError: an unknown name, or a loop that does not close.
@@ -78,7 +77,7 @@ class Model:
         return self.closed(q, v, self.values(parameters), seek, turn)
 
     def closed(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> Array:
-        """State at time 0 of coordinates q and rates v, in SI; those of the indices `seek` and `turn` are changed so that the loops close.
+        """State at time 0 for coordinates q and rates v, SI. Coordinates `seek` and rates `turn` (indices) change until the loops close.
 
         Raises:
             DescriptionError: a loop does not close.
@@ -104,7 +103,7 @@ class Model:
         return self.state(q, v)
 
     def _refuse_rows(self, rows: Array, allowed: Array, told: str) -> None:
-        """Refuse a row of the loops that is larger than allowed."""
+        """Raise DescriptionError if a row of the loops exceeds its allowed size."""
         of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
         for loop, left, most in zip(of_rows, np.abs(rows), allowed, strict=True):
             if not left <= most:
@@ -113,18 +112,18 @@ class Model:
     def simulate(
         self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
     ) -> pd.DataFrame:
-        """Named outputs on a uniform grid of time; their units are in `attrs["units"]`.
+        """The named outputs on a uniform grid of times; `attrs["units"]` holds their units.
 
         Args:
-            start: coordinates and rates at time 0 by name, see `start`.
+            start: name -> coordinate or rate at time 0; see `start`.
             duration: s.
-            step: s, of the output.
-            tolerance: local error relative to each coordinate and rate, and to the coordinate's `size`.
-            method: of scipy's `solve_ivp`: "DOP853", or "Radau" where stiff.
-            parameters: changed values, in their units.
+            step: s, between two rows.
+            tolerance: local error, relative to each coordinate or rate and to the coordinate's `size`.
+            method: method of scipy's `solve_ivp`: "DOP853", or "Radau" for stiff equations.
+            parameters: name -> changed value, in the parameter's unit.
 
         Raises:
-            DescriptionError: an impossible start, or an integration that gets stuck; the sentence says when.
+            DescriptionError: the start is impossible, or the integration gets stuck; the sentence says when.
         """
         y, p = self.start(start, parameters), self.values(parameters)
         self.check(y, p)
@@ -133,7 +132,7 @@ class Model:
         return self.observe(times, states, p)
 
     def integrate(self, rates: Rates, y: Array, times: Array, tolerance: float, sizes: Array, method: str = "DOP853") -> Array:
-        """States at times, shape (times, len(y)); errors are relative to the states and to `sizes`. See `simulate`."""
+        """The states at given times, shape (times, len(y)); errors are relative to the states and to `sizes`. See `simulate`."""
         found = solve_ivp(rates, (0.0, times[-1]), y, method, times, rtol=tolerance, atol=tolerance * sizes)
         if not found.success:
             at = found.t[-1] if len(found.t) else 0.0
@@ -143,7 +142,7 @@ class Model:
         return np.asarray(found.y.T)
 
     def check(self, y: Array, p: Array) -> None:
-        """Refuse a state in which an acceleration is not determined, or an output not a number; compare code and interpreter."""
+        """Raise DescriptionError if accelerations are undetermined, an output is not finite, or code and interpreter differ."""
         _, G, M = self.loops(y[: len(self.system.coordinates)], p)
         check_inertia(self.system, M, G[:, :-1])
         x = self.input(0.0, y, p)
@@ -151,36 +150,36 @@ class Model:
         refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
 
     def error_sizes(self) -> Array:
-        """Scales of the errors of a state where it is small; the integrals of power are not controlled."""
+        """The scale of each state's error for small states; it is infinite for the two integrals of power, which are not controlled."""
         size = np.array([c.size for c in self.system.coordinates])
         return np.concatenate([size, size[self.equations.free], [np.inf, np.inf]])
 
     def rates(self, time: float, y: Array, p: Array) -> Array:
-        """dy/dt of a state."""
+        """The rate dy/dt of a state."""
         return self._rates(self.input(time, y, p))
 
     def observe(self, times: Array, states: Array, p: Array) -> pd.DataFrame:
-        """Outputs of states (k, size of the state), in their units."""
+        """The outputs of states, shape (times, size of a state), each in its unit."""
         rows = np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T
         frame = pd.DataFrame(np.column_stack([times, rows]), columns=list(self.units)) / [in_si(unit)[0] for unit in self.units.values()]
         frame.attrs["units"] = self.units
         return frame
 
     def input(self, time: float, y: Array, p: Array) -> Array:
-        """Values of all symbols of the equations."""
+        """The values of all symbols of the equations."""
         return np.concatenate([[time], y, p, *(table.at(y[table.index]) for table in self.system.tables)])
 
     def state(self, q: Array, v: Array) -> Array:
-        """State from all coordinates and rates, including those that the loops give."""
+        """The state for all coordinates and rates, including those that the loops give."""
         return np.concatenate([q, v[self.equations.free], [0.0, 0.0]])
 
     def loops(self, q: Array, p: Array) -> tuple[Array, Array, Array]:
-        """Gaps, their Jacobian and the mass matrix at time 0."""
+        """The gaps, their Jacobian and the mass matrix at time 0."""
         gap, G, M = (np.array(each) for each in self._matrices(self.input(0.0, self.state(q, 0.0 * q), p)))
         return gap.ravel(), G, M
 
     def refuse_unknown(self, names: Iterable[str], what: str, known: Iterable[str]) -> None:
-        """Refuse a name that is not known, with those that are."""
+        """Raise DescriptionError for an unknown name; the message lists the known ones."""
         there = list(known)
         for name in names:
             if name not in there:

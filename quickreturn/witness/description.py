@@ -58,7 +58,7 @@ def constants(scene: Mechanism) -> dict[str, float]:
 
 
 class Follower(NamedTuple):
-    """The described follower: its places, its end and its outputs; at the slider its place, tangent's angle and curvature."""
+    """The follower in the description. `place`, `angle` (of the tangent) and `curvature` are those at the slider."""
 
     beam: Beam
     end: ca.SX
@@ -70,12 +70,12 @@ class Follower(NamedTuple):
 
 
 def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None) -> System:
-    """Crank, slider, follower, tip body and base.
+    """The description of the mechanism: crank, slider, follower, tip body and base.
 
     Args:
-        tables: shapes of the follower, at Gauss points of cells that move with the slider.
-        shapes: their number.
-        rigid: whether the slider stays on its line; otherwise it has a gap from it, and joint and friction act across the gap.
+        tables: shapes of the follower at the Gauss points of cells that move with the slider.
+        shapes: number of shapes.
+        rigid: whether the slider stays on its line; otherwise there is a gap, across which joint and friction act.
         prescribed: whether the crank turns at a known speed; otherwise a torque drives it.
         line: the line on which the slider rides; None: the follower itself.
     """
@@ -191,14 +191,14 @@ def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes
 
 
 def _show(system: System, *outputs: tuple[str, Any, str]) -> None:
-    """Name, value and unit of results; a column's are NAME_k."""
+    """Declare outputs by name, value and unit; the entries of a column are called NAME_k."""
     for name, value, unit in outputs:
         for k, each in enumerate(ca.vertsplit(ca.SX(value))):
             system.output(name if ca.SX(value).numel() == 1 else f"{name}_{k}", each, unit)
 
 
 def _share_of_turn(crank_angle: ca.SX, p: Any) -> ca.SX:
-    """Part of the force on the tip that acts at a crank angle: it rises and falls as a polynomial of the fifth degree."""
+    """Part of the tip force that acts at a crank angle. It rises and falls as a polynomial of the fifth degree."""
     whole = 2.0 * pi
     turned_by = crank_angle - p.force_from
     turned_by -= whole * ca.floor(turned_by / whole)
@@ -207,14 +207,14 @@ def _share_of_turn(crank_angle: ca.SX, p: Any) -> ca.SX:
 
 
 def _curvatures(psi: ca.SX, lengths: list[ca.SX], points: int) -> ca.SX:
-    """Curvature at the Gauss points of every cell: the slope of the polynomial through the tangent's angles there."""
+    """Curvature at the Gauss points of every cell: slope of the polynomial through the tangent's angles at these points."""
     slopes = _slopes(points)
     return ca.vertcat(*(2.0 * (slopes @ psi[k * (points + 1) : k * (points + 1) + points]) / h for k, h in enumerate(lengths)))
 
 
 @cache
 def _slopes(points: int) -> ca.DM:
-    """The matrix from values at Gauss points of (-1, 1) to slopes there."""
+    """The matrix that turns values at the Gauss points of (-1, 1) into slopes at these points."""
     gauss, weights = legendre.leggauss(points)
     series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
     return ca.DM(legendre.legval(gauss, legendre.legder(series)).T)
@@ -229,9 +229,9 @@ def _acceleration(system: System, place: ca.SX) -> ca.SX:
 
 
 def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
-    """Columns of the table for the shapes' angles and related quantities, each with its derivatives by s.
+    """Columns of the table that hold the shapes' angles and related quantities, each with its derivatives by s.
 
-    Points are those of a cell and its end, cell by cell.
+    The points are the Gauss points of a cell and its end, cell by cell.
     """
     row = ShapeRow.of(np.arange(tables.coefficients.shape[2], dtype=np.float64), shapes, tables)
     row = ShapeRow(*(part.astype(int) for part in row))

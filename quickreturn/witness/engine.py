@@ -1,7 +1,7 @@
-"""The engine `derived`: a witness of `reference`, whose equations of motion the computer derives from a description.
+"""The engine `derived`, a witness of `reference`: the computer derives its equations of motion from a description.
 
-It shares with `reference` the shapes that follow the slider, their tables and their known errors; nothing else. The ladder's errors are
-those of the shapes (`engines/LADDERS.md`, section 1).
+It shares with `reference` only the shapes that follow the slider, their tables and their known errors. The errors in its ladder are those
+of the shapes (`engines/LADDERS.md`, section 1).
 """
 
 import time
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Straight-line code grows with the square of the points and with the shapes: eleven of them have 74,000 instructions.
+#: Largest number of modes. The code has no loops: it grows with the square of the points and with the modes, to 74,000 instructions for 11.
 MOST_MODES: Final = 11
-#: Sizes of errors: of the slider's place over the follower's length, and of a joint's gap over the deflection.
+#: Scale of the error of the slider's place, relative to the follower's length, and of a joint's gap, relative to the deflection.
 SMALL: Final = 0.01
-#: Relative error that scipy's integrator takes for rounding; what counts are the fixed sizes.
+#: Relative tolerance of scipy's integrator, as small as rounding: the fixed scales of `_sizes` control the error.
 ROUNDING: Final = 3e-14
-#: Part of the way to the follower's end beyond which a slider that cannot be followed any farther has left it.
+#: Part of the way to the follower's end. If the integration stops beyond it, the slider has left the follower.
 NEARLY: Final = 0.97
 
 
@@ -50,7 +50,7 @@ class DerivedSettings(Settings):
     tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=1e-11, high=1e-4)
 
 
-#: Modes, tolerance, and the error of the tip deflection that so many modes leave in run 24 over 2 s.
+#: Number of modes, tolerance, and the error of the tip deflection that this number of modes leaves in run 24 over 2 s.
 _RUNGS: Final = ((1, 1e-6, 2.7e-2), (2, 1e-6, 1.5e-3), (4, 1e-7, 8e-4), (5, 1e-7, 4.9e-4), (7, 1e-8, 8.2e-5))
 LADDER: Final = Ladder(
     tuple((DerivedSettings(modes=modes, tolerance=tolerance), claim) for modes, tolerance, claim in _RUNGS), "modes", "tolerance"
@@ -58,7 +58,7 @@ LADDER: Final = Ladder(
 
 
 class DerivedEngine(Engine[DerivedSettings]):
-    """The quick-return from its description."""
+    """Simulates the quick-return by equations that are derived from its description."""
 
     name = "derived"
     interface = 1
@@ -69,15 +69,15 @@ class DerivedEngine(Engine[DerivedSettings]):
     quantities = (*USUAL, "slider.inertia", *SPRING, "base.friction_torque", "follower.material_damping")
 
     def version(self) -> str:
-        """CasADi's."""
+        """The version of CasADi."""
         return f"casadi {installed('casadi') or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        """What is missing, and how to install it."""
+        """The missing package, and how to install it."""
         return None if find_spec("casadi") else "CasADi is not installed; pip install 'quickreturn[derive]'"
 
     def check(self, scene: Scene) -> None:
-        """Also refuse a rigid follower and, with a compliant joint, parts without inertia."""
+        """Raise Refusal also for a rigid follower and, if the joint is compliant, for parts without inertia."""
         super().check(scene)
         if scene.follower.is_rigid:
             raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
@@ -85,7 +85,7 @@ class DerivedEngine(Engine[DerivedSettings]):
             refusals.of_massless_parts(self.name, scene, " with a compliant joint, which does not hold the follower")
 
     def describe(self, mechanism: Mechanism, settings: DerivedSettings) -> ModelDescription:
-        """Bodies and joints that have terms in the equations."""
+        """The bodies and joints that have terms in the equations."""
         self.check(mechanism)
         slider, rigid = mechanism.slider, mechanism.slider.is_rigid
         compliant = f"slider beside the centre line (compliant joint, {slider.joint_stiffness:g} N/m, {slider.joint_damping:g} N*s/m)"
@@ -93,11 +93,11 @@ class DerivedEngine(Engine[DerivedSettings]):
         return description(mechanism, beam, ELIMINATED_SLIDER if rigid else compliant, settings.modes + (not rigid))
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> DerivedSettings:
-        """The ladder's rung; fewer modes where the follower is stiffer than run 24's."""
+        """The settings of the ladder, with fewer modes if the follower is stiffer than that of run 24."""
         return fitted(LADDER, accuracy, mechanism)
 
     def comparisons(self, settings: DerivedSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """A run with more modes and, where that does not do, one with still more, as many as `reference` compares."""
+        """Compare with a run of more modes, as many as `reference` takes; if that does not suffice, with one of still more modes."""
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         if more > MOST_MODES:
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
@@ -107,7 +107,7 @@ class DerivedEngine(Engine[DerivedSettings]):
         return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
 
     def finer(self, settings: DerivedSettings, excess: tuple[float, ...], output_step: float) -> DerivedSettings | None:
-        """The next rung."""
+        """The next settings of the ladder."""
         return LADDER.finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: DerivedSettings) -> "DerivedSimulation":
@@ -117,9 +117,10 @@ class DerivedEngine(Engine[DerivedSettings]):
         return DerivedSimulation(mechanism, start, settings, began)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: DerivedSettings) -> Array:
-        """Of the discretized model with two modes more than asked for, linearised by differentiation.
+        """Natural frequencies of the linearised model, discretized with two modes more than the requested number.
 
-        The shapes contain neither the slider's rotary inertia nor a compliant joint: each changes the third frequency by some per cent.
+        The shapes take neither the slider's rotary inertia nor a compliant joint into account: each changes the third frequency by some
+        per cent.
         """
         from quickreturn.derive import natural_frequencies
         from quickreturn.witness.description import constants
@@ -151,7 +152,7 @@ class DerivedSimulation(Simulation):
         self.setup_seconds = time.perf_counter() - began + self.shapes.seconds
 
     def model(self) -> "Model":
-        """The compiled equations, with this scene's shapes in their tables."""
+        """The compiled equations with the shapes of this scene."""
         mechanism = self.mechanism
         return model(self.shapes.placed.tables, self.settings.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
 
@@ -182,7 +183,7 @@ class DerivedSimulation(Simulation):
         return trajectory
 
     def _begin(self, start: Start) -> Array:
-        """The state closest to a start, its loop closed without a gap."""
+        """The state closest to a start in which the loop is closed without a gap."""
         from quickreturn.derive import DescriptionError
 
         equations, mechanism, n = self.model(), self.mechanism, self.settings.modes
@@ -203,9 +204,10 @@ class DerivedSimulation(Simulation):
             raise EngineFailure(0.0, cause, "try a start with a smaller deflection") from open_loop
 
     def _sizes(self) -> Array:
-        """What errors are relative to: for amplitudes the scene's deflection, and what turns the follower's end by as much.
+        """The scale of each state's error. It is fixed, so that it never vanishes.
 
-        Fixed, so that none vanishes. Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
+        Amplitudes: the scene's deflection. Follower angle: the angle that moves the follower's end by this deflection. Rates: the scale of
+        the state times the lowest frequency of the shapes. The integrals of power have infinite scales: their errors are not controlled.
         """
         equations, scene = self.model(), self.mechanism
         beam, bends = scene.follower, deflection_scale(scene)
@@ -220,7 +222,7 @@ _MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
 
 
 def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
-    """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
+    """The equations of a structure, which are compiled once. The values of the scene are inputs; the table holds its shapes."""
     from quickreturn.derive import Model
     from quickreturn.witness.description import quick_return
 
@@ -232,6 +234,6 @@ def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
 
 
 def _rigid_place(mechanism: Mechanism, crank_angle: float) -> dict[str, float]:
-    """Follower's angle and slider's place of the straight follower."""
+    """Angle and slider position of the straight follower."""
     chord = mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance
     return {"follower_angle": float(np.pi + np.angle(-chord)), "slider_position": float(abs(chord))}

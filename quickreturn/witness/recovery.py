@@ -1,7 +1,8 @@
-"""Recovery from equilibrium: the bending moment of all loads outboard of a place, and from it curvature and shape.
+"""Recovers the bending moment from the equilibrium of all loads outboard of a place, and from the moment curvature and shape.
 
-Few shapes give the motion well but its curvature badly, so moments come from the forces and the accelerations of the points instead
-(reference_model/DERIVATION.md, section 6). Vectors are complex numbers, x + i y, from P along n1 and n2; arrays have a row per instant.
+A few shapes give an accurate motion but an inaccurate curvature. So the moments are computed from the forces and from the accelerations of
+the points (reference_model/DERIVATION.md, section 6). Vectors are complex numbers, x + i y, from P along n1 and n2; arrays have a row for
+each instant.
 """
 
 from collections.abc import Mapping
@@ -26,7 +27,7 @@ class _Span(NamedTuple):
 
     Attributes:
         begin, length: arc lengths, m, shape (rows, 1).
-        series: from values at the points to coefficients of Legendre's polynomials, shape (points, points).
+        series: matrix that turns values at the points into coefficients of Legendre's polynomials, shape (points, points).
     """
 
     begin: Array
@@ -148,6 +149,6 @@ def _along(spans: list[_Span], values: list[Array], x: Array) -> Array:
 
 
 def _cross(a: Any, b: Any) -> Any:
-    """Moment of the vectors b with the arms a; a row's vector with all of its places."""
+    """Moment of the vectors b with the arms a. A row with one vector has it at all of its places."""
     b = b[:, None] if np.ndim(b) < np.ndim(a) else b
     return (np.conj(a) * b).imag

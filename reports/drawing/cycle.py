@@ -3,7 +3,8 @@
 Over it are drawn tip acceleration and the three surface strains, as in the thesis' figures A.1 to A.24.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from quickreturn.cases.experiment import AxisLabels
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
@@ -27,12 +27,16 @@ TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 BEND_IN: Final = 1e-9  # a strain below this in a whole cycle is round-off of a follower that does not bend
 
 
-def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels] = ()) -> Figure:
+#: Range of printed axis labels, SI: of the tip acceleration, and one for all strains.
+Printed = Mapping[str, tuple[float, float]]
+
+
+def draw_cycle(result: CaseResult, printed: Printed = MappingProxyType({})) -> Figure:
     """Draw all engines over one cycle, with the range of the printed axis labels if there are any.
 
     Args:
         result: of a case, at least one of its runs with a cycle.
-        labels: of the case's run, first choice first (`cases.experiment.axis_labels`).
+        printed: of a figure of this case.
     """
     runs = {name: run for name, run in result.runs.items() if run.usable}
     channels = [name for name in CHANNELS if name == ACCELERATION or any(run.peak(name) > BEND_IN for run in runs.values())]
@@ -44,21 +48,20 @@ def draw_cycle(result: CaseResult, labels: Sequence[AxisLabels] = ()) -> Figure:
         factor = 1.0 if channel == ACCELERATION else PERCENT
         for name, run in runs.items():
             axes.plot(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], **look(name))
-        _limits(axes, [factor * run.cycle[channel] for run in runs.values()], _printed_range(labels, channel), factor)
+        _limits(axes, [factor * run.cycle[channel] for run in runs.values()], _printed_range(printed, channel), factor)
         if channel != ACCELERATION:
             note(axes, 0.01, 0.97, f"gauge at {gauges[int(channel[-1]) - 1]:.3g} L")
     y_labels = ["tip acceleration (m/s²)" if name == ACCELERATION else f"strain {name[-1]} (%)" for name in channels]
     stacked_panels(list(panels), y_labels, direction(next(iter(runs.values()))))
     handles: list[Artist] = [Line2D([], [], label=name, **look(name)) for name in runs]
-    if any(_printed_range(labels, channel) for channel in CHANNELS):
+    if any(_printed_range(printed, channel) for channel in CHANNELS):
         handles.append(Patch(facecolor=BAND, edgecolor="#C9A227", linewidth=0.6, label="printed axis labels"))
     legend_above(figure, handles, 3)
     return figure
 
 
-def _printed_range(labels: Sequence[AxisLabels], channel: str) -> tuple[float, float] | None:
-    kind = ACCELERATION if channel == ACCELERATION else "strain"
-    return next((label.range for label in labels if label.channel == kind and label.range[0] < label.range[1]), None)
+def _printed_range(printed: Printed, channel: str) -> tuple[float, float] | None:
+    return printed.get(ACCELERATION if channel == ACCELERATION else "strain")
 
 
 def _limits(axes: Axes, curves: Sequence[Array], printed: tuple[float, float] | None, factor: float) -> None:

@@ -15,7 +15,6 @@ from PIL import Image
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.experiment.published import axis_labels
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.resonance_curve import SPEED, job, range_of
@@ -23,6 +22,7 @@ from quickreturn.cases.runs.comparison import cross_validate
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import Asked
 from quickreturn.cases.sweep.study import study
+from quickreturn.cases.thesis.experiment.published import printed_ranges
 from quickreturn.reports.drawing import cycle, resonance, work_precision
 from quickreturn.reports.drawing import study as study_plot
 from quickreturn.reports.drawing.style import new_figure, picture
@@ -46,7 +46,7 @@ def main(folder: Path) -> None:
     case, workshop = load_case(CASE), Workshop(Store())
     (result,) = cross_validate([case], workshop)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "run-24.png").write_bytes(png(cycle.draw_cycle(result, axis_labels(RUN))))
+    (folder / "run-24.png").write_bytes(png(cycle.draw_cycle(result, printed_ranges(RUN))))
     (folder / "methods.png").write_bytes(png(work_precision.draw(benchmarks()[CASE])))
     (folder / "resonance.png").write_bytes(png(curve(case, workshop)))
     for measure, axes in MAPS.items():

@@ -1,7 +1,7 @@
 """Recorded results of the long studies as small tables beside this file; the page shows them if the user's own are missing.
 
 A row is a dataclass: fields of fields and numbers of mappings have names with a dot, other mappings are JSON, numbers have five digits.
-`python -m quickreturn.reports.long_studies` writes them; `about.csv` gives the date, versions and code of each study.
+`python -m quickreturn.record` writes them; `about.csv` gives the date, versions and code of each study.
 """
 
 import csv
@@ -26,32 +26,22 @@ from quickreturn.cases.classes import study as classes
 from quickreturn.cases.classes.map import Map
 from quickreturn.cases.classes.measurement import Reach
 from quickreturn.cases.conformance import Conformance
-from quickreturn.cases.finding import study as finding_study
 from quickreturn.cases.jobs.key import SIMULATION, code_fingerprint
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
 from quickreturn.cases.judging.conditioning import Conditioning
 from quickreturn.cases.judging.matrix import Judged, Matrix
-from quickreturn.cases.uncertainty.thesis import Band
 from quickreturn.engines.registry import MAIN
 
 T = TypeVar("T")
 
 FOLDER: Final = Path(__file__).parent
-#: Study -> the code that it depends on.
-CODE: Final[Mapping[str, tuple[str, ...]]] = {
+#: Study -> the code that it depends on. Packages beside the core add theirs.
+CODE: Final[dict[str, tuple[str, ...]]] = {
     "benchmark": (*SIMULATION, "quickreturn.cases.benchmark"),
     "hard scenes": (*SIMULATION, "quickreturn.cases.judging"),
     "confirmation": (*SIMULATION, *studies.CODE),
     "conformance": (*SIMULATION, "quickreturn.cases.conformance"),
-    "finding": (*SIMULATION, "quickreturn.cases.finding", "quickreturn.cases.measures", "quickreturn.cases.runs"),
-    "unprinted": (
-        *SIMULATION,
-        "quickreturn.cases.uncertainty",
-        "quickreturn.cases.sweep",
-        "quickreturn.cases.measures",
-        "quickreturn.cases.runs",
-    ),
     "classes": (*SIMULATION, *classes.CODE),
 }
 #: Significant digits of recorded numbers.
@@ -150,16 +140,6 @@ def conformance() -> dict[str, str]:
 def confirming() -> list[Confirmation]:
     """Solutions that confirm the converged solution of the studies."""
     return table("confirmation", Confirmation)
-
-
-def finding() -> list[finding_study.Row]:
-    """The changes by each effect in the thesis' runs."""
-    return table("finding", finding_study.Row)
-
-
-def bands() -> list[Band]:
-    """The bands of the thesis' runs over the scatter of unprinted quantities."""
-    return table("unprinted", Band)
 
 
 def class_map() -> Map:

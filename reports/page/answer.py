@@ -12,7 +12,6 @@ from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import Spread, differences, engines_of, spread
-from quickreturn.reports.findings.sufficiency import Split, splits
 from quickreturn.reports.page.content import Content
 
 #: An engine counts as agreeing if at most this part of its numbers differ by more than claimed.
@@ -59,7 +58,6 @@ class Answer:
     extreme: Spread | None  # likewise in the extremes
     cubic: Cubic | None  # None if the thesis' model or the reference is missing
     fastest: Contest | None  # to the second of the errors at which methods are compared; None if nothing was measured
-    splits: Sequence[Split] = ()  # effects that make the halves differ as the thesis says, if these were recorded and its runs are shown
 
 
 def answer_of(content: Content) -> Answer:
@@ -86,7 +84,6 @@ def answer_of(content: Content) -> Answer:
         **found,
         cubic=_cubic(results),
         fastest=fastest if fastest and fastest.found else None,
-        splits=splits(content.finding) if content.thesis_results else (),
     )
 
 

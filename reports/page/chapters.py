@@ -4,12 +4,12 @@ A chapter is a template with two macros, `finding` for its heading and `body`, b
 among the facts; each table is also written as a CSV file beside the page.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.facts import agreement, classes, methods, own, resonance, runs, strength, studies, thesis
+from quickreturn.reports.page.content import Chapters, Content
+from quickreturn.reports.page.facts import agreement, classes, methods, own, resonance, runs, strength, studies
 from quickreturn.reports.page.plot import Plot, plots_in
 from quickreturn.reports.tables.table import Table
 
@@ -44,34 +44,26 @@ def tables_in(values: Any) -> Iterator[Table]:
             yield from tables_in(value)
 
 
-#: Chapter, its name, and the function that returns its facts, None if a report has none.
-_CHAPTERS: tuple[tuple[str, str, Callable[[Content], Facts | None]], ...] = (
-    ("strength", "Will it hold?", strength.strength),
-    ("resonance", "How near is a resonance?", resonance.resonance),
-    ("agreement", "Who agrees with whom", agreement.agreement),
-    ("runs", "Every run on every engine", runs.runs),
-    ("recorded", "Recorded tables", runs.recorded),
-    ("methods", "Which method excels", methods.methods),
-    ("classes", "Which method, where", classes.classes),
-    ("thesis", "What the thesis saw", thesis.thesis),
-    ("accuracy", "Accuracy and cost", studies.accuracy),
-    ("hard", "Hard scenes", methods.hard_scenes),
-    ("experiment", "The experiment", thesis.experiment),
-    ("inconsistencies", "Published inconsistencies", thesis.inconsistencies_found),
-    ("each", "Run by run", runs.run_by_run),
-    ("next", "What to do next", own.next_steps),
-    ("provenance", "Provenance", own.provenance),
-)
-
-
-#: First chapters of a report on the user's own machine: the machine itself, and the next steps. Agreement comes after them.
-_OWN_FIRST: Final = ("strength", "resonance", "each", "runs", "recorded", "next")
+#: The chapters of a report on the user's own machine, in their order: first the machine itself, and the next steps.
+CHAPTERS: Final[Chapters] = {
+    "strength": ("Will it hold?", strength.strength),
+    "resonance": ("How near is a resonance?", resonance.resonance),
+    "each": ("Run by run", runs.run_by_run),
+    "runs": ("Every run on every engine", runs.runs),
+    "recorded": ("Recorded tables", runs.recorded),
+    "next": ("What to do next", own.next_steps),
+    "agreement": ("Who agrees with whom", agreement.agreement),
+    "methods": ("Which method excels", methods.methods),
+    "classes": ("Which method, where", classes.classes),
+    "accuracy": ("Accuracy and cost", studies.accuracy),
+    "hard": ("Hard scenes", methods.hard_scenes),
+    "provenance": ("Provenance", own.provenance),
+}
 
 
 def chapters_of(content: Content) -> list[Chapter]:
     """The chapters with facts, in their order; the last one lists all files."""
-    order = sorted(_CHAPTERS, key=lambda chapter: _OWN_FIRST.index(chapter[0]) if chapter[0] in _OWN_FIRST else len(_OWN_FIRST))
-    made = ((name, title, make(content)) for name, title, make in (order if content.is_own else _CHAPTERS))
+    made = ((name, title, make(content)) for name, (title, make) in (content.chapters or CHAPTERS).items())
     chapters = [Chapter(name, title, facts) for name, title, facts in made if facts is not None]
     listed = own.files(content, [table for chapter in chapters for table in chapter.tables])
     return [*chapters, Chapter("files", "Tables as files", listed)]

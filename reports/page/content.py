@@ -1,43 +1,40 @@
 """The data of all chapters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, ClassVar
 
 from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.classes.map import Map
-from quickreturn.cases.finding.study import Row
+from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import Matrix
+from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import Studies
-from quickreturn.cases.thesis_modes import ThesisModes
-from quickreturn.cases.uncertainty.thesis import Band
-from quickreturn.engines.registry import MODEL
-from quickreturn.reports.findings.conclusions import Basis, Conclusion, conclusions
 from quickreturn.reports.findings.failures import troubles
 from quickreturn.reports.findings.loads import CaseLoads, loads_of_cases
-from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
+from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.findings.resonance import Around
-from quickreturn.reports.findings.runs import thesis_runs
 from quickreturn.reports.long_studies import About
 from quickreturn.reports.verification import Verification
+
+#: Chapter -> its name, and the function that returns its facts, None if a report has none.
+Chapters = Mapping[str, tuple[str, Callable[[Any], Mapping[str, Any] | None]]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Content:
-    """The data of a page.
+    """The data of a page on the user's own machines. A subject with chapters of its own derives its content from this class.
 
     Attributes:
         results: the cases, at least one.
         studies: results of the studies; None if their cases are not all among the results.
         benchmarks: those of the scenes on which methods are compared, as far as they exist.
         compiling: times to compile engines, if they were measured.
-        thesis_modes: frequencies of the thesis' example run; None if that run is not among the results.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
-        finding: the recorded study of the causes of the thesis' finding.
-        bands: recorded bands of the thesis' runs over the scatter of unprinted quantities.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
         verification: results of the long verification, if there are any.
         conformance: engine -> verdict on whether it does what it says, if that was tested.
@@ -47,15 +44,16 @@ class Content:
         around: the resonance curves of the user's own machines, around their speeds.
     """
 
+    chapters: ClassVar[Chapters] = {}  # those of the page, in their order; none: `chapters.CHAPTERS`
+    templates: ClassVar[tuple[str, ...]] = ()  # packages with templates of these chapters
+    is_own: ClassVar[bool] = True  # whether the report is about the user's own machines
+
     results: Sequence[CaseResult]
     studies: Studies | None = None
     benchmarks: Sequence[Benchmark] = ()
     compiling: Sequence[Compiling] = ()
-    thesis_modes: ThesisModes | None = None
     hard_scenes: Matrix | None = None
     classes: Map = field(default_factory=Map)
-    finding: Sequence[Row] = ()
-    bands: Sequence[Band] = ()
     of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
     conformance: Mapping[str, str] = field(default_factory=dict)
@@ -64,15 +62,30 @@ class Content:
     notices: Sequence[str] = ()
     around: Sequence[Around] = ()
 
-    @property
-    def thesis_results(self) -> list[CaseResult]:
-        """Results of the runs of the thesis; its statements are about these only."""
-        return list(thesis_runs(self.results).values())
+    @classmethod
+    def recordings(cls) -> list[RecordedTable]:
+        """Recorded tables that belong to the subject. CaseError: one cannot be read."""
+        return []
+
+    @classmethod
+    def further(cls, results: Sequence[CaseResult], workshop: Workshop) -> tuple[dict[str, Any], list[str]]:
+        """Further fields, computed from the results, and sentences on what could not be computed."""
+        return {}, []
 
     @property
-    def is_own(self) -> bool:
-        """Whether the report is about the user's own machines, without a run of the thesis."""
-        return not self.thesis_results
+    def answer_template(self) -> str:
+        """Template of the first screen."""
+        return "answer.html"
+
+    @property
+    def assumed(self) -> Mapping[str, Any] | None:
+        """Facts on the assumptions of the subject, with their `template`; None: there are none."""
+        return None
+
+    @property
+    def general_notes(self) -> frozenset[str]:
+        """Notes on cases that a chapter of its own treats."""
+        return frozenset()
 
     @cached_property
     def loads(self) -> list[CaseLoads]:
@@ -83,11 +96,6 @@ class Content:
     def comparisons(self) -> list[MeasuredHalf]:
         """Comparisons of recorded tables with engines, per half and channel."""
         return measured_halves(self.results)
-
-    @property
-    def conclusions(self) -> list[Conclusion]:
-        """Conclusions on the thesis' statements."""
-        return conclusions(Basis(self.thesis_results, self.thesis_modes, statement_values(self.comparisons, MODEL), self.finding))
 
     @property
     def troubles(self) -> list[tuple[str, Run]]:

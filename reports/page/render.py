@@ -34,24 +34,25 @@ KINDS: Final = {
 }
 
 
-def environment() -> Environment:
-    """The templates of a page."""
-    made = templates.environment()
+def environment(packages: Sequence[str] = ()) -> Environment:
+    """The templates of a page, with those of other packages."""
+    made = templates.environment(packages=packages)
     made.filters["csv"] = csv_text
     made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return made
 
 
-def rendered(template: str, view: View, more: tuple[str, ...] = (), **values: Any) -> str:
+def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: Sequence[str] = (), **values: Any) -> str:
     """A page around a view.
 
     Args:
         template: a template that extends `page.html`.
         view: the moving mechanism.
         more: parts of the script besides `SCRIPT`.
+        packages: further packages with templates.
         values: values for the template.
     """
-    made = environment()
+    made = environment(packages)
     shared = {
         "view": view,
         "document": view.document | {"start": values.pop("start", view.runs[0]["name"])},
@@ -78,14 +79,15 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         "report.html",
         view,
         OF_CHAPTERS,
+        content.templates,
         start=shown.case.name,
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
+        content=content,
         answer=answer,
         answers=content.loads if any(each.lead for each in content.loads) else [],
         curves=[around.case.name for around in content.around if around.curve],
         shown=shown.case.name,
-        of_thesis=len(content.thesis_results) == len(results),
         title_of_case=title_of_case,
         first_mode=_first_mode(shown),
         first_mode_case=shown.case.name,
@@ -115,7 +117,7 @@ def animation_page(case: Case, motions: Mapping[str, Trajectory]) -> str:
 
 
 def _groups(view: View) -> dict[str, list[dict[str, Any]]]:
-    """The runs of the thesis by crank length, if there are no other cases; otherwise none: a list then offers the cases."""
+    """The registered cases by their group, if there are no other cases; otherwise none: a list then offers the cases."""
     if len(view.runs) < 2 or not all(run["group"] for run in view.runs):
         return {}
     return {group: [run for run in view.runs if run["group"] == group] for group in dict.fromkeys(run["group"] for run in view.runs)}

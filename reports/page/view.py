@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.library.thesis import RUNS
+from quickreturn.cases.library import registered
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
@@ -17,7 +17,7 @@ from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.findings.loads import CaseLoads
-from quickreturn.reports.findings.runs import of_library, run_number
+from quickreturn.reports.findings.runs import of_library
 from quickreturn.reports.looks import Look, looks
 from quickreturn.reports.page.packing import packed
 from quickreturn.reports.words import per_unit
@@ -54,7 +54,7 @@ class View:
 
     def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], loads: CaseLoads | None = None) -> None:
         """Add a case with the columns of each engine that has a motion; `facts`: remarks on engines; `loads`: the stress in the arm."""
-        number = run_number(case.name) if case.source == "library" else None
+        entry = registered().get(case.name) if case.source == "library" else None
         kept = {name: _kept(columns) for name, columns in motions.items()}
         blob, layouts = packed(kept, frozenset(SHAPE))
         self.blobs.append(blob)
@@ -62,8 +62,8 @@ class View:
             {
                 "name": case.name,
                 "title": case.title,
-                "short": str(number or case.name),
-                "group": f"crank {RUNS[number].crank_length} in" if number else "",
+                "short": entry.number if entry else case.name,
+                "group": entry.group if entry else "",
                 "scene": _scene(case.mechanism),
                 "engines": layouts,
                 "facts": dict(facts),

@@ -1,8 +1,9 @@
 """Templates of the report, its style and script, and the functions that write numbers in them."""
 
+from collections.abc import Sequence
 from typing import Final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 from quickreturn.reports import words
 
@@ -12,9 +13,9 @@ WORDS: Final = (
 )  # fmt: skip
 
 
-def environment(escaped: bool = True) -> Environment:
-    """The environment of the templates; with `escaped` every inserted value is plain text for a browser."""
-    loader = PackageLoader("quickreturn.reports")
+def environment(escaped: bool = True, packages: Sequence[str] = ()) -> Environment:
+    """The environment of these templates and of other packages'; with `escaped` every inserted value is plain text for a browser."""
+    loader = ChoiceLoader([PackageLoader(package) for package in ("quickreturn.reports", *packages)])
     made = Environment(loader=loader, autoescape=escaped, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     made.globals |= {name: getattr(words, name) for name in WORDS}
     return made

@@ -7,7 +7,7 @@ import pytest
 
 from quickreturn.cases import recorded
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.recorded import experiment_tables, read_table
+from quickreturn.cases.recorded import read_table
 
 HEADING = "time [ms],crank_angle [deg],tip_deflection [mm],strain_1 [percent]"
 ROWS = "0,180,-2.5,0\n1,181,1e-3,0.1\n"
@@ -126,21 +126,3 @@ def test_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(recorded, "MOST_ROWS", 3)
     with pytest.raises(CaseError, match="has 5 rows; at most 3 are accepted"):
         read_table(written(tmp_path, "time,tip_x\n" + "\n".join(f"{row},0" for row in range(5))))
-
-
-def test_there_is_no_recording_of_the_experiment_and_none_is_invented() -> None:
-    assert experiment_tables() == []
-
-
-def test_recordings_of_the_experiment_say_what_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(recorded.FOLDER_VARIABLE, str(tmp_path))
-    written(tmp_path, "# case = thesis-24\n# origin = digitised\ntime,tip_x\n0,1", "b.csv")
-    (table,) = experiment_tables()
-    assert table.of_experiment
-    assert table.declared == {"case": "thesis-24", "origin": "digitised"}
-    written(tmp_path, "# case = thesis-24\ntime,tip_x\n0,1", "a.csv")
-    with pytest.raises(CaseError, match="origin: this declaration is missing"):
-        experiment_tables()
-    monkeypatch.setenv(recorded.FOLDER_VARIABLE, str(tmp_path / "none"))
-    with pytest.raises(CaseError, match="is no folder"):
-        experiment_tables()

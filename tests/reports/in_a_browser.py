@@ -8,13 +8,13 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from quickreturn.reports.machine import machine_facts
-from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
 from tests.cases.made_up_map import made_up_map
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.made_up_finding import made_up_finding
+from tests.reports.pages import content_of
 from tests.reports.reported_results import reported_result
 from tests.reports.test_report import studies
+from tests.reports.thesis.made_up_finding import made_up_finding
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 if CHROMIUM is None and os.environ.get("CI") != "true":
@@ -46,7 +46,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     folder = tmp_path_factory.mktemp("page")
     benchmarks = [made_up_benchmark(timed=True), made_up_benchmark("thesis-17")]
     write(
-        Content(
+        content_of(
             results=RESULTS,
             studies=studies(),
             benchmarks=benchmarks,

@@ -1,9 +1,13 @@
 """A report's page without running anything: made-up results, and what a chapter says."""
 
+from collections.abc import Sequence
+from typing import Any
+
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
+from quickreturn.reports.thesis.content import content_type
 from tests.reports.reported_results import PageReader, reported_result
 
 
@@ -17,6 +21,11 @@ def text_of(content: Content) -> str:
     return " ".join(read(content).text.replace("\N{NO-BREAK SPACE}", " ").split())
 
 
-def one_run(*results: CaseResult, **more: object) -> Content:
+def content_of(*, results: Sequence[CaseResult], **more: Any) -> Content:
+    """The data of a page on these results, of the kind that a report on their cases has."""
+    return content_type([result.case for result in results])(results=results, **more)
+
+
+def one_run(*results: CaseResult, **more: Any) -> Content:
     """A report on made-up results; without any, on run 24."""
-    return Content(results=list(results) or [reported_result("thesis-24")], **more)  # type: ignore[arg-type]
+    return content_of(results=list(results) or [reported_result("thesis-24")], **more)

@@ -1,8 +1,9 @@
 """Made-up results with all that a report reads, and a reader of finished pages."""
 
+import dataclasses
 from html.parser import HTMLParser
 
-from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.comparison import HALVES, CaseResult
 from quickreturn.cases.runs.request import PeriodicOrbit
 from tests.reports.plotted_results import made_up_result, with_run
 
@@ -31,6 +32,22 @@ def reported_result(name: str, statuses: dict[str, str] | None = None, seed: int
     # largest modulus 0.768
     orbit = PeriodicOrbit(period=0.378, multipliers=((0.6, 0.48), (0.5, 0.0)), stable=True, iterations=5)
     return with_run(result, "reference", periodic_orbit=orbit)
+
+
+#: Engine -> factors for `with_frequencies` by which its frequencies are alike in both halves.
+ALIKE = {"thesis": (1.13, 1.13), "reference": (1.0, 1.0), "exudyn": (1.0, 1.0), "mujoco": (1.0, 1.0)}
+
+
+def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: float = 17.0) -> CaseResult:
+    """A case on which each engine's consensus is `base` times its factors before and after the return."""
+    result = reported_result(name)
+    for engine, run in result.runs.items():
+        frequency = {half: base * factor for half, factor in zip(HALVES, factors[engine], strict=True)}
+        known = {half: {"first_mode_frequency": frequency[half], "first_mode_frequency_uncertainty": 0.1} for half in HALVES}
+        measures = tuple(dataclasses.replace(measure, **known[measure.half]) for measure in run.measures)
+        consensus = tuple(dataclasses.replace(each, first_mode_frequency=frequency[each.half]) for each in run.consensus)
+        result = with_run(result, engine, measures=measures, consensus=consensus)
+    return result
 
 
 class PageReader(HTMLParser):

@@ -12,9 +12,9 @@ from playwright.sync_api import Page
 from quickreturn.cases.runs.comparison import compare
 from quickreturn.reports.looks import looks
 from quickreturn.reports.machine import machine_facts
-from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
 from tests.reports.in_a_browser import Open, address, browser, opened
+from tests.reports.pages import content_of
 from tests.reports.plotted_results import made_up_result
 
 __all__ = ["address", "browser", "opened"]
@@ -128,7 +128,7 @@ def test_curves_that_lie_on_each_other_are_all_seen_in_their_own_colours(opened:
     result = made_up_result("thesis-24")
     lead = result.runs["reference"]
     runs = {name: dataclasses.replace(lead, engine=name) for name in ("reference", "exudyn", "mujoco")}
-    write(Content(results=[compare(result.case, runs)], facts=machine_facts()), tmp_path)
+    write(content_of(results=[compare(result.case, runs)], facts=machine_facts()), tmp_path)
     page = opened("#at=0", (tmp_path / "index.html").as_uri(), watched=True, reduced_motion="reduce")
     pixels = page.evaluate("""() => {
         const canvas = document.getElementById("curve"), { points } = seen.get(canvas), ratio = canvas.width / canvas.clientWidth;

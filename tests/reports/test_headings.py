@@ -13,18 +13,19 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import catalogue
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import PAGE, write, write_report
+from quickreturn.reports.thesis.content import ThesisContent
 from tests.cases.made_up_map import made_up_map
 from tests.reports.headings import EXPECTED, headings, mistakes, numbers_in, tables_in
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.made_up_finding import made_up_finding
 from tests.reports.made_up_resonance import made_up_around
+from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import reported_result
 from tests.reports.test_hard_scenes_page import matrix
 from tests.reports.test_report import studies
 from tests.reports.test_sharpness import agreeing
+from tests.reports.thesis.made_up_finding import made_up_finding
 
 
 @pytest.fixture(scope="module", params=["all agree", "an engine fails, one claim is wrong, estimates were not timed"])
@@ -34,7 +35,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     place = tmp_path_factory.mktemp("headings")
     first = with_table(agreeing(reported_result("thesis-24")), "tool.csv", ["strain_2", "tip_acceleration"], {"version": "7"})
     second = agreeing(reported_result("thesis-06", seed=5)) if good else reported_result("thesis-06", {"exudyn": "failed"}, seed=5)
-    content = Content(
+    content = content_of(
         results=[first, second],
         studies=studies(),
         benchmarks=[made_up_benchmark(timed=good), made_up_benchmark("thesis-17", timed=good)],
@@ -88,7 +89,8 @@ def test_another_number_in_a_table_is_noticed(folder: Path, chapter: str, table:
 
 
 def test_a_report_on_ones_own_case_says_what_its_tables_say(tmp_path: Path) -> None:
-    write(Content(results=[reported_result("example", {"exudyn": "failed"})], around=[made_up_around()], facts=machine_facts()), tmp_path)
+    content = content_of(results=[reported_result("example", {"exudyn": "failed"})], around=[made_up_around()], facts=machine_facts())
+    write(content, tmp_path)
     told, tables = of(tmp_path)
     del told["answer"]  # it names strengths and lengths of the case, too, which no table has
     assert {"next", "strength", "resonance"} <= set(told)
@@ -103,7 +105,7 @@ def test_numbers_in_words_count() -> None:
 def test_the_report_on_all_runs_says_what_its_tables_say(tmp_path: Path) -> None:
     """From the store, where that holds the results; else they are computed."""
     cases = [load_case(entry.name) for entry in catalogue("thesis")]
-    write_report(cases, tmp_path, Workshop(Store()))
+    write_report(cases, tmp_path, Workshop(Store()), content_type=ThesisContent)
     told, tables = of(tmp_path)
     assert len(tables["map"]) == 24
     assert {"thesis", "reference", "exudyn", "mujoco"} <= set(tables["run_by_engine"]["engine"])

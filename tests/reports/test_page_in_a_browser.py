@@ -12,10 +12,10 @@ from playwright.sync_api import Page
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reports.machine import machine_facts
-from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import animation_page
 from quickreturn.reports.report import write
 from tests.reports.in_a_browser import RESULTS, Open, address, browser, opened
+from tests.reports.pages import content_of
 from tests.reports.plotted_results import made_up_result
 from tests.reports.reported_results import reported_result
 
@@ -106,7 +106,7 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
 
 @pytest.mark.parametrize("turning", [-1, pytest.param(1, marks=pytest.mark.verify)])
 def test_time_runs_to_the_right_whichever_way_the_crank_turns(opened: Open, tmp_path: Path, turning: int) -> None:
-    write(Content(results=[made_up_result("example", turning=turning)], facts=machine_facts()), tmp_path)
+    write(content_of(results=[made_up_result("example", turning=turning)], facts=machine_facts()), tmp_path)
     page = opened("#chapter=each", (tmp_path / "index.html").as_uri(), watched=True, reduced_motion="reduce")
     page.wait_for_selector("#signals canvas")
     texts = page.evaluate("seen.get(document.querySelector('#signals canvas')).texts")
@@ -189,7 +189,7 @@ def test_nothing_overflows_a_telephone_and_no_picture_is_empty(opened: Open, sch
 def test_a_hostile_title_stays_text(opened: Open, tmp_path: Path) -> None:
     own = reported_result("example")
     own = dataclasses.replace(own, case=dataclasses.replace(own.case, title=HOSTILE, notes=(HOSTILE,)))
-    write(Content(results=[own], facts=machine_facts()), tmp_path)
+    write(content_of(results=[own], facts=machine_facts()), tmp_path)
     page = opened("#chapter=each", (tmp_path / "index.html").as_uri())
     assert page.inner_text("h1") == HOSTILE
     assert page.title() == f"{HOSTILE} – quickreturn"
@@ -213,7 +213,7 @@ def test_whatever_became_of_the_runs_there_is_a_page(opened: Open, tmp_path: Pat
         for run in result.runs.values():
             for name in SHAPE:
                 del run.cycle[name]
-    write(Content(results=[result], facts=machine_facts()), tmp_path)
+    write(content_of(results=[result], facts=machine_facts()), tmp_path)
     page = opened("#at=100&chapter=each", (tmp_path / "index.html").as_uri())
     page.wait_for_timeout(300)
     assert page.locator("#nothing").is_visible() == (kind == "all failed")
@@ -306,7 +306,7 @@ def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
 
 def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
     results = [made_up_result("example"), made_up_result("shaper-cutting")]
-    write(Content(results=results, facts=machine_facts()), tmp_path)
+    write(content_of(results=results, facts=machine_facts()), tmp_path)
     own = (tmp_path / "index.html").as_uri()
     page = opened("#at=100", url=own)
     assert page.is_checked("#stress")

@@ -6,16 +6,16 @@ import re
 from quickreturn.engines.registry import MAIN
 from quickreturn.reports.looks import looks
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.words import QUANTITY
 from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.pages import content_of
 from tests.reports.reported_results import reported_result
 from tests.reports.test_report import studies
 
 RESULTS = [reported_result("thesis-24"), reported_result("thesis-17", seed=3)]
-CONTENT = Content(results=RESULTS, studies=studies(), benchmarks=[made_up_benchmark()])
+CONTENT = content_of(results=RESULTS, studies=studies(), benchmarks=[made_up_benchmark()])
 
 
 def plots(chapter: str) -> list[Plot]:

@@ -11,8 +11,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from quickreturn.cases.experiment import axis_labels
 from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.thesis.experiment.published import printed_ranges
 from quickreturn.engines.registry import MAIN, RIVALS
 from quickreturn.reports.drawing import cycle, recorded, work_precision
 from quickreturn.reports.drawing.document_pictures import png
@@ -36,7 +36,7 @@ TROUBLES = {
 
 def of_cycle(result: CaseResult) -> Figure:
     name = result.case.name
-    return cycle.draw_cycle(result, axis_labels(int(name[-2:])) if name.startswith("thesis-") else ())
+    return cycle.draw_cycle(result, printed_ranges(int(name[-2:])) if name.startswith("thesis-") else {})
 
 
 @pytest.fixture(autouse=True)

@@ -23,16 +23,17 @@ from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import OutputError, check_folder
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.report import CATALOGUE, PAGE, write, write_report
 from quickreturn.reports.tables.table import Table
+from quickreturn.reports.thesis.content import ThesisContent
 from quickreturn.reports.verification import FILE, PARTS, verification
 from quickreturn.reports.words import size
 from tests.cases.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.pages import content_of
 from tests.reports.plotted_results import ENGINES, with_run, with_table
 from tests.reports.reported_results import PageReader, reported_result
 
@@ -92,7 +93,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
     benchmarks = [made_up_benchmark(), made_up_benchmark("thesis-17", confirmed=False)]
     told = {"facts": machine_facts(), "code": "abc", "notices": ("a <notice>",)}
-    content = Content(results=results, studies=studies(), benchmarks=benchmarks, **told)  # type: ignore[arg-type]
+    content = content_of(results=results, studies=studies(), benchmarks=benchmarks, **told)  # type: ignore[arg-type]
     write(content, place)
     return place
 
@@ -146,7 +147,7 @@ def test_shown_numbers_are_the_files_numbers_rounded(folder: Path) -> None:
 
 def tables_of(folder: Path) -> list[Table]:
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
-    return [table for chapter in chapters_of(Content(results=results)) for table in chapter.tables]
+    return [table for chapter in chapters_of(content_of(results=results)) for table in chapter.tables]
 
 
 def test_the_catalogue_lists_every_file_and_no_other(folder: Path) -> None:
@@ -172,7 +173,7 @@ def test_the_chapters_stand_in_their_order_and_are_closed(folder: Path, read: Pa
 
 
 def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> None:
-    own = Content(results=[reported_result("example")], facts=machine_facts())
+    own = content_of(results=[reported_result("example")], facts=machine_facts())
     names = [chapter.id for chapter in chapters_of(own)]
     assert not {"thesis", "experiment", "inconsistencies"} & set(names)
     assert "next" in names
@@ -184,16 +185,17 @@ def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> 
     assert 'crank.length="90 mm"' in page.text  # a command for this case, with a value that it can have
     assert names[0] == "strength"
     assert names.index("agreement") > names.index("each")  # the machine comes before what engines think of each other
-    both = Content(results=[reported_result("thesis-24"), reported_result("example")])
+    both = content_of(results=[reported_result("thesis-24"), reported_result("example")])
     assert "strength" not in [chapter.id for chapter in chapters_of(both)]
+    assert isinstance(both, ThesisContent)
     assert [result.case.name for result in both.thesis_results] == ["thesis-24"]
 
 
 def test_a_later_report_removes_the_tables_of_an_earlier_one_and_nothing_else(tmp_path: Path) -> None:
-    write(Content(results=[reported_result("thesis-24"), reported_result("thesis-06")]), tmp_path)
+    write(content_of(results=[reported_result("thesis-24"), reported_result("thesis-06")]), tmp_path)
     (tmp_path / "mine.csv").write_text("kept")
     assert (tmp_path / "run_thesis_06.csv").is_file()
-    write(Content(results=[reported_result("thesis-24")]), tmp_path)
+    write(content_of(results=[reported_result("thesis-24")]), tmp_path)
     assert not (tmp_path / "run_thesis_06.csv").exists()
     assert (tmp_path / "mine.csv").read_text() == "kept"
 
@@ -208,7 +210,7 @@ def test_an_engine_is_alike_as_long_as_few_of_its_numbers_depart(missed: int) ->
         place = number % len(measures)
         measures[place] = dataclasses.replace(measures[place], **{quantity: 1e9})  # type: ignore[arg-type]
     result = with_run(result, "mujoco", measures=tuple(measures), consensus=reference.consensus)
-    found = answer_of(Content(results=[compare(result.case, result.runs)]))
+    found = answer_of(content_of(results=[compare(result.case, result.runs)]))
     # 34 numbers of mujoco at most are compared: one is less than a twentieth, twelve are not
     assert ("mujoco" in found.alike) == (missed < 2)
     assert ("mujoco" in found.departing) == (missed == 12)
@@ -217,21 +219,21 @@ def test_an_engine_is_alike_as_long_as_few_of_its_numbers_depart(missed: int) ->
 
 def test_set_ups_in_which_nothing_could_be_judged_are_not_counted_among_those_that_agree() -> None:
     good, broken = reported_result("thesis-24"), reported_result("example", dict.fromkeys(ENGINES, "failed"))
-    told = pages.text_of(Content(results=[good, broken]))
+    told = pages.text_of(content_of(results=[good, broken]))
     assert "the same motion in one of two set-ups" in told
     assert "What was compared" in told
-    assert "What was compared" not in pages.text_of(Content(results=[broken]))
-    assert "the same motion in both set-ups" in pages.text_of(Content(results=[good, reported_result("thesis-06")]))
+    assert "What was compared" not in pages.text_of(content_of(results=[broken]))
+    assert "the same motion in both set-ups" in pages.text_of(content_of(results=[good, reported_result("thesis-06")]))
 
 
 def test_what_did_not_deliver_is_named_with_its_case() -> None:
-    told = pages.text_of(Content(results=[reported_result("example", {"exudyn": "failed"})]))
+    told = pages.text_of(content_of(results=[reported_result("example", {"exudyn": "failed"})]))
     assert "example, exudyn: failed at t = 0.25 s" in told
 
 
 def test_the_answer_follows_from_the_numbers() -> None:
-    told = pages.text_of(Content(results=[reported_result("thesis-24")]))
-    cubic = answer_of(Content(results=[reported_result("thesis-24")])).cubic
+    told = pages.text_of(content_of(results=[reported_result("thesis-24")]))
+    cubic = answer_of(content_of(results=[reported_result("thesis-24")])).cubic
     assert cubic is not None
     assert cubic.frequency.median == pytest.approx(0.13, abs=0.01)  # made up: 1.13 times, and 0.4 % of noise
     assert f"rings {size(cubic.frequency.median)} faster and shows".replace("\N{NO-BREAK SPACE}", " ") in told
@@ -243,7 +245,7 @@ def test_recorded_tables_are_shown_with_what_they_say_of_themselves_as_text() ->
     declared = {"origin": "synthetic", "version": "<blink>7", "source": "made up"}
     result = with_table(reported_result("thesis-24"), hostile, ["strain_2"], declared, of_experiment=True)
     both = [with_table(result, "tool.csv", ["tip_deflection"], {"version": "Tool 7.1"})]
-    content = Content(results=both, conformance={"reference": "conforms"})
+    content = content_of(results=both, conformance={"reference": "conforms"})
     page = report_page(content, chapters_of(content))
     assert hostile not in page
     read = PageReader(page)
@@ -264,7 +266,7 @@ def test_verification_is_shown_as_long_as_the_code_is_the_same(tmp_path: Path) -
     chapter = {"title": "Faults", "text": "All survived.", "columns": ["fault", "share"], "rows": [["disk full", 0.5], ["killed", None]]}
     document = {"code": code_fingerprint(PARTS), "date": "today", "chapters": [chapter]}
     (tmp_path / FILE).write_text(json.dumps(document))
-    read = pages.read(Content(results=[reported_result("thesis-24")], verification=verification(tmp_path)))
+    read = pages.read(content_of(results=[reported_result("thesis-24")], verification=verification(tmp_path)))
     assert "All survived." in read.text
     assert read.tables["verification_1.csv"][0][0][1] == "disk full"
     (tmp_path / FILE).write_text(json.dumps(document | {"code": "other"}))
@@ -313,7 +315,7 @@ def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch:
 def test_a_second_report_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two engines on the run that settles soonest; then the same again with nothing allowed to run."""
     case, workshop = load_case("thesis-17"), Workshop(Store(tmp_path / "store"))
-    first = write_report([case], tmp_path / "first", workshop, engines=("thesis", "reference"))
+    first = write_report([case], tmp_path / "first", workshop, engines=("thesis", "reference"), content_type=ThesisContent)
     assert {run.status for run in first.content.results[0].runs.values()} <= {"settled", "not settled"}
     assert first.content.results[0].runs["reference"].status == "settled"
 
@@ -322,7 +324,7 @@ def test_a_second_report_computes_nothing(tmp_path: Path, monkeypatch: pytest.Mo
         yield from ()
 
     monkeypatch.setattr(LocalProcesses, "run", refuse)
-    write_report([case], tmp_path / "second", workshop, engines=("thesis", "reference"))
+    write_report([case], tmp_path / "second", workshop, engines=("thesis", "reference"), content_type=ThesisContent)
     for table in first.tables:
         if table.name not in ("machine", "tables"):  # these two name the time
             assert (tmp_path / "first" / table.file).read_bytes() == (tmp_path / "second" / table.file).read_bytes()

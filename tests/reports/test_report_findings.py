@@ -1,169 +1,17 @@
-"""What the report concludes, from results whose answer is known beforehand."""
+"""What the report finds, from results whose answer is known beforehand."""
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 import pytest
 
-from quickreturn.cases.experiment import statements
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, compare
-from quickreturn.cases.runs.estimates import EstimatedConsensus
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.thesis_modes import (
-    Span,
-    ThesisModes,
-    thesis_modes,
-)
+from quickreturn.cases.runs.comparison import CaseResult, Difference, compare
 from quickreturn.reports.findings.agreement import differences, outward, spread
-from quickreturn.reports.findings.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
-from quickreturn.reports.findings.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from quickreturn.reports.findings.failures import troubles
-from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves, statement_values
-from quickreturn.reports.findings.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
-from quickreturn.reports.page.answer import answer_of
-from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.facts import thesis
 from quickreturn.reports.page.facts.agreement import run_map
 from quickreturn.reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
-from tests.reports import pages
-from tests.reports.made_up_finding import made_up_finding
-from tests.reports.plotted_results import with_run, with_table
-from tests.reports.reported_results import reported_result
-
-
-@pytest.fixture(scope="module")
-def run_24() -> CaseResult:
-    return reported_result("thesis-24")
-
-
-def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: float = 17.0) -> CaseResult:
-    """A case on which each engine's consensus is `base` times its factors before and after the return."""
-    result = reported_result(name)
-    for engine, run in result.runs.items():
-        frequency = {half: base * factor for half, factor in zip(HALVES, factors[engine], strict=True)}
-        known = {half: {"first_mode_frequency": frequency[half], "first_mode_frequency_uncertainty": 0.1} for half in HALVES}
-        measures = tuple(dataclasses.replace(measure, **known[measure.half]) for measure in run.measures)
-        consensus = tuple(dataclasses.replace(each, first_mode_frequency=frequency[each.half]) for each in run.consensus)
-        result = with_run(result, engine, measures=measures, consensus=consensus)
-    return result
-
-
-ALIKE = {"thesis": (1.13, 1.13), "reference": (1.0, 1.0), "exudyn": (1.0, 1.0), "mujoco": (1.0, 1.0)}
-THESIS_MODES = ThesisModes(
-    converged=(Span(11.0, 20.0), Span(45.0, 64.0), Span(112.0, 153.0)),
-    cubic=(Span(12.0, 23.0), Span(60.0, 85.0)),
-    alternating=(0.0, 0.0, 1.0),
-    alike=(1.0, 0.0, 0.0),
-    elements=(0.16, 0.03, 0.01),
-)
-
-
-def conclusion_on(statement: str, basis: Basis) -> tuple[str, str, bool]:
-    (found,) = (each for each in conclusions(basis) if each.statement.id == statement)
-    return found.outcome, found.numbers, found.inference
-
-
-def test_every_statement_gets_a_verdict() -> None:
-    assert [each.statement for each in conclusions(Basis([], None))] == list(statements())
-
-
-def test_halves_that_are_alike_cannot_explain_a_difference_between_them() -> None:
-    results = [with_frequencies(f"thesis-{run:02d}", ALIKE) for run in (10, 24)]
-    verdict, numbers, _ = conclusion_on("post-excess", Basis(results, THESIS_MODES))
-    assert verdict == CANNOT_FOLLOW
-    assert "1.000" in numbers
-
-
-def test_halves_that_differ_by_what_the_words_mean_are_not_ruled_out() -> None:
-    results = [with_frequencies(f"thesis-{run:02d}", ALIKE | {"thesis": (1.10, 1.15)}) for run in (10, 24)]
-    assert conclusion_on("post-excess", Basis(results, THESIS_MODES))[0] == UNCHECKABLE
-
-
-@pytest.mark.parametrize(("post_side", "verdict"), [(-600, UNCHECKABLE), (-10, CANNOT_FOLLOW), (600, CANNOT_FOLLOW)])
-def test_the_joint_can_be_the_cause_only_if_one_side_lowers_the_frequency_after_the_return_alone(post_side: int, verdict: str) -> None:
-    changed: dict[str, Any] = {"post_frequency": (post_side,) * 24, "pre_frequency": (0,) * 24}
-    own = ("post-side", "reference")
-    rows = [dataclasses.replace(row, **changed) if (row.effect, row.engine) == own else row for row in made_up_finding()]
-    assert conclusion_on("joint-cause", Basis([], THESIS_MODES, finding=rows))[::2] == (verdict, verdict == UNCHECKABLE)
-    assert conclusion_on("joint-cause", Basis([], THESIS_MODES))[::2] == (UNCHECKABLE, False)
-
-
-@pytest.mark.parametrize(("factors", "verdict"), [((1.0, 1.0), HOLDS), ((1.04, 1.10), IN_PART), ((1.13, 1.13), NOT)])
-def test_the_first_mode_is_accurate_within_the_stated_limits_only(factors: tuple[float, float], verdict: str) -> None:
-    results = [with_frequencies("thesis-24", ALIKE | {"thesis": factors})]
-    assert conclusion_on("two-modes", Basis(results, THESIS_MODES))[0] == verdict
-
-
-def test_132_hz_belongs_to_the_mode_whose_range_holds_it() -> None:
-    assert conclusion_on("second-mode", Basis([], THESIS_MODES))[::2] == (NOT, True)
-    second = dataclasses.replace(THESIS_MODES, converged=(Span(11.0, 20.0), Span(120.0, 140.0), Span(200.0, 250.0)))
-    assert conclusion_on("second-mode", Basis([], second))[::2] == (HOLDS, False)
-
-
-def test_more_elements_are_a_way_only_if_they_lower_the_error() -> None:
-    assert conclusion_on("more-elements", Basis([], THESIS_MODES))[0] == HOLDS
-    assert conclusion_on("more-elements", Basis([], dataclasses.replace(THESIS_MODES, elements=(0.16, 0.15, 0.14))))[0] == NOT
-
-
-def test_the_single_cubic_is_as_stiff_as_is_known(run_24: CaseResult) -> None:
-    # at 180, 90 and 0 degrees 22.94, 19.76 and 12.71 Hz against 20.354, 17.779 and 10.925 Hz: the largest excess is the last
-    one, two, _ = thesis_modes(run_24.case.mechanism).elements
-    assert one == pytest.approx(12.71 / 10.925 - 1.0, abs=1e-3)  # four digits known
-    assert two < 0.05
-
-
-def test_frequencies_depend_on_the_crank_length_only_if_they_change_with_it_alone() -> None:
-    same_tip = [
-        with_frequencies("thesis-05", ALIKE, 16.0),
-        with_frequencies("thesis-13", ALIKE, 17.0),
-        with_frequencies("thesis-21", ALIKE, 18.0),
-    ]
-    assert conclusion_on("frequency-depends-on-crank", Basis(same_tip, None))[0] == UNCHECKABLE  # the tip never changes alone
-    other_tip = [*same_tip, with_frequencies("thesis-23", ALIKE, 14.0)]
-    assert conclusion_on("frequency-depends-on-crank", Basis(other_tip, None))[0] == HOLDS
-
-
-def test_without_a_waveform_relations_cannot_be_checked_and_with_one_they_are() -> None:
-    assert conclusion_on("pre-frequency", Basis([], None))[0] == UNCHECKABLE
-    assert conclusion_on("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.01}}))[0] == HOLDS
-    assert conclusion_on("pre-frequency", Basis([], None, {"pre_frequency": {24: 1.20}}))[0] == NOT
-
-
-def measured(run_24: CaseResult, origin: str, of_experiment: bool = True) -> list[MeasuredHalf]:
-    """Before the return, with numbers in place of what a made-up signal leaves unresolved."""
-    found = measured_halves([with_table(run_24, "curve.csv", ["strain_2"], {"origin": origin}, of_experiment)])
-    (half,) = (item for item in found if item.measure.half == "pre")
-    measure = dataclasses.replace(half.measure, first_mode_frequency=16.0, first_mode_frequency_uncertainty=0.1, first_mode_amplitude=2e-4)
-    its = {"thesis": dataclasses.replace(measure, first_mode_frequency=18.0, first_mode_amplitude=1e-4)}
-    return [dataclasses.replace(half, measure=measure, engines=its)]
-
-
-def test_recordings_of_the_experiment_alone_have_weight_in_a_verdict(run_24: CaseResult) -> None:
-    values = statement_values(measured(run_24, "digitised"), "thesis")
-    assert values["pre_frequency"] == {24: pytest.approx(18.0 / 16.0)}
-    assert values["pre_amplitude"] == {24: pytest.approx(0.5)}
-    assert statement_values(measured(run_24, "synthetic"), "thesis") == {}
-    assert statement_values(measured(run_24, "measured", of_experiment=False), "thesis") == {}
-
-
-def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
-    """Neither an engine of another package nor a recorded table, however far off, though both are compared."""
-    wrong = dataclasses.replace(run_24.runs["mujoco"], engine="foreign", consensus=(EstimatedConsensus("pre", 99.0, 0.1, 0.1),))
-    others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
-    before, after = Content(results=[run_24]), Content(results=[others])
-    assert after.conclusions == before.conclusions
-    axes = axis_comparisons(after.results)
-    assert axes
-    assert not any("tool.csv" in axis.ratios for axis in axes)
-    facts_before, facts_after = ({chapter.id: chapter.facts for chapter in chapters_of(content)} for content in (before, after))
-    assert facts_after["experiment"]["ratios"] == facts_before["experiment"]["ratios"]
-    assert facts_after["recorded"]["names"] == ["tool.csv"]
-    assert answer_of(after).fastest == answer_of(before).fastest
-    assert answer_of(after).cubic == answer_of(before).cubic
-    assert "foreign" in answer_of(after).engines
+from tests.reports.plotted_results import with_run
+from tests.reports.reported_results import ALIKE, reported_result, with_frequencies
 
 
 def test_differences_are_relative_to_the_other_engine_and_extremes_to_its_peak() -> None:
@@ -196,74 +44,10 @@ def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) 
     assert row["exudyn_extreme_difference"].value == max(signed, key=abs)
 
 
-def test_a_label_of_half_the_peak_is_missed_by_as_much_as_one_of_twice_the_peak() -> None:
-    assert misfit([0.5]) == pytest.approx(misfit([2.0])) == pytest.approx(2.0)
-    assert misfit([1.0, 1.0, 4.0]) == 1.0
-
-
-@pytest.mark.parametrize(("cubic", "converged", "worse"), [(1.0, 2.0, True), (2.0, 1.0, False), (0.4, 2.0, False), (0.6, 2.0, True)])
-def test_what_is_further_from_the_labels_fits_worse(cubic: float, converged: float, worse: bool) -> None:
-    axes = [AxisComparison("A.1", 1, "strain", 1e-4, {"thesis": cubic, "reference": converged})]
-    assert fits_worse(axes) is worse
-    assert not fits_worse([dataclasses.replace(axes[0], ratios={"reference": converged})])
-
-
-def test_figures_with_measured_curves_alone_are_told_apart(run_24: CaseResult) -> None:
-    assert [(axis.figure, axis.channel) for axis in measured_alone([run_24])] == [
-        ("3.7", "tip_acceleration"),
-        ("3.8", "strain"),
-        ("3.9", "strain"),
-    ]
-    (strain,) = (axis for axis in measured_alone([run_24]) if axis.figure == "3.8")
-    peak = max(run_24.runs["thesis"].peak(name) for name in CHANNELS[1:])
-    assert strain.ratios["thesis"] == pytest.approx(peak / 1.5e-4)  # the axis reads 0.015 percent
-
-
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
     found = {run.engine: run.ending.incomplete for _, run in troubles([reported_result("thesis-24", statuses)])}
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
-
-
-def counted_run(frequency: float, slow: float) -> Run:
-    """Two seconds of a sine on a slow part that is a single hump; the return is at 1 s."""
-    time = np.linspace(0.0, 2.0, 4001)
-    signal = np.sin(2.0 * np.pi * frequency * time) + slow * np.sin(0.5 * np.pi * time)
-    cycle = {"time": time, "crank_angle": np.pi * (1.0 + time)} | dict.fromkeys(
-        ("tip_acceleration", "strain_1", "strain_2", "strain_3"), signal
-    )
-    resolved = tuple(EstimatedConsensus(half, frequency, 0.1) for half in HALVES)
-    return Run(engine="x", estimate_of="total", status="settled", consensus=resolved, cycle=cycle)
-
-
-def test_counting_extremes_of_a_pure_oscillation_gives_its_frequency() -> None:
-    run = counted_run(17.0, 0.0)
-    for half in ("pre", "post"):
-        # instants of the extremes are samples, 0.5 ms apart, in a second: 0.1 %
-        assert counted_frequency(run, half, "strain_2", 0.01) == pytest.approx(17.0, rel=1e-3)
-
-
-def test_the_excess_counted_off_plots_is_that_of_the_frequencies_where_there_is_no_slow_part() -> None:
-    result = reported_result("thesis-24")
-    runs = {"thesis": counted_run(18.7, 0.0), "reference": counted_run(17.0, 0.0)}
-    found = counted_excess([dataclasses.replace(result, runs=runs)])
-    assert len(found) == len(VISIBLE) * len(HALVES) * len(CHANNELS)
-    for excess in found:
-        assert excess.median == pytest.approx(0.1, abs=3e-3)  # twice the 0.1 % of a counted frequency, rounded up
-
-
-def test_ranges_of_the_crank_held_still_hold_the_known_frequencies_of_run_24(run_24: CaseResult) -> None:
-    known = np.array([[20.354, 62.287, 112.95], [17.779, 45.604, 135.26], [10.925, 63.787, 123.83]])  # at 180, 90, 0 degrees
-    converged = thesis_modes(run_24.case.mechanism).converged
-    for found, frequencies in zip(converged, known.T, strict=True):
-        # five digits are known; the least of the first mode is the value at 0 degrees
-        assert all(found.low * (1 - 1e-4) <= frequency <= found.high * (1 + 1e-4) for frequency in frequencies)
-    assert converged[0].low == pytest.approx(10.925, rel=1e-4)
-
-
-def test_the_third_mode_bends_gauges_1_and_3_against_gauge_2_and_the_first_all_alike(run_24: CaseResult) -> None:
-    found = thesis_modes(run_24.case.mechanism)
-    assert (found.alternating[2], found.alike[0], found.alternating[1]) == (1.0, 1.0, 0.0)
 
 
 def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Difference]:
@@ -329,20 +113,3 @@ def test_classes_count_runs() -> None:
     assert rows["thesis"][-2:] == [2, 0]
     assert rows["reference"] == [0, 0, 2, 0, 0, 0, 0]
     assert rows["exudyn"][-1] == 1
-
-
-@pytest.mark.parametrize(("before", "explained"), [(0.0, True), (0.04, True), (-0.2, False), (0.08, False)])
-def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_of_them(
-    monkeypatch: pytest.MonkeyPatch, before: float, explained: bool
-) -> None:
-    medians = {"pre": before, "post": 0.12}
-    excesses = [
-        Excess(median=median, lowest=median, highest=median, count=3, visible=visible, half=half, channel=channel)
-        for visible in VISIBLE
-        for half, median in medians.items()
-        for channel in CHANNELS
-    ]
-    monkeypatch.setattr(thesis, "counted_excess", lambda _: excesses)
-    told = pages.text_of(pages.one_run())
-    assert "So the halves differ as the thesis says." in told
-    assert ("it does not explain that part of its words" in told) is not explained

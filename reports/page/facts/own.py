@@ -5,19 +5,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.units import in_si
-from quickreturn.reference_model.mechanism import TorqueDrive
-from quickreturn.reports.findings.runs import thesis_runs
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables import engines as engine_tables
 from quickreturn.reports.tables import provenance as tables
 from quickreturn.reports.tables.table import Column, Table
 
 
-def next_steps(content: Content) -> dict[str, Any] | None:
-    """The facts of a report on the user's own cases; None for one on the thesis' runs."""
-    if content.thesis_results:
-        return None
+def next_steps(content: Content) -> dict[str, Any]:
+    """The facts."""
     case = content.results[0].case
     return {
         "file": shlex.quote(case.source if case.source not in ("", "library") else case.name),
@@ -30,7 +25,6 @@ def next_steps(content: Content) -> dict[str, Any] | None:
 
 def provenance(content: Content) -> dict[str, Any]:
     """The facts: engines, versions, machine, settings, failures, assumptions, verification."""
-    torque, weight = _gravity(content)
     runs = [run for result in content.results for run in result.runs.values()]
     return {
         "troubles": content.troubles,
@@ -39,9 +33,7 @@ def provenance(content: Content) -> dict[str, Any]:
         "of_integration": list(dict.fromkeys(run.engine for run in runs if run.usable and run.estimate_of == "integration")),
         "study_failures": () if content.studies is None else content.studies.failures,
         "notices": content.notices,
-        "of_thesis": bool(content.thesis_results),
-        "torque": torque,
-        "weight": weight,
+        "assumed": content.assumed,
         "date": content.facts.get("date", ""),
         "verification": content.verification,
         "failures": tables.troubles(content.troubles),
@@ -50,15 +42,6 @@ def provenance(content: Content) -> dict[str, Any]:
         "settings": engine_tables.settings(content.results),
         "verified": [_table(index, part) for index, part in enumerate(content.verification.chapters, start=1)],
     }
-
-
-def _gravity(content: Content) -> tuple[float | None, float | None]:
-    """Driving torque of a run of the thesis, N m, and the largest moment of in-plane gravity on its crank."""
-    for result in thesis_runs(content.results).values():
-        crank = result.case.mechanism.crank
-        if isinstance(crank.drive, TorqueDrive):
-            return crank.drive.torque, crank.mass * in_si("g0") * crank.center_of_mass
-    return None, None
 
 
 def _table(number: int, part: dict[str, Any]) -> Table:

@@ -2,11 +2,10 @@
 
 from typing import Any
 
-from quickreturn.cases.library import inconsistencies
-from quickreturn.cases.library.thesis import RUNS
 from quickreturn.reports.findings.agreement import engines_of, outward, resolvable
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.tables import engines, experiment
+from quickreturn.reports.tables import engines
+from quickreturn.reports.tables import recorded as tables
 from quickreturn.reports.tables.claims import table_departures
 
 
@@ -32,19 +31,18 @@ def recorded(content: Content) -> dict[str, Any] | None:
         "synthetic": [run.engine for run in runs if run.recording and run.recording.declared.get("origin") == "synthetic"],
         "checks": len(checks),
         "missed": sum(not check.passed for check in checks),
-        "tables": experiment.recorded(content.results),
-        "comparison": experiment.curve_comparison(content.comparisons, engines_of(content.results)),
+        "tables": tables.recorded(content.results),
+        "comparison": tables.curve_comparison(content.comparisons, engines_of(content.results)),
         "departures": table_departures(content.results),
     }
 
 
 def run_by_run(content: Content) -> dict[str, Any]:
-    """The facts: one section per case; a chapter of its own treats what all runs of the thesis have in common."""
-    general = {found.sentence for found in inconsistencies() if set(found.runs) == set(RUNS)}
+    """The facts: one section per case, without the notes that a chapter of their own treats."""
     sections = [
         {
             "case": result.case,
-            "notes": [note for note in result.case.notes if note not in general],
+            "notes": [note for note in result.case.notes if note not in content.general_notes],
             "failures": result.failures,
             "departures": result.departures,
             "table": engines.case_table(result),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from quickreturn.cases.classes.grid import ROWS, TURNS, case_of, grid, name_of
 from quickreturn.cases.classes.groups import Groups, groups_of, scene_of
 from quickreturn.cases.classes.map import distance, off_the_map
-from quickreturn.cases.library.thesis import run_case
+from quickreturn.cases.thesis.runs import run_case
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start

@@ -231,7 +231,7 @@ def test_folders_where_the_user_stands_are_not_taken_for_packages(tmp_path: Path
             from quickreturn.cases.jobs.job import Job
             from quickreturn.cases.jobs.processes import LocalProcesses
             if __name__ == "__main__":
-                (outcome,) = LocalProcesses().run([Job("job", pkgutil.resolve_name, ("quickreturn.cases.library.thesis:run_name",))])
+                (outcome,) = LocalProcesses().run([Job("job", pkgutil.resolve_name, ("quickreturn.cases.thesis.runs:run_name",))])
                 print(outcome.failure or outcome.value(24))
             """
         )

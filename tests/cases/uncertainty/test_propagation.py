@@ -5,10 +5,8 @@ import pytest
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.library.thesis import RUNS
 from quickreturn.cases.sweep.rows import Asked
 from quickreturn.cases.uncertainty.propagation import Points, Scatter, planned, quantiles
-from quickreturn.cases.uncertainty.thesis import MEASURES, UNPRINTED, band
 
 ASKED = Asked(measures=("peak.strain_2",), claims=False)
 UNCERTAIN = {"slider.mass": "uniform 1 kg .. 3 kg", "tip.center_of_mass": "uniform 0 in .. 0.5 in"}
@@ -69,21 +67,3 @@ def test_points_that_did_not_settle_count_in_no_number() -> None:
 def test_bad_studies_get_one_sentence(uncertain: dict[str, str], samples: int, told: str) -> None:
     with pytest.raises(CaseError, match=told):
         planned(load_case("thesis-24"), uncertain, ASKED, samples, "study")
-
-
-def test_what_the_thesis_does_not_print_can_be_varied_in_every_run() -> None:
-    uncertain = {each.key: each.distribution for each in UNPRINTED}
-    for run in RUNS:
-        found = planned(load_case(f"thesis-{run:02d}"), uncertain, Asked(measures=MEASURES), 8, "thesis")
-        assert found.inputs.shape == (8, len(UNPRINTED))
-
-
-def test_a_band_compares_the_halves_where_both_are_resolved() -> None:
-    found = planned(load_case("thesis-24"), UNCERTAIN, Asked(measures=MEASURES), 8, "thesis")
-    values = np.tile([10.0, 10.0, 1e-4, 3e-4, 2e-4], (8, 1))
-    values[0, 1], values[1, 1], values[2, 0] = 9.0, 10.1, np.nan
-    statuses = ("settled",) * 7 + ("failed",)
-    made = band(24, Scatter(found.case, found.distributions, MEASURES, found.inputs, values, np.full(values.shape, np.nan), statuses))
-    assert (made.points, made.settled, made.compared, made.apart) == (8, 7, 6, 1)
-    assert made.ratio == pytest.approx((0.9, 1.0, 1.01))
-    assert made.strain == pytest.approx((3e-4,) * 3)

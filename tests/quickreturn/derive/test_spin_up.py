@@ -2,18 +2,17 @@
 
 import numpy as np
 
-from quickreturn.cases.data import read_toml
 from quickreturn.derive import Model
 from tests.quickreturn.derive.descriptions import described
 from tests.verification.literature.rotating_cantilever import frequencies, time_unit
-from tests.verification.literature.spin_up import fitted_vibration, linear_lag, scene
+from tests.verification.literature.spin_up import LITERATURE, fitted_vibration, linear_lag, scene
 
 
 def test_it_lags_as_published_and_swings_as_the_linear_theory_says() -> None:
     found = Model(described("spin_up").spin_up()).simulate({}, 30.0, 0.02, tolerance=1e-9)
     assert found["base_angle"].iloc[-1] == np.float64(6.0 * (30.0 - 7.5))
     lag, alone = -found["tip_deflection"].min(), scene()
-    (published,) = (each for each in read_toml("literature.toml")["number"] if each["quantity"] == "largest tip lag")
+    (published,) = (each for each in LITERATURE["number"] if each["quantity"] == "largest tip lag")
     assert abs(lag - published["value"]) < published["digits"]
     # linear theory leaves out the square of the lag over the length
     assert abs(lag / linear_lag(alone) - 1) < (lag / 10.0) ** 2

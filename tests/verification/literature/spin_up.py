@@ -1,14 +1,16 @@
 """The spin-up manoeuvre in every engine beside published values and closed forms.
 
-Nothing here shares code with an engine: what is expected comes from print (`cases/data/literature.toml`), from the linear theory of the
-rotating cantilever by power series (`rotating_cantilever`), or from the statics of a spinning rod.
+Nothing here shares code with an engine: what is expected comes from print (`literature.toml`), from the linear theory of the rotating
+cantilever by power series (`rotating_cantilever`), or from the statics of a spinning rod.
 """
 
 import dataclasses
 import math
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +18,6 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.data import read_toml
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
@@ -28,7 +29,8 @@ from tests.verification.row import Row
 Array = NDArray[np.float64]
 
 CASE: Final = "spin-up"
-PUBLISHED: Final = read_toml("literature.toml")["rotating_cantilever"][0]
+LITERATURE: Final = tomllib.loads(Path(__file__).with_name("literature.toml").read_text("utf-8"))
+PUBLISHED: Final = LITERATURE["rotating_cantilever"][0]
 
 #: Runs at published rates: the spin-up ends at this instant and the vibration that it leaves is watched up to the other, s.
 SPUN_UP, WATCHED = 4.0, 20.0
@@ -206,5 +208,5 @@ def _estimate(result: Result) -> float:
 
 
 def _published(quantity: str) -> dict[str, Any]:
-    (found,) = (number for number in read_toml("literature.toml")["number"] if number["quantity"] == quantity)
+    (found,) = (number for number in LITERATURE["number"] if number["quantity"] == quantity)
     return dict(found)

@@ -1,0 +1,135 @@
+"""Writes the tables of `reports.long_studies`: `python -m quickreturn.record`.
+
+Missing results are computed, which takes hours; `--stored` takes only stored results.
+Names of studies, as in `CODE`, choose among them: `python -m quickreturn.record classes`.
+"""
+
+import dataclasses
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final
+
+from quickreturn.cases import conformance
+from quickreturn.cases.benchmark import SCENES, Benchmark, compiling, measure, stored
+from quickreturn.cases.benchmark.scenes import ENGINES
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.classes import study as classes
+from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.key import LIBRARIES, code_fingerprint
+from quickreturn.cases.jobs.store import Store, write_atomically
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.matrix import Matrix, judge_scenes
+from quickreturn.cases.library import catalogue
+from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.studies import confirming
+from quickreturn.cases.thesis.finding import study as finding
+from quickreturn.cases.thesis.scatter import bands
+from quickreturn.engines.registry import MAIN, engine
+from quickreturn.reports.long_studies import CODE, FOLDER, About, ConditioningRow, ConformanceRow, PointRow, about, text_of
+from quickreturn.reports.machine import version
+from quickreturn.reports.thesis import long_studies as _  # noqa: F401 - registers its studies
+
+#: Statistics of a solver that the page shows.
+STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the tables of all studies, or of the named ones; exit code 2 for an unknown argument."""
+    names = [each for each in arguments if each != "--stored"]
+    if unknown := sorted(set(names) - set(CODE)):
+        print(f"python -m quickreturn.record: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
+        return 2
+    workshop, told = Workshop(Store()), list[str]()
+    if "--stored" in arguments:
+        workshop = workshop.as_it_is
+    for study in names or CODE:
+        if found := _RECORDERS[study](workshop):
+            told.append(found)
+            _write("about", [_made(each) if each == study else made for each in CODE if (made := about(each)) or each == study])
+            about.cache_clear()
+    print(", ".join(told) or "nothing is stored")
+    return 0
+
+
+def _benchmark(workshop: Workshop) -> str:
+    cases = [load_case(name) for name in SCENES]
+    found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if workshop.computes else None))]
+    if found:
+        _write_benchmarks(found)
+        _write("compiling", compiling(workshop, ENGINES))
+    return f"{len(found)} of {len(cases)} scenes of the benchmark" if found else ""
+
+
+def _hard_scenes(workshop: Workshop) -> str:
+    matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop)
+    if not matrix.cells:
+        return ""
+    _write_matrix(matrix)
+    return f"{len(matrix.cells)} cells of the hard scenes"
+
+
+def _classes(workshop: Workshop) -> str:
+    scenes, reaches = classes.study(workshop)
+    _write("classes_scenes", scenes)
+    return _write("classes", reaches, f"cells of {len(scenes)} classes")
+
+
+#: Study -> the function that writes its tables and returns a line on them, "" if there is nothing.
+_RECORDERS: Final[Mapping[str, Callable[[Workshop], str]]] = {
+    "benchmark": _benchmark,
+    "hard scenes": _hard_scenes,
+    "confirmation": lambda workshop: _write("confirmation", confirming(workshop), "confirming solutions"),
+    "conformance": lambda workshop: _write("conformance", _conforming(workshop), "engines' conformance"),
+    "finding": lambda workshop: _write("finding", finding.study(workshop), "rows on the thesis' finding"),
+    "unprinted": lambda workshop: _write("unprinted", bands(workshop), "bands of runs"),
+    "classes": _classes,
+}
+
+
+def _conforming(workshop: Workshop) -> list[ConformanceRow]:
+    """The outcomes of all engines from the store; missing ones are computed unless only stored results are asked for."""
+    found = []
+    for name in ENGINES:
+        job = conformance.job(name)
+        outcome = workshop.stored(job)
+        if outcome is None and workshop.computes:
+            outcome = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
+        if outcome is not None and outcome.value is not None:
+            found.append(ConformanceRow.of(outcome.value, engine(name).version()))
+    return found
+
+
+def _made(study: str) -> About:
+    versions = [f"{name} {version(name)}" for name in LIBRARIES] + [str(engine(name).version()) for name in ("exudyn", "mujoco")]
+    return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), code_fingerprint(CODE[study]))
+
+
+def _write_benchmarks(found: Sequence[Benchmark]) -> None:
+    points = []
+    for table in found:
+        for point in table.points:
+            measured = point.measured and dataclasses.replace(
+                point.measured, statistics={name: value for name, value in point.measured.statistics.items() if name in STATISTICS}
+            )
+            points.append(PointRow(table.case, dataclasses.replace(point, measured=measured)))
+    _write("benchmark", points)
+    _write("benchmark_scenes", [dataclasses.replace(table, points=()) for table in found])
+
+
+def _write_matrix(matrix: Matrix) -> None:
+    _write("hard_scenes", [matrix.cells[case.name, name] for case in matrix.cases for name in MAIN if (case.name, name) in matrix.cells])
+    known = [(case.name, matrix.conditionings[case.name]) for case in matrix.cases if case.name in matrix.conditionings]
+    _write("hard_scenes_conditioning", [ConditioningRow(name, matrix.converged.get(name), found) for name, found in known])
+
+
+def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:
+    """Write a table, unless it would be empty; return its number of rows in words."""
+    if not rows:
+        return ""
+    write_atomically(FOLDER / f"{name}.csv", text_of(rows).encode())
+    return f"{len(rows)} {of}"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,124 @@
+"""Facts on the causes of the thesis' finding: the recorded study, its plot, and the sufficient effects."""
+
+import statistics
+from collections.abc import Sequence
+from typing import Any, Final
+
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.cases.thesis.experiment import statements
+from quickreturn.cases.thesis.finding.effects import effects, name_of
+from quickreturn.cases.thesis.finding.study import SECOND, Row
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.thesis import finding_tables as tables
+from quickreturn.reports.thesis.runs import thesis_runs
+from quickreturn.reports.thesis.sufficiency import OF_NO_JOINT, SIMULATION, Tried, conflicting, splits, sufficiency, tried
+from quickreturn.reports.words import number
+
+#: The readings of the words that the frequency before the return is right, and that after it the excess is larger.
+PRE: Final = next(each for each in statements() if each.id == "pre-frequency")
+EXCESS: Final = next(each.low for each in statements() if each.id == "post-excess")
+#: Lower end of the drawn region that is open below, as a part of the frequency.
+DEPTH: Final = 0.06
+#: Effects of friction.
+FRICTION: Final = ("friction", "drag", "pivot")
+#: The effect that preload makes linear again.
+PRELOAD: Final = "preload"
+
+
+def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any]:
+    """Facts for the chapter on the thesis, without a plot if no study is recorded."""
+    sets = tried(study)
+    rows, second = ([row for row in study if (row.engine == SECOND) == other] for other in (False, True))
+    pairs = [(mine, its) for its in second for mine in rows if (mine.effect, mine.strength) == (its.effect, its.strength)]
+    if not sets:
+        return {"splitting": [], "effects_plot": None}
+    found = sufficiency(sets)
+    symmetric = {effect.id for effect in effects() if effect.symmetric}
+    moved = {(row.effect, row.strength): gap for row in rows if (gap := row.apart) is not None}
+    splitting = splits(rows)
+    return {
+        "splitting": splitting,
+        "only_one_sided": all(each.one_sided for each in splitting),
+        "symmetric": any(row.tells_halves_apart for row in rows if row.effect in symmetric),
+        "against": max((gap, name_of(effect), strength) for (effect, strength), gap in moved.items() if effect in FRICTION),
+        "nothing": [each.statement.words for each in found if not each.sets and each.statement.id not in OF_NO_JOINT],
+        "conflicting": conflicting(found, "post-excess"),
+        "sets": len(sets),
+        "runs": min(row.runs for row in rows),
+        "choices": sorted({len(each.choices) for each in sets}),
+        "most": max(sets, key=lambda each: sum(each.shown.values())),
+        "rings": _rings(sets),
+        "gentle": _gentle(rows, results),
+        "from_second": _from_second(pairs),
+        "effects_plot": _plot(rows),
+        "effects": tables.effects(rows),
+        "second": tables.second(pairs),
+        "sufficient": tables.statements(found, len(sets), OF_NO_JOINT),
+        "all_sets": tables.sets(sets),
+    }
+
+
+def _rings(sets: Sequence[Tried]) -> dict[str, list[float]]:
+    """Effect -> frequencies (Hz) of run 24's fast vibration at the return, for effects that separate the halves or show the vibration."""
+    wanted = {"clearance", "post-side", "preload", "post-side-alloy"}
+    found: dict[str, list[float]] = {}
+    for each in sets:
+        if each.row.effect in wanted and each.row.example:
+            found.setdefault("clearance" if each.row.effect == "clearance" else "soft", []).append(each.row.example[3])
+    return found
+
+
+def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any] | None:
+    """The difference between the halves with the strongest preload, in runs whose slider force it exceeds and in the others."""
+    strongest = next((row for row in reversed(rows) if row.effect == PRELOAD), None)
+    cycles = {run: found.runs[REFERENCE].cycle for run, found in thesis_runs(results).items() if REFERENCE in found.runs}
+    forces = {run: max(abs(cycle["slider_force"])) for run, cycle in cycles.items() if "slider_force" in cycle}
+    if strongest is None:
+        return None
+    preload = float(strongest.strength.split()[0])
+    gaps: dict[bool, list[float]] = {True: [], False: []}
+    before, after = (strongest.changes(f"{half}_frequency") for half in HALVES)
+    for run in before:
+        if run in after and run in forces:
+            gaps[forces[run] < preload].append((1.0 + after[run]) / (1.0 + before[run]) - 1.0)
+    if not all(gaps.values()):
+        return None
+    return {
+        "preload": strongest.strength,
+        "gentle": statistics.median(gaps[True]),
+        "others": statistics.median(gaps[False]),
+        "counts": (len(gaps[True]), len(gaps[False])),
+    }
+
+
+def _from_second(pairs: Sequence[tuple[Row, Row]]) -> tuple[float, int] | None:
+    """Largest difference of a change of frequency between both formulations, and the number of changes."""
+    differences = []
+    for mine, its in pairs:
+        for half in HALVES:
+            one, other = (row.changes(f"{half}_frequency") for row in (mine, its))
+            differences += [abs(one[run] - other[run]) for run in other if run in one]
+    return (max(differences), len(differences)) if differences else None
+
+
+def _plot(rows: Sequence[Row]) -> Plot:
+    """Plot of the change after the return over that before it: a line for each effect through its strengths, bars between quartiles."""
+    series = []
+    for effect in effects():
+        mine = [row for row in rows if row.effect == effect.id]
+        spreads = [tuple(100.0 * each for half in HALVES for each in tables.spread(row.changes(f"{half}_frequency"))) for row in mine]
+        points = [(row, spread) for row, spread in zip(mine, spreads, strict=True) if len(spread) == 6]
+        told = [f"{row.strength}: {number(spread[1], '+.1f')} % before, {number(spread[4], '+.1f')} % after" for row, spread in points]
+        across, up = [spread[1] for _, spread in points], [spread[4] for _, spread in points]
+        bars = [(spread[0], spread[2], spread[3], spread[5]) for _, spread in points]
+        series.append(Series(effect.name, effect.id, across, up, told, bars=bars))
+    cubic = next(row for row in rows if (row.effect, row.strength) == SIMULATION)
+    regions = [_asked(1.0), _asked(1.0 + tables.spread(cubic.changes("pre_frequency"))[1])]
+    return Plot("finding.csv", "change before the return [%]", "change after the return [%]", series, regions=regions)
+
+
+def _asked(simulation: float) -> list[tuple[float, float]]:
+    """Region of the experiment by the words, %: the simulation is right before the return, and too high by more after it; open below."""
+    ends = [simulation / ratio for ratio in (PRE.high, PRE.low)]
+    corners = [(end, end / EXCESS) for end in ends] + [(end, end / EXCESS - DEPTH) for end in reversed(ends)]
+    return [(100.0 * (x - 1.0), 100.0 * (y - 1.0)) for x, y in corners]

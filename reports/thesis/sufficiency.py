@@ -1,0 +1,169 @@
+"""Which effect would suffice for each statement of the thesis: its published model is the simulation, a changed machine the experiment.
+
+A statement compares simulation and experiment, and the experiment is lost. So each effect of the study (`cases.thesis.finding`) takes its
+place: it is compared with the single cubic as published, by the readings of the statements in `cases/thesis/data/statements.toml`. Nothing
+is adjusted to the words; every set is given with its number of choices.
+"""
+
+import math
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from quickreturn.cases.runs.comparison import HALVES, REFERENCE
+from quickreturn.cases.thesis.experiment import Statement, axis_labels, statements
+from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects, name_of
+from quickreturn.cases.thesis.finding.study import EXAMPLE, Row
+from quickreturn.reports.thesis.conclusions import ACCURATE
+
+#: The row of the thesis' own model, which is the simulation.
+SIMULATION: Final = ("cubic", "1 element")
+#: Least amplitude of a visible vibration in a printed figure, as a part of the axis' range.
+VISIBLE: Final = 0.01
+#: Error of a frequency that is read at the return, Hz: half the resolution of a sixth of a turn of run 24, 63 ms.
+RESOLUTION: Final = 8.0
+#: Statements that do not depend on the joint: one follows from the geometry, the other from the cubic elements alone.
+OF_NO_JOINT: Final = ("frequency-depends-on-crank", "more-elements")
+#: Share of the half cycles in which a frequency must be accurate for the word "typically".
+TYPICALLY: Final = 0.75
+
+Share = Callable[[Statement, Row, Row], float | None]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A row of the study in the experiment's place: for each statement the share of runs (or of other counted items) that shows it."""
+
+    row: Row
+    choices: tuple[str, ...]
+    shares: Mapping[str, float | None]
+    shown: Mapping[str, bool]
+
+    @property
+    def words(self) -> str:
+        """The effect and its strength."""
+        return f"{name_of(self.row.effect)}: {self.row.strength}" if self.row.effect != PUBLISHED.id else self.row.strength
+
+
+@dataclass(frozen=True)
+class Split:
+    """An effect that makes the halves differ as the words require, at its weakest such strength: relative changes, medians."""
+
+    effect: Effect
+    strength: str
+    pre: float
+    post: float
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether it makes the roller that carries after the return softer than the other."""
+        return "slider.joint_stiffness_plus" in (self.effect.set, *self.effect.also)
+
+
+@dataclass(frozen=True)
+class Sufficiency:
+    """The verdict on a statement: the sets that show it, the least number of choices among these, the greatest share."""
+
+    statement: Statement
+    sets: Sequence[Tried]
+    choices: int | None
+    best: Tried | None
+
+
+def splits(rows: Sequence[Row]) -> list[Split]:
+    """Those of fewest choices first."""
+    excess = next(each.low for each in statements() if each.id == "post-excess")
+    found = list[Split]()
+    for effect in effects():
+        mine = [row for row in rows if row.effect == effect.id and row.engine == effect.engine]
+        if row := next((row for row in mine if row.tells_halves_apart and (row.apart or 0.0) <= 1.0 / excess - 1.0), None):
+            pre, post = (statistics.median(row.changes(f"{half}_frequency").values()) for half in HALVES)
+            found.append(Split(effect, row.strength, pre, post))
+    return sorted(found, key=lambda each: len(each.effect.choices))
+
+
+def tried(rows: Sequence[Row]) -> list[Tried]:
+    """Every row except those of the simulation's own elements and of a second formulation; none without a study."""
+    simulation = next((row for row in rows if (row.effect, row.strength) == SIMULATION), None)
+    choices = {effect.id: effect.choices for effect in effects()}
+    own = [row for row in rows if row.engine == REFERENCE]
+    return [_tried(row, simulation, choices.get(row.effect, ())) for row in own] if simulation else []
+
+
+def sufficiency(sets: Sequence[Tried]) -> list[Sufficiency]:
+    """One per statement, in the order of the thesis."""
+    found = []
+    for statement in statements():
+        shown = [each for each in sets if each.shown.get(statement.id)]
+        known = [each for each in sets if each.shares.get(statement.id) is not None]
+        best = max(known, key=lambda each: each.shares[statement.id] or 0.0, default=None)
+        found.append(Sufficiency(statement, shown, min((len(each.choices) for each in shown), default=None), best))
+    return found
+
+
+def conflicting(found: Sequence[Sufficiency], id: str) -> list[str]:
+    """Words of the statements that some sets show, but no set that also shows the statement `id`; empty if no set shows that one."""
+    mine = next(each.sets for each in found if each.statement.id == id)
+    return [each.statement.words for each in found if mine and each.sets and not any(one is other for one in mine for other in each.sets)]
+
+
+def _tried(row: Row, simulation: Row, choices: tuple[str, ...]) -> Tried:
+    shares = {each.id: _SHARES.get(each.id, _relation)(each, simulation, row) for each in statements() if each.id not in OF_NO_JOINT}
+    asked = {each.id: each.share if each.kind in ("relation", "frequency") else TYPICALLY for each in statements()}
+    asked["joint-cause"] = asked["post-excess"]
+    return Tried(row, choices, shares, {name: share is not None and share >= asked[name] for name, share in shares.items()})
+
+
+def _relation(statement: Statement, simulation: Row, row: Row) -> float | None:
+    if statement.quantity == "post_over_pre_frequency" and not row.tells_halves_apart:
+        return 0.0  # an excess within the uncertainty of the measurement
+    return statement.share_of(ratios(statement.quantity, simulation, row))
+
+
+def ratios(quantity: str, simulation: Row, row: Row) -> dict[int, float]:
+    """Run -> ratio simulation / experiment of a quantity that statements name."""
+    if quantity == "post_over_pre_frequency":
+        before, after = (ratios(f"{half}_frequency", simulation, row) for half in HALVES)
+        return {run: after[run] / before[run] for run in before if run in after}
+    mine, its = simulation.changes(quantity), row.changes(quantity)
+    return {run: (1.0 + mine[run]) / (1.0 + its[run]) for run in mine if run in its}
+
+
+def _cause(_: Statement, simulation: Row, row: Row) -> float | None:
+    """The cause that the thesis names would show in the excess after the return."""
+    excess = next(each for each in statements() if each.id == "post-excess")
+    return _relation(excess, simulation, row)
+
+
+def _first_mode(statement: Statement, _: Row, row: Row) -> float | None:
+    means = [mean for mean in row.example[:2] if mean]
+    return sum(statement.low <= mean <= statement.high for mean in means) / len(means) if means else None
+
+
+def _is_seen(row: Row) -> bool:
+    """Whether the vibration at the return would be seen in the figure of the run that the thesis shows."""
+    printed = next(axis.range for axis in axis_labels(EXAMPLE) if axis.channel == "tip_acceleration")
+    return bool(row.example) and math.sqrt(2.0) * row.example[2] >= VISIBLE * (printed[1] - printed[0])
+
+
+def _second_mode(statement: Statement, _: Row, row: Row) -> float | None:
+    return float(_is_seen(row) and abs(row.example[3] - statement.low) <= RESOLUTION) if row.example else None
+
+
+def _signs(_: Statement, __: Row, row: Row) -> float | None:
+    return float(_is_seen(row) and row.example[4] < 0.0 < row.example[5]) if row.example else None
+
+
+def _two_modes(_: Statement, simulation: Row, row: Row) -> float | None:
+    found = [ratio for half in HALVES for ratio in ratios(f"{half}_frequency", simulation, row).values()]
+    return sum(ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in found) / len(found) if found else None
+
+
+_SHARES: Final[Mapping[str, Share]] = {
+    "first-mode-range": _first_mode,
+    "second-mode": _second_mode,
+    "second-mode-signs": _signs,
+    "joint-cause": _cause,
+    "two-modes": _two_modes,
+}

@@ -1,0 +1,174 @@
+"""Recorded results: what is written is read back, and what is recorded comes out again."""
+
+import dataclasses
+import json
+import os
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from quickreturn import record as recording
+from quickreturn.cases.benchmark import Benchmark
+from quickreturn.cases.benchmark.truth import truth_of
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.classes.grid import CENTRE, case_of
+from quickreturn.cases.classes.map import Map
+from quickreturn.cases.classes.measurement import LEVELS, measured
+from quickreturn.cases.conformance import Check, Conformance, job
+from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.matrix import Judged
+from quickreturn.cases.studies import confirming
+from quickreturn.engines.one_run import run_once
+from quickreturn.engines.registry import engine
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.record import main
+from quickreturn.reports import long_studies
+from quickreturn.reports import report as report_module
+from quickreturn.reports.long_studies import About, ConformanceRow, PointRow, table, text_of
+from tests.cases.made_up_map import made_up_map
+from tests.reports import pages
+from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.test_hard_scenes_page import matrix
+
+#: Bytes of all recorded tables together.
+MOST = 200_000
+#: Cells that are computed anew: scene, engine, and which of its recorded settings, counted from the coarsest.
+CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24", "mujoco", 0)]
+
+
+def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
+    measured, found = made_up_benchmark(), matrix(wrong=True)
+    (tmp_path / "points.csv").write_text(text_of([PointRow(measured.case, point) for point in measured.points]))
+    (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, points=())]))
+    (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))
+    points = table("points", PointRow)
+    for mine, its in zip(points, measured.points, strict=True):
+        assert mine.case == measured.case
+        assert (mine.point.method, mine.point.settings, mine.point.status) == (its.method, its.settings, its.status)
+        assert (mine.point.measured is None) == (its.measured is None)
+        if mine.point.measured and its.measured:
+            assert mine.point.measured.errors == pytest.approx(its.measured.errors, rel=5e-5)  # five digits
+    assert table("scenes", Benchmark) == [dataclasses.replace(measured, points=())]
+    assert table("cells", Judged) == list(found.cells.values())
+    assert table("nothing", Judged) == []
+
+
+def test_a_recorded_result_is_labelled_as_such() -> None:
+    about = About("benchmark", "2001-02-03", "numpy 1", "f" * 64)
+    told = pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()], of_record={"benchmark": about}))
+    assert "Recorded: measured on 2001-02-03 with numpy 1, code ffffffffffff, which is older than this page’s." in told
+    assert "Recorded" not in pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()]))
+
+
+def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    checks = (Check("a", "passed"), Check("b", "passed"), Check("c", "not judged", "it is coarse"))
+    found = [ConformanceRow.of(Conformance(name, True, checks), "1.2") for name in ("thesis", "mujoco")]
+    (tmp_path / "conformance.csv").write_text(text_of(found))
+    (tmp_path / "about.csv").write_text(text_of([About("conformance", "2001-02-03", "numpy 1", "f" * 64)]))
+    monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
+    long_studies.about.cache_clear()
+    workshop = Workshop(Store(tmp_path / "store"))
+    workshop.kept(Outcome(job("thesis"), Conformance("thesis", False, (Check("a", "failed", "no", "mend it"),))))
+    told = report_module._conformance(("thesis", "reference", "mujoco"), workshop)
+    long_studies.about.cache_clear()
+    recorded = "recorded on 2001-02-03 with code ffffffffffff, which is older than this page’s"
+    assert told == {
+        "thesis": "does not conform: 1 check failed; 0 checks passed",
+        "mujoco": f"conforms; 2 checks passed, 1 could not be judged ({recorded})",
+    }
+    assert table("conformance", ConformanceRow) == found
+
+
+def test_the_map_of_classes_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
+    known = made_up_map()
+    (tmp_path / "classes.csv").write_text(text_of(known.reaches))
+    (tmp_path / "classes_scenes.csv").write_text(text_of(known.scenes))
+    assert long_studies.class_map() == known  # a rigid joint is infinite, and what is not there stays None
+    monkeypatch.setattr(long_studies, "FOLDER", tmp_path / "nothing")
+    assert long_studies.class_map() == Map()
+
+
+def test_an_unknown_study_or_option_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    for unknown in ("--all", "class"):
+        assert main([unknown]) == 2
+        told = capsys.readouterr().err
+        assert unknown in told
+        assert "accepted: --stored, benchmark, hard scenes" in told
+
+
+def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (long_studies, recording):
+        monkeypatch.setattr(module, "FOLDER", tmp_path)
+    monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
+    monkeypatch.setattr(recording.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().reaches)))
+    (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "f" * 64)]))
+    long_studies.about.cache_clear()
+    assert main(["--stored", "classes"]) == 0
+    written = {study: made for study in long_studies.CODE if (made := long_studies.about(study))}
+    long_studies.about.cache_clear()
+    assert set(written) == {"finding", "classes"}
+    assert written["finding"].date == "2001-02-03"
+    assert written["classes"].current
+    assert {path.name for path in tmp_path.glob("*.csv")} == {"about.csv", "classes.csv", "classes_scenes.csv"}
+    assert long_studies.class_map() == made_up_map()
+
+
+def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
+    files = sorted(long_studies.FOLDER.glob("*.csv"))
+    assert files
+    assert sum(os.path.getsize(file) for file in files) <= MOST
+    made = [long_studies.about(study) for study in long_studies.CODE]
+    assert any(made)
+    assert all(each.date and each.versions and len(each.code) == 64 for each in made if each)
+    assert bool(long_studies.benchmarks()) == (long_studies.about("benchmark") is not None)
+
+
+@pytest.mark.verify
+def test_two_packages_confirm_the_converged_solution() -> None:
+    """Kept where the report finds it."""
+    found = confirming(Workshop(Store()))
+    assert {run.engine for run in found} == {"exudyn", "mujoco"}
+    assert all(run.confirms for run in found)
+
+
+def test_who_has_no_confirming_solutions_sees_those_of_record() -> None:
+    assert {run.engine for run in long_studies.confirming()} == {"exudyn", "mujoco"}
+
+
+@cache
+def solved(case: str, name: str, settings: str) -> Trajectory:
+    """One run of a scene of the benchmark; the settings as JSON."""
+    scene, chosen = load_case(case), engine(name)
+    texts = {key: str(value) for key, value in json.loads(settings).items()}
+    used = chosen.settings_for(1e-4, scene.mechanism).with_texts(texts)
+    return run_once(chosen, scene.mechanism, standard_start(scene.mechanism), scene.duration, scene.output_step, used).trajectory
+
+
+@pytest.mark.parametrize(("case", "name", "rank"), CELLS)
+def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> None:
+    found = long_studies.benchmarks().get(case)
+    if found is None:
+        pytest.fail(f"{case} is not recorded")
+    done = [point for point in found.points if point.method == name and point.measured]
+    point = sorted(done, key=lambda each: each.measured.degrees_of_freedom if each.measured else 0)[rank]
+    truth = solved(case, found.truth.engine, json.dumps(found.truth.settings))
+    mine = solved(case, name, json.dumps(point.settings))
+    difference = ((mine["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
+    # recorded with five digits; the rest is what another machine's rounding may do to adaptive steps
+    assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(point.error(), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["thesis"])
+def test_a_recorded_error_of_the_map_comes_out_again(name: str) -> None:
+    known = long_studies.class_map()
+    scene = next(scene for scene in known.scenes if scene.groups == CENTRE)
+    (recorded,) = (reach for reach in known.at(scene, LEVELS[0]) if reach.engine == name)
+    (again, _) = measured(CENTRE, name, truth_of(case_of(CENTRE)))
+    # five digits, and what another machine's rounding may do to adaptive steps
+    assert (again.status, again.error) == (recorded.status, pytest.approx(recorded.error, rel=1e-3))
