@@ -97,16 +97,20 @@ def following(mechanism: Mechanism, modes: int) -> Following:
 @lru_cache(maxsize=16)
 def _following(bare: Mechanism, modes: int) -> Following:
     """Of a mechanism without what its modes do not depend on."""
-    began = time.perf_counter()
     reach, high = _reach(bare), slider_range(bare)[1]
-    family = _family(bare, max(modes, _SHARED)).first(modes)
+    shared, seconds = _family(bare, max(modes, _SHARED))
+    began, family = time.perf_counter(), shared.first(modes)
     tables = span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1))
-    return Following(Placed(tables, high - reach.leaving * bare.follower.length), family, time.perf_counter() - began)
+    seconds += time.perf_counter() - began
+    return Following(Placed(tables, high - reach.leaving * bare.follower.length), family, seconds)
 
 
 @lru_cache(maxsize=8)
-def _family(bare: Mechanism, modes: int) -> ModeFamily:
-    return mode_family(bare, modes, *slider_range(bare), _reach(bare).terms * (21 + 7 * modes))
+def _family(bare: Mechanism, modes: int) -> tuple[ModeFamily, float]:
+    """The modes as functions, and the wall time (s) that making them took."""
+    began = time.perf_counter()
+    family = mode_family(bare, modes, *slider_range(bare), _reach(bare).terms * (21 + 7 * modes))
+    return family, time.perf_counter() - began
 
 
 def gauss_points(modes: int) -> int:
