@@ -157,7 +157,7 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
     M, K = np.zeros((size, size)), np.zeros((size, size))
     for span, numbers in zip(spans, numbering, strict=True):
         mass, bending = _element(span, count + SPARE_SHAPES)
-        block = np.ix_(numbers, numbers)
+        block = numbers[:, None], numbers
         M[block] += mechanism.follower.mass_per_length * mass
         K[block] += mechanism.follower.bending_stiffness * bending
     _add_bodies(M, K, mechanism, numbering)
@@ -173,9 +173,10 @@ def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[
     The sign is that of a positive deflection at the flexible end, which is coordinate `tip`.
     """
     free = np.delete(np.arange(len(M)), held)
+    both = free[:, None], free
     # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
     # exact however short and stiff a span is
-    inverse_squares, vectors = scipy.linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)])
+    inverse_squares, vectors = scipy.linalg.eigh(M[both], K[both])
     inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
     full = np.zeros((len(M), count))
     full[free] = vectors
@@ -189,6 +190,7 @@ def _spans(position: float, length: float) -> tuple[tuple[float, float], ...]:
     return ((0.0, position), (position, length))
 
 
+@cache
 def _numbering(spans: int, interior: int) -> tuple[NDArray[np.intp], ...]:
     """Global numbers of each span's shapes: deflection and slope at P, slider and tip come first, interior shapes follow."""
     nodes = 2 * (spans + 1)
@@ -213,7 +215,7 @@ def _add_tip(M: Array, tip: Tip | None, numbering: tuple[NDArray[np.intp], ...])
         m, J, offset = tip.mass, tip.inertia, tip.center_of_mass
         end = numbering[-1][2:4]
         # kinetic energy m/2 (w' + offset theta')^2 + J/2 theta'^2
-        M[np.ix_(end, end)] += np.array([[m, m * offset], [m * offset, J + m * offset**2]])
+        M[end[:, None], end] += np.array([[m, m * offset], [m * offset, J + m * offset**2]])
 
 
 def _element(span: tuple[float, float], interior: int) -> tuple[Array, Array]:

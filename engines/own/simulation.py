@@ -1,7 +1,7 @@
 """A running simulation of one of the own models."""
 
 import time
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,11 @@ from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.reference_model import integrate
 from quickreturn.reference_model.columns import JOINT_COLUMNS
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
-from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.slider_constraint import LEVER
-from quickreturn.reference_model.thesis.model import ThesisModel
+
+if TYPE_CHECKING:
+    from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+    from quickreturn.reference_model.thesis.model import ThesisModel
 
 Array = NDArray[np.float64]
 
@@ -42,7 +44,7 @@ class OwnSimulation(Simulation):
     """
 
     def __init__(
-        self, model: BeamModel | ThesisModel | MovingBoundariesModel, state: Array, tolerance: float, setup_seconds: float
+        self, model: "BeamModel | ThesisModel | MovingBoundariesModel", state: Array, tolerance: float, setup_seconds: float
     ) -> None:
         self.setup_seconds = setup_seconds
         self.time = 0.0

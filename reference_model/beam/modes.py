@@ -36,6 +36,10 @@ class ModeFamily:
     squares: Array
     coefficients: Array
 
+    def first(self, count: int) -> "ModeFamily":
+        """The family of the first `count` modes alone."""
+        return dataclasses.replace(self, squares=self.squares[:, :count], coefficients=self.coefficients[..., :count])
+
     def squares_at(self, s: Array, derivative: int = 0) -> Array:
         """omega_i^2 or its derivative by s at places s (k,), shape (k, n)."""
         return self._series(self.squares, s, derivative)

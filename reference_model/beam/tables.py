@@ -41,6 +41,8 @@ class _Reach(NamedTuple):
 _USUAL: Final = _Reach(1e-4, 5e-4, 1, 1)
 #: Where it does not; coarser tables would lose 5e-2 of the strain energy there.
 _TO_THE_END: Final = _Reach(1e-6, 1e-5, 3, 8)
+#: Up to so many modes come from one family: a run and the finer ones of its error estimate share it.
+_SHARED: Final = 7
 #: The part of the follower's length from which on the slider counts as near the end.
 _NEAR: Final = 0.95
 #: How far beyond the follower's end the tables of shapes that stay go, in parts of its length: a step that passes it is seen to.
@@ -95,11 +97,20 @@ def following(mechanism: Mechanism, modes: int) -> Following:
 @lru_cache(maxsize=16)
 def _following(bare: Mechanism, modes: int) -> Following:
     """Of a mechanism without what its modes do not depend on."""
-    began = time.perf_counter()
-    reach, (low, high) = _reach(bare), slider_range(bare)
-    family = mode_family(bare, modes, low, high, reach.terms * (21 + 7 * modes))
+    reach, high = _reach(bare), slider_range(bare)[1]
+    shared, seconds = _family(bare, max(modes, _SHARED))
+    began, family = time.perf_counter(), shared.first(modes)
     tables = span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1))
-    return Following(Placed(tables, high - reach.leaving * bare.follower.length), family, time.perf_counter() - began)
+    seconds += time.perf_counter() - began
+    return Following(Placed(tables, high - reach.leaving * bare.follower.length), family, seconds)
+
+
+@lru_cache(maxsize=8)
+def _family(bare: Mechanism, modes: int) -> tuple[ModeFamily, float]:
+    """The modes as functions, and the wall time (s) that making them took."""
+    began = time.perf_counter()
+    family = mode_family(bare, modes, *slider_range(bare), _reach(bare).terms * (21 + 7 * modes))
+    return family, time.perf_counter() - began
 
 
 def gauss_points(modes: int) -> int:

@@ -28,8 +28,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def stage(function: Function) -> Function:
-    """A part of the equations of motion: compiled with what calls it, without entries of its own and without reference counts."""
-    return cast(Function, _njit(**_INSIDE, _nrt=False)(function))
+    """A part of the equations of motion: without entries of its own and without reference counts."""
+    return cast(Function, _njit(cache=True, **_INSIDE, _nrt=False)(function))
 
 
 def compiled(function: Function) -> Function:

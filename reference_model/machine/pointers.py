@@ -9,16 +9,13 @@ import math
 from typing import Any, Final
 
 import llvmlite.ir as ir
-import numba
 import numpy as np
 from numba import extending, types
-from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
 from numba.np.arrayobj import make_array, populate_array
+from numba.np.numpy_support import as_dtype
 from numpy.typing import NDArray
-
-from quickreturn.reference_model.machine.compilation import compiled
 
 Array = NDArray[np.float64]
 
@@ -78,33 +75,41 @@ class _AtAttributes(AttributeTemplate):
         return At(member) if isinstance(member, types.BaseNamedTuple) else member
 
 
+def _words(kind: Any) -> int:
+    """Words of eight bytes that a member takes: of an array its place and its shape, of a record its place, of a tuple its members."""
+    if isinstance(kind, types.BaseNamedTuple):
+        return sum(map(_words, kind.types))
+    return 1 + kind.ndim if isinstance(kind, types.Array) else 1
+
+
 @lower_getattr_generic(At)
 def _load_member(context: Any, builder: Any, at: At, address: Any, name: str) -> Any:
-    """Load a member, number by number, each as one that does not change."""
-    pointee = context.get_value_type(at.pointee)
+    """Load a member, word by word, each as one that does not change."""
     index = at.pointee.fields.index(name)
-    tuple_pointer = builder.bitcast(address, pointee.as_pointer())
+    kind, first = at.pointee.types[index], sum(map(_words, at.pointee.types[:index]))
 
-    def load(place: Any, kind: Any) -> Any:
-        if isinstance(kind, ir.BaseStructType | ir.ArrayType):
-            members = kind.elements if isinstance(kind, ir.BaseStructType) else [kind.element] * kind.count
-            whole = ir.Constant(kind, ir.Undefined)
-            for position, member in enumerate(members):
-                part = load(cgutils.gep_inbounds(builder, place, 0, position), member)
-                whole = builder.insert_value(whole, part, position)
-            return whole
-        loaded = builder.load(place)
+    def place(word: int) -> Any:
+        return builder.gep(address, [ir.Constant(ir.IntType(64), 8 * word)], inbounds=True)
+
+    def load(word: int, kind: Any) -> Any:
+        loaded = builder.load(builder.bitcast(place(word), kind.as_pointer()))
         loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
         return loaded
 
-    member = cgutils.gep_inbounds(builder, tuple_pointer, 0, index)
-    if isinstance(at.pointee.types[index], types.BaseNamedTuple):
-        return builder.bitcast(member, ir.IntType(8).as_pointer())
-    found = load(member, pointee.elements[index])
-    if isinstance(at.pointee.types[index], types.Array):  # Python owns it: compiled code has no part in counting its references
-        for owner in (0, 1):
-            found = builder.insert_value(found, cgutils.get_null_value(pointee.elements[index].elements[owner]), owner)
-    return found
+    if isinstance(kind, types.BaseNamedTuple):
+        return place(first)
+    if kind == types.boolean:
+        return builder.trunc(load(first, ir.IntType(64)), ir.IntType(1))
+    if not isinstance(kind, types.Array):
+        return load(first, context.get_value_type(kind))
+    array = make_array(kind)(context, builder)  # Python owns it: compiled code has no part in counting its references
+    word = context.get_value_type(types.intp)
+    shape = [load(first + 1 + axis, word) for axis in range(kind.ndim)]
+    strides = [context.get_constant(types.intp, kind.dtype.bitwidth // 8)]
+    for size in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], size))
+    populate_array(array, data=load(first, array.data.type), shape=shape, strides=strides, itemsize=strides[-1], meminfo=None)
+    return array._getvalue()
 
 
 def reader(pointee: types.NamedTuple) -> Any:
@@ -118,28 +123,6 @@ def reader(pointee: types.NamedTuple) -> Any:
         return At(pointee)(types.uintp), code
 
     return at
-
-
-@intrinsic
-def store_tuple(typing: Any, value: Any, address: Any) -> Any:
-    """Lay a tuple down at an address."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        kind = context.get_value_type(signature.args[0])
-        builder.store(arguments[0], builder.inttoptr(arguments[1], kind.as_pointer()))
-        return context.get_dummy_value()
-
-    return types.void(value, types.uintp), code
-
-
-@intrinsic
-def size_of_tuple(typing: Any, value: Any) -> Any:
-    """Bytes that `store_tuple` writes."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return context.get_constant(types.intp, context.get_abi_sizeof(context.get_value_type(signature.args[0])))
-
-    return types.intp(value), code
 
 
 @intrinsic
@@ -169,16 +152,6 @@ def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, 
     return types.int64(*[types.uintp] * 6), code
 
 
-@compiled
-def _size(value: Any) -> int:
-    return size_of_tuple(value)
-
-
-@compiled
-def _store(value: Any, address: int) -> None:
-    store_tuple(value, address)
-
-
 def on_lines(shape: tuple[int, ...]) -> Array:
     """Zeros that begin with a line (64 bytes) of the memory's cache: four numbers of one register then lie in one line.
 
@@ -204,11 +177,38 @@ class Placed:
     """
 
     def __init__(self, value: Any, kind: types.NamedTuple) -> None:
-        found = numba.typeof(value)
-        if found != kind:  # compiled code would read numbers that are not there
-            wrong = [name for name, a, b in zip(value._fields, found.types, kind.types, strict=True) if a != b]
-            raise TypeError(f"not as annotated: {', '.join(wrong)} of {type(value).__name__}")
         self.value = value
-        self._memory = np.empty(_size(value) + 64, dtype=np.uint8)
-        self.address = int(self._memory.ctypes.data + 63) // 64 * 64
-        _store(value, self.address)
+        self._memory = on_lines((_words(kind),))
+        self.address = int(self._memory.ctypes.data)
+        _lay(value, kind, self._memory)
+
+
+def _lay(value: Any, kind: Any, words: Array) -> None:
+    """Lay the members of a tuple down in its words."""
+    if value._fields != kind.fields:
+        raise TypeError(f"{type(value).__name__} has not the members of {kind.name}")
+    whole, first = words.view(np.int64), 0
+    for name, member, expected in zip(value._fields, value, kind.types, strict=True):
+        last = first + _words(expected)
+        if isinstance(expected, types.BaseNamedTuple):
+            _lay(member, expected, words[first:last])
+        elif not _is(member, expected):  # compiled code would read numbers that are not there
+            raise TypeError(f"not as annotated: {name} of {type(value).__name__}")
+        elif isinstance(expected, types.Array):
+            whole[first:last] = member.ctypes.data, *member.shape
+        elif isinstance(expected, types.Record):
+            whole[first] = member.__array_interface__["data"][0]
+        else:
+            (words if expected == types.float64 else whole)[first] = member
+        first = last
+
+
+def _is(member: Any, kind: Any) -> bool:
+    """Whether a member is of its compiled type."""
+    if isinstance(kind, types.Array):
+        if not isinstance(member, np.ndarray):
+            return False
+        return member.flags.carray and member.ndim == kind.ndim and member.dtype == as_dtype(kind.dtype)
+    if isinstance(kind, types.Record):
+        return isinstance(member, np.record) and member.dtype == as_dtype(kind)
+    return isinstance(member, {types.float64: float, types.int64: int, types.boolean: bool}[kind])

@@ -24,7 +24,8 @@ def test_a_run_asks_for_what_the_second_compiles_and_for_no_other_types() -> Non
     model = BeamModel.following(run_24(), 2)
     model.observe(model.integrate(model.straight_state(1.0, 0.0), 1e-3, 3, 1e-5).states)
     for function, signature in compiled_by_the_second():
-        assert list(function.signatures) == [signature], function
+        # of the equations' parts where the equations are not on the disk
+        assert list(function.signatures) in ([signature], []), function
 
 
 @pytest.mark.verify
@@ -32,9 +33,8 @@ def test_nothing_is_compiled_twice_at_the_first_start(tmp_path: Path) -> None:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     subprocess.run([sys.executable, "-c", RUN], env=environment, check=True)
     compiled = sorted(path.name.split("-")[0] for path in tmp_path.rglob("*.nbc"))
-    once = [name for name in compiled if not name.startswith("pointers.")]  # tuples have two types
-    assert {"equations._kernel", "equations.observe_states", "integrate._dop853"} <= set(once)
-    assert len(once) == len(set(once))
+    assert {"equations._kernel", "equations.observe_states", "integrate._dop853"} <= set(compiled)
+    assert len(compiled) == len(set(compiled))
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
     subprocess.run([sys.executable, "-c", RUN], env=environment, check=True)
     assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before

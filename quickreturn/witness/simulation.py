@@ -1,0 +1,143 @@
+"""A running simulation of the quick-return whose equations the computer derived, and its natural frequencies."""
+
+import time
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from quickreturn.engines.base import EngineFailure, Simulation
+from quickreturn.engines.start import Start
+from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.beam.tables import following
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.rigid import crank_pace, deflection_scale
+
+if TYPE_CHECKING:
+    from quickreturn.derive import Model
+
+Array = NDArray[np.float64]
+
+#: Scale of the error of the slider's place, relative to the follower's length, and of a joint's gap, relative to the deflection.
+SMALL: Final = 0.01
+#: Relative tolerance of scipy's integrator, as small as rounding: the fixed scales of `_sizes` control the error.
+ROUNDING: Final = 3e-14
+#: Part of the way to the follower's end. If the integration stops beyond it, the slider has left the follower.
+NEARLY: Final = 0.97
+
+
+class DerivedSimulation(Simulation):
+    """Advances the state of the described system."""
+
+    def __init__(self, mechanism: Mechanism, start: Start, modes: int, tolerance: float) -> None:
+        from quickreturn.witness.description import constants
+
+        began = time.perf_counter()
+        self.mechanism, self.modes, self.tolerance, self.time = mechanism, modes, tolerance, 0.0
+        self.shapes = following(mechanism, modes)
+        values = constants(mechanism)
+        if not mechanism.crank_is_free:
+            values["start_angle"] = start.crank_angle
+        self.values = self.model().values(values)
+        self.state = self._begin(start)
+        self.sizes = self._sizes()
+        self.setup_seconds = time.perf_counter() - began + self.shapes.seconds
+
+    def model(self) -> "Model":
+        """The compiled equations with the shapes of this scene."""
+        mechanism = self.mechanism
+        return model(self.shapes.placed.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `Simulation.advance`."""
+        from quickreturn.witness.recovery import columns
+
+        began, equations = time.perf_counter(), self.model()
+        times = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
+        found = solve_ivp(
+            equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=ROUNDING,
+            atol=self.tolerance * self.sizes,
+        )  # fmt: skip
+        place = equations.system.tables[0].index
+        states = found.y.T if len(found.t) else self.state[None]
+        left = states[:, place] > self.shapes.placed.reach
+        states = states[: max(int(np.argmax(left)), 1)] if left.any() else states
+        rows = equations.observe(times[: len(states)], states, self.values)
+        shown = {str(name): values.to_numpy(dtype=np.float64) for name, values in rows.items()}
+        table = {"time": times[: len(states)]} | columns(self.mechanism, shown, self.mechanism.follower.material_damping)
+        trajectory = Trajectory(table, time.perf_counter() - began, {"right_hand_side_calls": float(found.nfev)})
+        self.state, self.time = states[-1], float(times[len(states) - 1])
+        if len(states) < len(times):
+            gone = left.any() or states[-1, place] > NEARLY * self.shapes.placed.reach
+            cause = "the slider has left the follower's end" if gone else "the integration does not get on"
+            raise EngineFailure(self.time, cause, "try a slower crank, a stiffer or longer follower", trajectory)
+        return trajectory
+
+    def _begin(self, start: Start) -> Array:
+        """The state closest to a start in which the loop is closed without a gap."""
+        from quickreturn.derive import DescriptionError
+
+        equations, mechanism, n = self.model(), self.mechanism, self.modes
+        names = [each.name for each in equations.system.coordinates]
+        q, v = np.zeros(len(names)), np.zeros(len(names))
+        bent = reconstruct(mechanism, start)
+        q[:3], v[:3] = (start.crank_angle, bent.follower_angle, bent.slider_position), (start.crank_speed, 0.0, 0.0)
+        if start.deflection is not None or start.deflection_rate is not None:
+            x = np.linspace(0.0, mechanism.follower.length, 32 * (n + 2) + 1)
+            psi, psi_s = self.shapes.family.angles(bent.slider_position, x)
+            q[3 : 3 + n] = np.linalg.lstsq(psi, bent.tangent(x) - bent.follower_angle, rcond=None)[0]
+            rate = bent.tangent_rate(x) - bent.follower_rate - psi_s @ q[3 : 3 + n] * bent.slider_speed
+            v[3 : 3 + n] = np.linalg.lstsq(psi, rate, rcond=None)[0]
+        try:
+            return equations.closed(q, v, self.values, [1, 2], [1, 2])
+        except DescriptionError as open_loop:
+            cause = "the loop cannot be closed in the given start"
+            raise EngineFailure(0.0, cause, "try a start with a smaller deflection") from open_loop
+
+    def _sizes(self) -> Array:
+        """What errors are relative to: for amplitudes the scene's deflection, and what turns the follower's end by as much.
+
+        Fixed, so that none vanishes. Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
+        """
+        equations, scene = self.model(), self.mechanism
+        beam, bends = scene.follower, deflection_scale(scene)
+        size = {"crank_angle": 0.1, "follower_angle": bends / beam.length, "slider_position": SMALL * beam.length, "gap": SMALL * bends}
+        sizes = np.array([size.get(each.name, bends * np.sqrt(beam.mass)) for each in equations.system.coordinates])
+        rates = np.sqrt(self.shapes.family.squares_at(np.array([self.state[2]]), 0)[0, 0]) * sizes
+        rates[0] = 0.1 * crank_pace(scene)
+        return np.concatenate([sizes, rates[equations.equations.free], [np.inf, np.inf]])
+
+
+def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
+    """Natural frequencies (Hz) of the model with the crank held, linearised by differentiation."""
+    from quickreturn.derive import natural_frequencies
+    from quickreturn.witness.description import constants
+
+    still = model(following(mechanism, modes).placed.tables, modes, mechanism.slider.is_rigid, False)
+    at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "torque"), 0.0)
+    at = {"crank_angle": crank_angle} | _rigid_place(mechanism, crank_angle)
+    return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest))
+
+
+_MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
+
+
+def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
+    """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
+    from quickreturn.derive import Model
+    from quickreturn.witness.description import quick_return
+
+    key = (modes, tables.gauss_points, rigid, prescribed)
+    if key not in _MODELS:
+        _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed))
+    _MODELS[key].system.tables[0].put(tables.low, tables.step, tables.coefficients)
+    return _MODELS[key]
+
+
+def _rigid_place(mechanism: Mechanism, crank_angle: float) -> dict[str, float]:
+    """Follower's angle and slider's place of the straight follower."""
+    chord = mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance
+    return {"follower_angle": float(np.pi + np.angle(-chord)), "slider_position": float(abs(chord))}
