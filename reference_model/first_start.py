@@ -25,7 +25,7 @@ def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
     addresses = (whole, whole, whole)
     return [
         (equations.observe_states, (*addresses, matrix, from_dtype(ROW)[::1])),
-        (_dop853, (*addresses, vector, whole, whole, real, whole, vector, real, real, matrix, matrix, matrix)),
+        (_dop853, (*addresses, vector, vector, real, whole, vector, real, real, matrix, matrix, matrix)),
     ]
 
 

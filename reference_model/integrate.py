@@ -1,8 +1,8 @@
 """Time integration by a compiled DOP853 loop, which knows a right-hand side, a state, scales and an event, and no model.
 
 DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5): order 8, error control by the embedded
-formulas of orders 5 and 3. Rows between the ends of steps are interpolated without evaluations of their own (DERIVATION.md, section 5). A
-step that asks for a state in which the loop cannot close is rejected like one with too large an error.
+formulas of orders 5 and 3. Rows between the ends of steps are interpolated from the steps' own
+stages. A step that asks for a state in which the loop cannot close is rejected like one with too large an error.
 """
 
 import math
@@ -12,12 +12,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.dop853 import E3, E5, A
+from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, A
 from quickreturn.reference_model.machine.compilation import compiled, without_references
 from quickreturn.reference_model.machine.pointers import call_equations
 
 STAGES: Final = 12
-BEGIN, END, BEFORE = range(3)
 
 #: Largest step times the highest angular frequency that the equations have. On the imaginary axis DOP853 damps an oscillation to 0.70 to
 #: 0.75 of itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond; without a ceiling steps creep past that again and
@@ -56,16 +55,12 @@ class Equations:
         parameters, workspace: its first two arguments.
         watched: of the state evaluated last the slider's place, m, and the highest angular frequency, rad/s, 0 where nobody knows it;
             shape (2,), part of the workspace.
-        coordinates: number of the first states whose rates are states themselves.
-        speeds: index of the first of these rates.
     """
 
     function: int
     parameters: int
     workspace: int
     watched: NDArray[np.float64]
-    coordinates: int
-    speeds: int
 
 
 def dop853(
@@ -88,15 +83,14 @@ def dop853(
         limit: slider position at which the integration ends, m.
         first_step: step size to begin with, s; 0 chooses one.
     """
-    states, Y, K = np.empty((intervals + 1, len(y))), np.empty((4, len(y))), np.empty((STAGES + 2, len(y)))
-    Y[BEGIN] = y
+    size, y = len(y), np.array(y)
+    states, scratch, K = np.empty((intervals + 1, size)), np.empty((2, size)), np.empty((STAGES + 1, size))
     at = (equations.function, equations.parameters, equations.workspace, equations.watched)
-    kinds = equations.coordinates, equations.speeds
-    status, rows, time, calls, step, before = _dop853(*at, *kinds, output_step, intervals, scales, limit, first_step, states, Y, K)
-    if status == LEFT_FOLLOWER:  # in the step from `time` on, whose ends are left in Y and K
-        time_left = step * _leaving_time(*at, *kinds, Y, K, step, before, limit)
+    status, rows, time, calls, step = _dop853(*at, y, output_step, intervals, scales, limit, first_step, states, K, scratch)
+    if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose stages are left in K
+        time_left = step * _leaving_time(*at, y, K, step, limit)
         while rows <= intervals and rows * output_step <= time + time_left * (1.0 + 1e-12):
-            _interpolate(*kinds, Y, K, step, before, min((rows * output_step - time) / step, 1.0), states[rows])
+            _interpolate(y, K, step, min((rows * output_step - time) / step, 1.0), states[rows])
             rows += 1
         time += time_left
     return Integration(states[:rows], status, time, calls, step)
@@ -108,20 +102,17 @@ def _leaving_time(
     parameters: int,
     workspace: int,
     watched: NDArray[np.float64],
-    coordinates: int,
-    speeds: int,
-    Y: NDArray[np.float64],
+    y: NDArray[np.float64],
     K: NDArray[np.float64],
     h: float,
-    before: float,
     limit: float,
 ) -> float:
     """Fraction of the step at which the slider passes `limit`, by bisection."""
-    state, rate = np.empty(Y.shape[1]), np.empty(Y.shape[1])
+    state, rate = np.empty(len(y)), np.empty(len(y))
     low, high = 0.0, 1.0
     for _ in range(45):
         middle = 0.5 * (low + high)
-        _interpolate(coordinates, speeds, Y, K, h, before, middle, state)
+        _interpolate(y, K, h, middle, state)
         if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data, 0) == 1 and watched[0] <= limit:
             low = middle
         else:
@@ -135,41 +126,37 @@ def _dop853(
     parameters: int,
     workspace: int,
     watched: NDArray[np.float64],
-    coordinates: int,
-    speeds: int,
+    y: NDArray[np.float64],
     output_step: float,
     intervals: int,
     scales: NDArray[np.float64],
     limit: float,
     step: float,
     states: NDArray[np.float64],
-    Y: NDArray[np.float64],
     K: NDArray[np.float64],
-) -> tuple[int, int, float, int, float, float]:
-    """Status, rows, time, calls and step as in `Integration`; and where the previous step began, in parts of this one, 0 if there was none.
-
-    `Y` holds the states at BEGIN, END and BEFORE and the one of a stage, `K` the stages' rates, and from STAGES on those at END and BEFORE.
-    """
-    controlled, trial = len(scales), Y[3]
+    scratch: NDArray[np.float64],
+) -> tuple[int, int, float, int, float]:
+    controlled = len(scales)
     end = output_step * intervals
-    t = before = 0.0
-    _copy(Y[BEGIN], states[0])
+    t = 0.0
+    new, trial = scratch[0], scratch[1]
+    _copy(y, states[0])
     rows, calls = 1, 0
     if step <= 0.0:
         step = min(1e-5, end)
     rejected, first_stage = False, 0
     while t < end:
         if step < 1e-13 or calls > MAX_CALLS:
-            return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step, before
+            return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step
         h = min(step, end - t)
         last = h >= end - t
         for stage in range(first_stage, STAGES + 1):
-            state = Y[END] if stage == STAGES else trial
-            _stage_state(Y[BEGIN], K, stage, h, state)
+            state = new if stage == STAGES else trial
+            _stage_state(y, K, stage, h, state)
             calls += 1
             if call_equations(function, parameters, workspace, state.ctypes.data, K[stage].ctypes.data, 0) == 0:
                 if stage == 0:
-                    return NOT_A_NUMBER, rows, t, calls, step, before
+                    return NOT_A_NUMBER, rows, t, calls, step
                 norm = 1e9
                 break
         else:
@@ -180,15 +167,12 @@ def _dop853(
             rejected = True
             continue
         if watched[0] > limit:
-            return LEFT_FOLLOWER, rows, t, calls, h, before / h
+            return LEFT_FOLLOWER, rows, t, calls, h
         while rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12):
-            _interpolate(coordinates, speeds, Y, K, h, before / h, min((rows * output_step - t) / h, 1.0), states[rows])
+            _interpolate(y, K, h, min((rows * output_step - t) / h, 1.0), states[rows])
             rows += 1
         t = end if last else t + h
-        before = -h
-        _copy(Y[BEGIN], Y[BEFORE])
-        _copy(K[0], K[STAGES + 1])
-        _copy(Y[END], Y[BEGIN])
+        _copy(new, y)
         _copy(K[STAGES], K[0])
         growth = 5.0 if norm < 1e-12 else min(5.0, 0.9 * norm**-0.125)
         # a step cut at the end of the interval says nothing about the next
@@ -196,7 +180,7 @@ def _dop853(
         if step * watched[1] > CEILING:
             step = CEILING / watched[1]
         rejected = False
-    return REACHED_END, rows, t, calls, step, before
+    return REACHED_END, rows, t, calls, step
 
 
 @without_references
@@ -232,43 +216,12 @@ def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], c
 
 
 @without_references
-def _interpolate(
-    coordinates: int,
-    speeds: int,
-    Y: NDArray[np.float64],
-    K: NDArray[np.float64],
-    h: float,
-    before: float,
-    u: float,
-    out: NDArray[np.float64],
-) -> None:
-    """The state at the fraction `u` of a step (equations 5.10 to 5.12): of two steps' ends value, rate and acceleration are met."""
-    places, rates = (0.0, 1.0, before), (0, STAGES, STAGES + 1)
-    ends = 3 if before < 0.0 else 2
-    for i in range(len(out)):
-        out[i] = 0.0
-    for p in range(ends):
-        product, slope, sum_1, sum_2 = 1.0, 0.0, 0.0, 0.0  # Lambda, its derivative, sigma_1, sigma_2
-        for k in range(ends):
-            if k != p:
-                apart = 1.0 / (places[p] - places[k])
-                slope = (slope * (u - places[k]) + product) * apart
-                product *= (u - places[k]) * apart
-                sum_1 += apart
-                sum_2 += apart**2
-        e, y, rate = u - places[p], Y[p], K[rates[p]]
-        curved = 4.5 * sum_1**2 + 1.5 * sum_2
-        a, b, c = 1.0 - 3.0 * sum_1 * e + curved * e * e, e * (1.0 - 3.0 * sum_1 * e), 0.5 * e * e
-        a_rate = product**2 * (3.0 * slope * a + product * (2.0 * curved * e - 3.0 * sum_1)) / h
-        b_rate = product**2 * (3.0 * slope * b + product * (1.0 - 6.0 * sum_1 * e))
-        c_rate = product**2 * (3.0 * slope * c + product * e) * h
-        a, b, c = product**3 * a, product**3 * b * h, product**3 * c * h * h
-        for i in range(coordinates):
-            value, first, second = y[i], rate[i], rate[speeds + i]
-            out[i] += a * value + b * first + c * second
-            out[speeds + i] += a_rate * value + b_rate * first + c_rate * second
-        a, b = product**2 * (1.0 - 2.0 * sum_1 * e), product**2 * e * h
-        for i in range(coordinates, speeds):
-            out[i] += a * y[i] + b * rate[i]
-        for i in range(speeds + coordinates, len(out)):
-            out[i] += a * y[i] + b * rate[i]
+def _interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: float, out: NDArray[np.float64]) -> None:
+    """The state at the fraction `u` of the step from `y` on, by its stages' rates `K` (equation 5.15)."""
+    _copy(y, out)
+    for j in range(len(INTERPOLATED)):
+        weight = 0.0
+        for power in range(INTERPOLATION.shape[1] - 1, -1, -1):
+            weight = weight * (2.0 * u - 1.0) + INTERPOLATION[j, power]
+        for i in range(len(y)):
+            out[i] += h * weight * K[INTERPOLATED[j], i]

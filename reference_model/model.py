@@ -200,8 +200,8 @@ class BeamModel:
     @property
     def equations(self) -> Equations:
         """The equations of motion as the integrator takes them."""
-        (p, w), m = self._at, self.parameters.speeds
-        return Equations(kernel(), p.address, w.address, self.workspace.watched, coordinates=m, speeds=m + 1)
+        p, w = self._at
+        return Equations(kernel(), p.address, w.address, self.workspace.watched)
 
     def error_scales(self, crank_speed: float) -> Array:
         """Sizes against which the relative tolerance is taken, one per controlled state: fixed, so that none vanishes (equation 5.10).

@@ -83,8 +83,8 @@ class MovingBoundariesModel:
     @property
     def equations(self) -> Equations:
         """The equations of motion as the integrator takes them."""
-        (p, w), m = self._at, self.shapes + 1
-        return Equations(kernel(), p.address, w.address, self.workspace.watched, coordinates=m, speeds=m)
+        p, w = self._at
+        return Equations(kernel(), p.address, w.address, self.workspace.watched)
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
