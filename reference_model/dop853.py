@@ -1,4 +1,4 @@
-"""The coefficients of DOP853: order 8, error formulas of orders 5 and 3, dense output of order 7.
+"""The coefficients of DOP853: order 8, error formulas of orders 5 and 3, interpolation within a step.
 
 Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; from their program `dop853.f`. Written out here, for
 scipy, which has them too, takes 0.3 s to import what surrounds them.
@@ -19,7 +19,7 @@ def _lower(rows: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
     return found
 
 
-#: Weights of the stages before each stage, shape (16, 16): twelve of the step, its end, three of the dense output.
+#: Weights of the stages before each stage, shape (13, 13): twelve of the step, and its end.
 A: Final = _lower((
     (),
     (
@@ -62,18 +62,6 @@ A: Final = _lower((
         0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199,
         -0.1521609496625161, 0.20136540080403034, 0.04471061572777259,
     ),
-    (
-        0.056167502283047954, 0.0, 0.0, 0.0, 0.0, 0.0, 0.25350021021662483, -0.2462390374708025, -0.12419142326381637,
-        0.15329179827876568, 0.00820105229563469, 0.007567897660545699, -0.008298,
-    ),
-    (
-        0.03183464816350214, 0.0, 0.0, 0.0, 0.0, 0.028300909672366776, 0.053541988307438566, -0.05492374857139099, 0.0, 0.0,
-        -0.00010834732869724932, 0.0003825710908356584, -0.00034046500868740456, 0.1413124436746325,
-    ),
-    (
-        -0.42889630158379194, 0.0, 0.0, 0.0, 0.0, -4.697621415361164, 7.683421196062599, 4.06898981839711, 0.3567271874552811, 0.0, 0.0,
-        0.0, -0.0013990241651590145, 2.9475147891527724, -9.15095847217987,
-    ),
 ))
 #: Error of order 3: weights of the step's stages and its end, shape (13,).
 E3: Final = np.array([
@@ -85,26 +73,19 @@ E5: Final = np.array([
     0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366,
     0.3341791187130175, 0.08192320648511571, -0.022355307863886294, 0.0,
 ])
-#: Dense output: weights of all stages in its last four coefficients, shape (4, 16).
-D: Final = np.array([
-    [
-        -8.428938276109013, 0.0, 0.0, 0.0, 0.0, 0.5667149535193777, -3.0689499459498917, 2.38466765651207, 2.117034582445028,
-        -0.871391583777973, 2.2404374302607883, 0.6315787787694688, -0.08899033645133331, 18.148505520854727, -9.194632392478356,
-        -4.436036387594894,
-    ],
-    [
-        10.427508642579134, 0.0, 0.0, 0.0, 0.0, 242.28349177525817, 165.20045171727028, -374.5467547226902, -22.113666853125306,
-        7.733432668472264, -30.674084731089398, -9.332130526430229, 15.697238121770845, -31.139403219565178, -9.35292435884448,
-        35.81684148639408,
-    ],
-    [
-        19.985053242002433, 0.0, 0.0, 0.0, 0.0, -387.0373087493518, -189.17813819516758, 527.8081592054236, -11.57390253995963,
-        6.8812326946963, -1.0006050966910838, 0.7777137798053443, -2.778205752353508, -60.19669523126412, 84.32040550667716,
-        11.99229113618279,
-    ],
-    [
-        -25.69393346270375, 0.0, 0.0, 0.0, 0.0, -154.18974869023643, -231.5293791760455, 357.6391179106141, 93.40532418362432,
-        -37.45832313645163, 104.0996495089623, 29.8402934266605, -43.53345659001114, 96.32455395918828, -39.17726167561544,
-        -149.72683625798564,
-    ],
-])
+#: Stages that the interpolation takes: those that have weights in the step, and its end.
+INTERPOLATED: Final = (0, *range(5, 13))
+
+
+def _interpolation() -> NDArray[np.float64]:
+    """Weights of these stages' rates in the state at the fraction u of a step (equation 5.16), by powers of 2 u - 1, shape (9, 8)."""
+    c = A.sum(axis=1)
+    powers = np.vander(2.0 * c - 1.0, 7, increasing=True).T
+    conditions = np.array([*powers, A @ A @ c**3 - c**5 / 20, A @ A @ A @ A @ c - c**5 / 120])[:, INTERPOLATED]
+    integrals = np.zeros((len(INTERPOLATED), 8))  # of the powers from 0 to u, and nothing for the errors of the stages
+    for k in range(7):
+        integrals[k, k + 1], integrals[k, 0] = 0.5 / (k + 1), 0.5 * (-1) ** k / (k + 1)
+    return np.linalg.solve(conditions, integrals)
+
+
+INTERPOLATION: Final = _interpolation()

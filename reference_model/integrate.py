@@ -1,8 +1,8 @@
 """Time integration by a compiled DOP853 loop, which knows a right-hand side, a state, scales and an event, and no model.
 
 DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5): order 8, error control by the embedded
-formulas of orders 5 and 3, dense output of order 7. A step that asks for a state in which the
-loop cannot close is rejected like one with too large an error.
+formulas of orders 5 and 3. Rows between the ends of steps are interpolated from the steps' own
+stages. A step that asks for a state in which the loop cannot close is rejected like one with too large an error.
 """
 
 import math
@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.dop853 import E3, E5, A, D
+from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, A
 from quickreturn.reference_model.machine.compilation import compiled, without_references
 from quickreturn.reference_model.machine.pointers import call_equations
 
@@ -84,15 +84,13 @@ def dop853(
         first_step: step size to begin with, s; 0 chooses one.
     """
     size, y = len(y), np.array(y)
-    states, scratch = np.empty((intervals + 1, size)), np.empty((9, size))
+    states, scratch, K = np.empty((intervals + 1, size)), np.empty((2, size)), np.empty((STAGES + 1, size))
     at = (equations.function, equations.parameters, equations.workspace, equations.watched)
-    loop = (*at, y, output_step, intervals, scales, limit, first_step, states, np.empty((16, size)), scratch)
-    status, rows, time, calls, step = _dop853(*loop)
-    if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose interpolation is left in the scratch
-        F = scratch[2:]
-        time_left = step * _leaving_time(*at, y, F, limit)
+    status, rows, time, calls, step = _dop853(*at, y, output_step, intervals, scales, limit, first_step, states, K, scratch)
+    if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose stages are left in K
+        time_left = step * _leaving_time(*at, y, K, step, limit)
         while rows <= intervals and rows * output_step <= time + time_left * (1.0 + 1e-12):
-            _interpolate(y, F, min((rows * output_step - time) / step, 1.0), states[rows])
+            _interpolate(y, K, step, min((rows * output_step - time) / step, 1.0), states[rows])
             rows += 1
         time += time_left
     return Integration(states[:rows], status, time, calls, step)
@@ -105,7 +103,8 @@ def _leaving_time(
     workspace: int,
     watched: NDArray[np.float64],
     y: NDArray[np.float64],
-    F: NDArray[np.float64],
+    K: NDArray[np.float64],
+    h: float,
     limit: float,
 ) -> float:
     """Fraction of the step at which the slider passes `limit`, by bisection."""
@@ -113,7 +112,7 @@ def _leaving_time(
     low, high = 0.0, 1.0
     for _ in range(45):
         middle = 0.5 * (low + high)
-        _interpolate(y, F, middle, state)
+        _interpolate(y, K, h, middle, state)
         if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data, 0) == 1 and watched[0] <= limit:
             low = middle
         else:
@@ -140,7 +139,7 @@ def _dop853(
     controlled = len(scales)
     end = output_step * intervals
     t = 0.0
-    new, trial, F = scratch[0], scratch[1], scratch[2:]
+    new, trial = scratch[0], scratch[1]
     _copy(y, states[0])
     rows, calls = 1, 0
     if step <= 0.0:
@@ -151,10 +150,7 @@ def _dop853(
             return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step
         h = min(step, end - t)
         last = h >= end - t
-        left, shown = False, False
-        norm = 1e9
-        # one call of the equations serves the stages of the step and, where the step is accepted and shown, those of its interpolation
-        for stage in range(first_stage, 16):
+        for stage in range(first_stage, STAGES + 1):
             state = new if stage == STAGES else trial
             _stage_state(y, K, stage, h, state)
             calls += 1
@@ -163,24 +159,18 @@ def _dop853(
                     return NOT_A_NUMBER, rows, t, calls, step
                 norm = 1e9
                 break
-            if stage == STAGES:
-                norm = _error_norm(K, h, scales, controlled)
-                left = watched[0] > limit
-                shown = left or (rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12))
-                if not (norm < 1.0 and shown):
-                    break
+        else:
+            norm = _error_norm(K, h, scales, controlled)
         first_stage = 1
         if not norm < 1.0:  # also where the norm is nan
             step = h * (max(0.333, 0.9 * norm**-0.125) if norm < 1e8 else 0.25)
             rejected = True
             continue
-        if shown:
-            _dense_coefficients(y, new, K, h, F)
-            if left:
-                return LEFT_FOLLOWER, rows, t, calls, h
-            while rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12):
-                _interpolate(y, F, min((rows * output_step - t) / h, 1.0), states[rows])
-                rows += 1
+        if watched[0] > limit:
+            return LEFT_FOLLOWER, rows, t, calls, h
+        while rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12):
+            _interpolate(y, K, h, min((rows * output_step - t) / h, 1.0), states[rows])
+            rows += 1
         t = end if last else t + h
         _copy(new, y)
         _copy(K[STAGES], K[0])
@@ -226,23 +216,12 @@ def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], c
 
 
 @without_references
-def _dense_coefficients(y: NDArray[np.float64], new: NDArray[np.float64], K: NDArray[np.float64], h: float, F: NDArray[np.float64]) -> None:
-    for i in range(len(y)):
-        delta = new[i] - y[i]
-        F[0, i] = delta
-        F[1, i] = h * K[0, i] - delta
-        F[2, i] = 2.0 * delta - h * (K[STAGES, i] + K[0, i])
-        for m in range(4):
-            total = 0.0
-            for stage in range(16):
-                total += D[m, stage] * K[stage, i]
-            F[3 + m, i] = h * total
-
-
-@without_references
-def _interpolate(y: NDArray[np.float64], F: NDArray[np.float64], u: float, out: NDArray[np.float64]) -> None:
-    for i in range(len(y)):
-        value = 0.0
-        for m in range(7):
-            value = (value + F[6 - m, i]) * (u if m % 2 == 0 else 1.0 - u)
-        out[i] = y[i] + value
+def _interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: float, out: NDArray[np.float64]) -> None:
+    """The state at the fraction `u` of the step from `y` on, by its stages' rates `K` (equation 5.15)."""
+    _copy(y, out)
+    for j in range(len(INTERPOLATED)):
+        weight = 0.0
+        for power in range(INTERPOLATION.shape[1] - 1, -1, -1):
+            weight = weight * (2.0 * u - 1.0) + INTERPOLATION[j, power]
+        for i in range(len(y)):
+            out[i] += h * weight * K[INTERPOLATED[j], i]
