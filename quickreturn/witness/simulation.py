@@ -98,9 +98,10 @@ class DerivedSimulation(Simulation):
             raise EngineFailure(0.0, cause, "try a start with a smaller deflection") from open_loop
 
     def _sizes(self) -> Array:
-        """What errors are relative to: for amplitudes the scene's deflection, and what turns the follower's end by as much.
+        """The scale of each state's error. It is fixed, so that it never vanishes.
 
-        Fixed, so that none vanishes. Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
+        Amplitudes: the scene's deflection. Follower angle: the angle that moves the follower's end by this deflection. Rates: the scale of
+        the state times the lowest frequency of the shapes. The integrals of power have infinite scales: their errors are not controlled.
         """
         equations, scene = self.model(), self.mechanism
         beam, bends = scene.follower, deflection_scale(scene)
