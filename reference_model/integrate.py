@@ -217,7 +217,7 @@ def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], c
 
 @without_references
 def _interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: float, out: NDArray[np.float64]) -> None:
-    """The state at the fraction `u` of the step from `y` on, by its stages' rates `K` (equation 5.15)."""
+    """The state at the fraction `u` of the step from `y` on, by its stages' rates `K` (equation 5.16)."""
     _copy(y, out)
     for j in range(len(INTERPOLATED)):
         weight = 0.0
