@@ -49,3 +49,8 @@ def characteristic_frequency(p: Any) -> float:
         p: parameters with n, EI, rhoA and L.
     """
     return 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n and p.rhoA > 0.0 else 1.0
+
+
+def unslowed(modes: int) -> int:
+    """Number of modes that an added inertia leaves as they are, of so many: half of them and one, at least three (equation 5.15)."""
+    return min(modes, max(modes // 2 + 1, 3))

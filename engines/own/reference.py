@@ -18,6 +18,7 @@ from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_o
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model import slider_constraint
+from quickreturn.reference_model.constants import unslowed
 from quickreturn.reference_model.joint import friction_in_words, in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
@@ -45,8 +46,6 @@ HIT: Final = 0.1
 #: Largest tolerance of a finer run over that of the run itself: a tenth shows the integration's error. Where rollers touch and part more
 #: modes need no smaller one.
 TENTH: Final = 0.1
-#: The largest tolerance where rollers touch and part.
-TOLERANCE_OF_CORNERS: Final = 3e-7
 LEAST_TOLERANCE: Final = 1e-12
 #: Rate (1/s) at which the gap of a rigid joint with friction decays.
 STABILIZATION: Final = 100.0
@@ -57,9 +56,6 @@ MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
-#: The most modes that a rung of the ladder slows by added inertia. The last rung has none: after a blow high modes ring, and what is slowed
-#: rings too slowly.
-SLOWED: Final = 9
 #: Modes -> `Comparison.alike` of a run with so many; 0 for other numbers.
 ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Relative distance from a periodic motion at which the search for it makes its last step. The step leaves a tenth of it or less, which
@@ -82,25 +78,28 @@ class ReferenceSettings(BeamSettings):
         return self.modes
 
 
-#: Modes, integration tolerance, and error of the tip deflection in run 24 over 2 s, with added inertia up to `SLOWED` modes.
+#: Modes, integration tolerance where an added inertia slows the higher half of them and where nothing does, and error of the tip
+#: deflection in run 24 over 2 s.
 _RUNGS: Final = (
-    (1, 1e-5, 2.7e-2),
-    (2, 1e-5, 1.5e-3),
-    (4, 1e-6, 8e-4),
-    (5, 3e-7, 4.8e-4),
-    (6, 3e-7, 2.3e-4),
-    (7, 3e-7, 8.1e-5),
-    (8, 1e-7, 3.5e-5),
-    (9, 3e-8, 1.5e-5),
-    (11, 1e-9, 4e-6),
+    (1, 1e-5, 1e-5, 2.7e-2),
+    (2, 1e-5, 1e-5, 1.5e-3),
+    (4, 1e-6, 3e-7, 8e-4),
+    (5, 3e-7, 1e-7, 4.9e-4),
+    (6, 3e-7, 1e-7, 2.3e-4),
+    (7, 3e-7, 1e-8, 8.2e-5),
+    (8, 1e-7, 1e-8, 3.5e-5),
+    (9, 3e-8, 3e-9, 1.5e-5),
+    (11, 1e-8, 1e-9, 4e-6),
 )
-LADDER: Final = Ladder(
-    tuple(
-        (ReferenceSettings(modes=modes, tolerance=tolerance, added_inertia=modes <= SLOWED), claim) for modes, tolerance, claim in _RUNGS
-    ),
-    "modes",
-    "tolerance",
-)
+
+
+def _ladder(column: int, added_inertia: bool) -> Ladder[ReferenceSettings]:
+    rungs = ((ReferenceSettings(modes=rung[0], tolerance=rung[column], added_inertia=added_inertia), rung[-1]) for rung in _RUNGS)
+    return Ladder(tuple(rungs), "modes", "tolerance")
+
+
+#: Where runs begin, and where they climb.
+SLOWED, AS_THEY_ARE = _ladder(1, True), _ladder(2, False)
 
 
 def fitted(ladder: Ladder[S], accuracy: float, scene: Scene) -> S:
@@ -162,12 +161,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
         Rollers that touch and part set all modes ringing: none is slowed then.
         """
-        hit = blow(scene) > HIT
-        found = LADDER.pick(accuracy) if hit else fitted(LADDER, accuracy, scene)
-        if scene.slider.has_corners:
-            modes = max(found.modes, MODES_OF_BLOWS) if hit else found.modes
-            return found.replaced(modes=modes, tolerance=min(found.tolerance, TOLERANCE_OF_CORNERS), added_inertia=False)
-        return found.replaced(added_inertia=found.added_inertia and scene.crank is not None)
+        if scene.crank is not None and not scene.slider.has_corners:
+            return fitted(SLOWED, accuracy, scene)
+        if blow(scene) > HIT:
+            usual = AS_THEY_ARE.pick(accuracy)
+            return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
+        return fitted(AS_THEY_ARE, accuracy, scene)
 
     def comparisons(self, settings: ReferenceSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
@@ -176,11 +175,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         whether the error falls as it should: after a blow it does not, for that sets all modes ringing. It shows in accelerations, which
         then differ by a larger part than the deflection.
         """
+        ladder = SLOWED if settings.added_inertia else AS_THEY_ARE
         if settings.modes + 2 > MOST_MODES:
-            return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
+            return (Comparison(settings, ladder.sized(settings, settings.modes - 2), 1.0 / RATIO),)
 
         def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
-            usual, tenth = LADDER.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
+            usual, tenth = ladder.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
             return usual.replaced(tolerance=tenth if scene.slider.has_corners else min(usual.tolerance, tenth))
 
         if scene.crank is None:
@@ -193,9 +193,11 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
-        """The next rung of the ladder."""
-        found = LADDER.finer(settings, excess)
-        return found and found.replaced(added_inertia=settings.added_inertia and found.modes <= SLOWED)
+        """The same modes as they are, if some were slowed: after a blow these ring too slowly. Else the next rung of the ladder."""
+        plain = settings.replaced(added_inertia=False)
+        if settings.added_inertia and unslowed(settings.modes) < settings.modes:
+            return AS_THEY_ARE.sized(plain, settings.modes)
+        return AS_THEY_ARE.finer(plain, excess)
 
     def steady_state(
         self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "OwnSimulation | None" = None, patient: bool = False
@@ -296,5 +298,5 @@ def joint_inertia(scene: Scene, modes: int) -> float:
         return 0.0
     highest = float(frozen_crank_modes(held, math.pi, modes).frequencies[-1])
     # no slower than the modes themselves, which bound the step anyway
-    slowed = 2.0 * math.pi * max(rigid * math.sqrt(part / (UNSEEN * LADDER.claim(modes))), highest)
+    slowed = 2.0 * math.pi * max(rigid * math.sqrt(part / (UNSEEN * AS_THEY_ARE.claim(modes))), highest)
     return stiffness / slowed**2

@@ -1,16 +1,11 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
-from typing import Final
-
 import numpy as np
 
-from quickreturn.reference_model.constants import constants
+from quickreturn.reference_model.constants import constants, unslowed
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import Parameters, ShapeRow, Tables, Vector
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
-
-#: Modes that are never slowed.
-FEWEST_UNSLOWED: Final = 3
 
 
 def parameters(
@@ -69,8 +64,8 @@ def added_inertia(tables: Tables, shapes: int) -> Vector:
 
     Equation 5.15; shape (n,). The first three modes never have any.
     """
-    middle = max(shapes // 2 + 1, FEWEST_UNSLOWED)
-    if shapes <= middle:
+    middle = unslowed(shapes)
+    if middle == shapes:
         return np.zeros(shapes)
     squares = ShapeRow.of(tables.coefficients[:, 3], shapes, tables).squares.max(axis=0)
     return np.maximum(squares / squares[middle - 1] - 1.0, 0.0)

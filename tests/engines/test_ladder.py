@@ -10,7 +10,8 @@ from quickreturn.engines.mujoco import settings as mujoco
 from quickreturn.engines.own import nodal_load, reference, staying_shapes, stiff_spring
 
 LADDERS: dict[str, Ladder[Any]] = {
-    "reference": reference.LADDER,
+    "reference, slowed": reference.SLOWED,
+    "reference": reference.AS_THEY_ARE,
     "mujoco": mujoco.LADDER,
     "staying shapes": staying_shapes.LADDER,
     "stiff-spring": stiff_spring.LADDER,
@@ -53,7 +54,7 @@ def test_climbing_ends_at_the_finest_rung(name: str, excess: tuple[float, ...]) 
 
 
 def test_a_size_brings_the_tolerance_that_fits_it_unless_it_is_tighter_already() -> None:
-    ladder = reference.LADDER
+    ladder = reference.AS_THEY_ARE
     coarse = reference.ReferenceSettings(modes=2, tolerance=1e-5)
     assert ladder.sized(coarse, 10).tolerance == {rung.modes: rung.tolerance for rung, _ in ladder.rungs}[11]
     assert ladder.sized(coarse.replaced(tolerance=1e-12), 10).tolerance == 1e-12

@@ -12,7 +12,7 @@ from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.own.reference import LADDER, ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.reference import AS_THEY_ARE, SLOWED, ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
@@ -51,8 +51,15 @@ def test_the_error_estimate_covers_the_error(mechanism: Mechanism, accuracy: flo
 
 
 def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
+    """Modes that were slowed are tried as they are before more are taken."""
     for accuracy in (0.05, 1e-2, 1e-3, 1e-4):
-        assert LADDER.claim(ENGINE.settings_for(accuracy, run_24()).modes) <= accuracy
+        begun = ENGINE.settings_for(accuracy, run_24())
+        assert SLOWED.claim(begun.modes) <= accuracy
+        assert begun.added_inertia
+        climbed = ENGINE.finer(begun, (), 1e-3)
+        assert climbed is not None
+        assert (climbed.modes == begun.modes) == (begun.modes > 3)
+        assert not climbed.added_inertia
     rung: ReferenceSettings | None = ENGINE.settings_for(0.05, run_24())
     visited = []
     while rung is not None:
@@ -63,7 +70,7 @@ def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
         assert pair.other.tolerance <= rung.tolerance
         assert 0.0 < pair.factor < 1.0
         rung = ENGINE.finer(rung, (), 1e-3)
-    assert visited == [rung.modes for rung, _ in LADDER.rungs]
+    assert visited == [rung.modes for rung, _ in AS_THEY_ARE.rungs]
 
 
 def test_every_column_is_there_and_begins_as_the_rigid_mechanism() -> None:

@@ -29,7 +29,7 @@ from tests.strategies import Scene, scenes
 #: place is not the derivative of the table. With three modes 1e-6 is found; finer tables lose nothing (below).
 TABLES = 1e-5
 #: A prescribed speed's torque is that of the recovered slider force, which meets the projected equations as well as three modes
-#: describe the follower: 1.3e-3 in run 24 (`engines.own.reference.LADDER`).
+#: describe the follower: 1.3e-3 in run 24 (`engines.own.reference.AS_THEY_ARE`).
 THREE_MODES = 1.3e-3
 #: The same with two modes. In a scene where two leave 2.9e-5 of the energies, three leave 3e-6 and five 3e-7, at any tolerance.
 TWO_MODES = 1.5e-3
