@@ -62,17 +62,18 @@ class BeamModel:
         self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
 
     @classmethod
-    def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, *, slowed: bool = False) -> "BeamModel":
+    def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None) -> "BeamModel":
         """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower.
 
-        Clamped modes for the follower alone. If `slowed`, an added inertia slows the higher half of the modes (equation 5.15).
+        Clamped modes for the follower alone. Unless `slowed_to` is None, an added inertia slows the higher half of the modes, but not below
+        this angular frequency (rad/s), see equation 5.15.
         """
         if scene.crank is None:
             return cls.alone(scene, modes)
         if scene.follower.is_rigid:
             return cls.staying(scene, no_shapes(scene.follower.length), constraint)
         (tables, reach), family, seconds = beam.following(scene, modes)
-        return cls(scene, parameters(scene, modes, tables, reach, constraint, slowed=slowed), family.angles, seconds)
+        return cls(scene, parameters(scene, modes, tables, reach, constraint, slowed_to=slowed_to), family.angles, seconds)
 
     @classmethod
     def staying(

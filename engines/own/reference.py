@@ -43,6 +43,8 @@ MODES_OF_BLOWS: Final = 7
 #: Part of the slider force from which on a roller that meets the follower hits it (`blow`): measured are 0.07, which needs no more modes
 #: than a rigid joint, and 0.6, which does (`engines/LADDERS.md`, section 5).
 HIT: Final = 0.1
+#: Angular frequency over that of a blow, below which no mode is slowed where rollers are hit.
+BLOW_RESOLVED: Final = 5.0
 #: Largest tolerance of a finer run over that of the run itself: a tenth shows the integration's error. Where rollers touch and part more
 #: modes need no smaller one.
 TENTH: Final = 0.1
@@ -145,7 +147,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             held = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
         elif scene.slider.has_friction:
             held = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
-        return BeamModel.following(scene, settings.modes, held, slowed=settings.added_inertia)
+        slowed_to = BLOW_RESOLVED * rate_of_blow(scene) if scene.slider.has_corners else 0.0
+        return BeamModel.following(scene, settings.modes, held, slowed_to if settings.added_inertia else None)
 
     def joint_line(self, scene: Scene, settings: ReferenceSettings) -> str:
         """Rigid or compliant."""
@@ -157,16 +160,14 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return line + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit.
-
-        Rollers that touch and part set all modes ringing: none is slowed then.
-        """
-        if scene.crank is not None and not scene.slider.has_corners:
+        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit."""
+        if scene.crank is None:
+            return fitted(AS_THEY_ARE, accuracy, scene)
+        if not scene.slider.has_corners:
             return fitted(SLOWED, accuracy, scene)
-        if blow(scene) > HIT:
-            usual = AS_THEY_ARE.pick(accuracy)
-            return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS))
-        return fitted(AS_THEY_ARE, accuracy, scene)
+        hit, usual = blow(scene) > HIT, AS_THEY_ARE.pick(accuracy)
+        found = usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS)) if hit else fitted(AS_THEY_ARE, accuracy, scene)
+        return found.replaced(added_inertia=True)
 
     def comparisons(self, settings: ReferenceSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
@@ -278,7 +279,12 @@ def blow(scene: Scene) -> float:
     if scene.slider.clearance > 0.0:
         return math.inf
     softer, stiffer = sorted(scene.slider.sides)
-    return crank_pace(scene) / softer * math.sqrt(stiffer * scene.follower.mass)
+    return crank_pace(scene) / softer * stiffer / rate_of_blow(scene)
+
+
+def rate_of_blow(scene: Scene) -> float:
+    """Angular frequency (rad/s) of the follower's mass on the stiffer roller; infinite without a mass."""
+    return math.sqrt(max(scene.slider.sides) / scene.follower.mass) if scene.follower.mass > 0.0 else math.inf
 
 
 def joint_inertia(scene: Scene, modes: int) -> float:

@@ -16,7 +16,7 @@ def parameters(
     constraint: SliderConstraint = CLOSED,
     *,
     transverse_damping: bool = False,
-    slowed: bool = False,
+    slowed_to: float | None = None,
 ) -> Parameters:
     """Constants of a scene with shapes in tables.
 
@@ -27,7 +27,7 @@ def parameters(
         reach: m, place of the slider at which it counts as leaving the follower.
         constraint: of the slider; not read for the follower alone.
         transverse_damping: the beam damping acts on the velocity across the base tangent alone.
-        slowed: whether the higher half of the shapes, which are modes then, has an added inertia.
+        slowed_to: rad/s, see `added_inertia`; None: nothing has an added inertia.
     """
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
@@ -52,20 +52,20 @@ def parameters(
         joint_inertia=constraint.inertia,
         stabilization=constraint.stabilization,
         bending_damping=constraint.bending_damping + scene.follower.material_damping if shapes else 0.0,
-        added_inertia=added_inertia(tables, shapes) if slowed else np.zeros(shapes),
+        added_inertia=np.zeros(shapes) if slowed_to is None else added_inertia(tables, shapes, slowed_to),
         reach=reach,
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,
         tables=tables,
     )
 
 
-def added_inertia(tables: Tables, shapes: int) -> Vector:
-    """Inertia of each amplitude over its modal mass that lets no mode vibrate faster than the middle one does at its fastest.
+def added_inertia(tables: Tables, shapes: int, least: float) -> Vector:
+    """Inertia of each amplitude over its modal mass that slows the higher half of the modes (equation 5.15), shape (n,).
 
-    Equation 5.15; shape (n,). The first three modes never have any.
+    No mode is faster then than the middle one at its fastest, or than `least` (rad/s), if that is more.
     """
     middle = unslowed(shapes)
     if middle == shapes:
         return np.zeros(shapes)
     squares = ShapeRow.of(tables.coefficients[:, 3], shapes, tables).squares.max(axis=0)
-    return np.maximum(squares / squares[middle - 1] - 1.0, 0.0)
+    return np.maximum(squares / max(squares[middle - 1], least**2) - 1.0, 0.0)

@@ -123,9 +123,11 @@ class DerivedBeam:
         self.results = ca.Function("results", [*state, e.a, forces], shown)
 
     @classmethod
-    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED, *, slowed: bool = False) -> "DerivedBeam":
+    def following(
+        cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None
+    ) -> "DerivedBeam":
         """With natural modes that follow the slider."""
-        return cls(BeamModel.following(mechanism, modes, constraint, slowed=slowed), constraint)
+        return cls(BeamModel.following(mechanism, modes, constraint, slowed_to), constraint)
 
     @classmethod
     def staying(

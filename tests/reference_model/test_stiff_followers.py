@@ -75,7 +75,7 @@ def test_errors_are_measured_against_a_hundredth_of_the_length_or_what_the_scene
 @pytest.mark.parametrize(("modes", "slowed"), [(1, False), (3, False), (6, False), (6, True)])
 def test_the_highest_frequency_is_bounded_closely(modes: int, slowed: bool, driven: bool) -> None:
     scene = scene_of(1.0, driven=driven)
-    model = BeamModel.following(scene, modes, slowed=slowed)
+    model = BeamModel.following(scene, modes, slowed_to=0.0 if slowed else None)
     w, first = model.workspace, 0 if driven else 1
     for angle in (2.0, 3.5, 6.0):
         y = model.straight_state(angle, SPEED)
@@ -92,7 +92,7 @@ def test_the_highest_frequency_is_bounded_closely(modes: int, slowed: bool, driv
 def test_an_added_inertia_slows_the_higher_half_of_the_modes_and_leaves_the_rest(modes: int, middle: int) -> None:
     """No mode is faster than the middle one at its fastest; up to there, and in what stands still, nothing changes."""
     scene = scene_of(1.0)
-    slowed, plain = (BeamModel.following(scene, modes, slowed=each) for each in (True, False))
+    slowed, plain = (BeamModel.following(scene, modes, slowed_to=each) for each in (0.0, None))
     angles = np.linspace(0.0, math.pi, 61)
     fastest = max(frozen_crank_modes(scene, angle, middle).frequencies[-1] for angle in angles)
     for angle in angles[::6]:
