@@ -15,7 +15,7 @@ EXACT = 1e-12
 @pytest.mark.parametrize("method", EXPLICIT, ids=str)
 @for_all(few=4, many=25, scene=scenes(), times=st.integers(2, 5))
 def test_the_output_step_does_not_show(method: Method, scene: Scene, times: int) -> None:
-    """Rows come from the dense output: the steps are the same whatever is shown."""
+    """Rows are interpolated: the steps are the same whatever is shown."""
     fine = method.run(scene, rows=times * scene.rows)
     seen = {name: values[::times] for name, values in fine.columns.items()}
     # LSODA alone stops at each row
