@@ -1,7 +1,7 @@
-"""The engine `derived`, a witness of `reference`: the computer derives its equations of motion from a description.
+"""The engine `derived`: a witness of `reference`, whose equations of motion the computer derives from a description.
 
-It shares with `reference` only the shapes that follow the slider, their tables and their known errors. The errors in its ladder are those
-of the shapes (`engines/LADDERS.md`, section 1).
+It shares with `reference` the shapes that follow the slider, their tables and their known errors; nothing else. The ladder's errors are
+those of the shapes (`engines/LADDERS.md`, section 1).
 """
 
 import time
@@ -34,11 +34,11 @@ Array = NDArray[np.float64]
 
 #: Largest number of modes. The code has no loops: it grows with the square of the points and with the modes, to 74,000 instructions for 11.
 MOST_MODES: Final = 11
-#: Scale of the error of the slider's place, relative to the follower's length, and of a joint's gap, relative to the deflection.
+#: Sizes of errors: of the slider's place over the follower's length, and of a joint's gap over the deflection.
 SMALL: Final = 0.01
-#: Relative tolerance of scipy's integrator, as small as rounding: the fixed scales of `_sizes` control the error.
+#: Relative error that scipy's integrator takes for rounding; what counts are the fixed sizes.
 ROUNDING: Final = 3e-14
-#: Part of the way to the follower's end. If the integration stops beyond it, the slider has left the follower.
+#: Part of the way to the follower's end beyond which a slider that cannot be followed any farther has left it.
 NEARLY: Final = 0.97
 
 
@@ -117,10 +117,9 @@ class DerivedEngine(Engine[DerivedSettings]):
         return DerivedSimulation(mechanism, start, settings, began)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: DerivedSettings) -> Array:
-        """Natural frequencies of the linearised model, discretized with two modes more than the requested number.
+        """Of the discretized model with two modes more than asked for, linearised by differentiation.
 
-        The shapes take neither the slider's rotary inertia nor a compliant joint into account: each changes the third frequency by some
-        per cent.
+        The shapes contain neither the slider's rotary inertia nor a compliant joint: each changes the third frequency by some per cent.
         """
         from quickreturn.derive import natural_frequencies
         from quickreturn.witness.description import constants
@@ -152,7 +151,7 @@ class DerivedSimulation(Simulation):
         self.setup_seconds = time.perf_counter() - began + self.shapes.seconds
 
     def model(self) -> "Model":
-        """The compiled equations with the shapes of this scene."""
+        """The compiled equations, with this scene's shapes in their tables."""
         mechanism = self.mechanism
         return model(self.shapes.placed.tables, self.settings.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
 
@@ -183,7 +182,7 @@ class DerivedSimulation(Simulation):
         return trajectory
 
     def _begin(self, start: Start) -> Array:
-        """The state closest to a start in which the loop is closed without a gap."""
+        """The state closest to a start, its loop closed without a gap."""
         from quickreturn.derive import DescriptionError
 
         equations, mechanism, n = self.model(), self.mechanism, self.settings.modes
@@ -204,10 +203,9 @@ class DerivedSimulation(Simulation):
             raise EngineFailure(0.0, cause, "try a start with a smaller deflection") from open_loop
 
     def _sizes(self) -> Array:
-        """The scale of each state's error. It is fixed, so that it never vanishes.
+        """What errors are relative to: for amplitudes the scene's deflection, and what turns the follower's end by as much.
 
-        Amplitudes: the scene's deflection. Follower angle: the angle that moves the follower's end by this deflection. Rates: the scale of
-        the state times the lowest frequency of the shapes. The integrals of power have infinite scales: their errors are not controlled.
+        Fixed, so that none vanishes. Rates are measured in the lowest frequency of the shapes. The integrals of power are not controlled.
         """
         equations, scene = self.model(), self.mechanism
         beam, bends = scene.follower, deflection_scale(scene)
@@ -222,7 +220,7 @@ _MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
 
 
 def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
-    """The equations of a structure, which are compiled once. The values of the scene are inputs; the table holds its shapes."""
+    """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
     from quickreturn.derive import Model
     from quickreturn.witness.description import quick_return
 
@@ -234,6 +232,6 @@ def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
 
 
 def _rigid_place(mechanism: Mechanism, crank_angle: float) -> dict[str, float]:
-    """Angle and slider position of the straight follower."""
+    """Follower's angle and slider's place of the straight follower."""
     chord = mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance
     return {"follower_angle": float(np.pi + np.angle(-chord)), "slider_position": float(abs(chord))}
