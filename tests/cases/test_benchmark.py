@@ -269,7 +269,7 @@ def test_at_the_time_limit_who_took_longer_than_one_may_is_left_out(tmp_path: An
 
 def test_at_the_time_limit_of_all_nobody_is_blamed_who_took_less(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     measured = overrun(monkeypatch, since=2.1)
-    with pytest.raises(EngineFailure, match="none at work for longer than one of them may be; try a longer --time-limit"):
+    with pytest.raises(EngineFailure, match="although no single engine exceeded its limit; try a longer --time-limit"):
         measure(short(), Workshop(Store(tmp_path), LocalProcesses(limits=Limits(seconds=1.0))), ("exudyn", "thesis"), 1)
     assert len(measured) == 1
 

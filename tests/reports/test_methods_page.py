@@ -31,8 +31,8 @@ def test_a_model_that_does_not_converge_is_said_to() -> None:
     others = made_up_benchmark("hard-prescribed-speed")
     moving = [dataclasses.replace(point, engine="moving-boundaries", method="moving-boundaries") for point in others.points[-5:-1]]
     told = text_of(one_run(benchmarks=[made_up_benchmark(), dataclasses.replace(others, points=(*others.points, *moving))]))
-    assert "Finer settings do not help thesis: 80 % are left in run 24, 80 % in hard-prescribed-speed, the error of the model." in told
-    assert "Finer settings do not help moving-boundaries: 80 % are left in hard-prescribed-speed, the error of the model." in told
+    for name, left in (("thesis", "run 24, 80 % in hard-prescribed-speed"), ("moving-boundaries", "hard-prescribed-speed")):
+        assert f"Finer settings do not help {name}: 80 % are left in {left}. This is the error of the model." in told
 
 
 def test_observed_orders_are_those_of_the_power_laws() -> None:
