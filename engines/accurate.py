@@ -15,8 +15,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from threadpoolctl import threadpool_limits
-
 from quickreturn.engines import progress
 from quickreturn.engines.base import (
     AnyEngine,
@@ -27,6 +25,7 @@ from quickreturn.engines.base import (
 )
 from quickreturn.engines.error_parts import ESTIMATED, LOADS, compared, estimated_part, relative_size, same_motion
 from quickreturn.engines.one_run import Made, run_once
+from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
@@ -95,8 +94,7 @@ class Result(Assessment):
     runs: Mapping[Settings, Made] = field(default_factory=dict, repr=False)
 
 
-# The eigenproblems of the shapes are small: a second thread makes them take three times as much of the processors, and no less time.
-@threadpool_limits.wrap(limits=1, user_api="blas")
+@on_one_thread
 def simulate(
     engine: AnyEngine,
     scene: Scene,

@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import AnyEngine, EngineFailure
+from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.mechanism import Mechanism
 
 _SHOWN = 60  # characters of what an engine returned
 
 
+@on_one_thread
 def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
     """`Engine.natural_frequencies` in Hz, of shape (<= count,): finite, none negative, ascending.
 

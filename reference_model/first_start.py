@@ -1,6 +1,6 @@
 """The first start: while one process compiles the equations of motion, a second compiles what an integration needs besides.
 
-Compiling takes one core; on two the first start is shorter by almost half. Where the second process cannot be had, or compiles what is not
+Compiling takes one core; on two the first start is shorter by two fifths. Where the second process cannot be had, or compiles what is not
 asked for, the first compiles what it misses: then only time is lost.
 """
 

@@ -37,7 +37,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
             raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
         _print_for_others(options.load_all(cases, tag, overrides), overrides)
         return
-    get_ready(DESCRIBING)
+    get_ready((*DESCRIBING, "quickreturn.engines.scene"))
     loaded = options.load_all(cases, tag, overrides)
     around = _resonances(loaded) if resonance else [{}] * len(loaded)
     documents = [_document(case) | more for case, more in zip(loaded, around, strict=True)]

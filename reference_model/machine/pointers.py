@@ -77,8 +77,8 @@ class _AtAttributes(AttributeTemplate):
 
 def _words(kind: Any) -> int:
     """Words of eight bytes that a member takes: of an array its place and its shape, of a record its place, of a tuple its members."""
-    if isinstance(kind, types.BaseNamedTuple):
-        return sum(map(_words, kind.types))
+    if isinstance(kind, types.NamedTuple):
+        return sum(_words(each) for each in kind.types)
     return 1 + kind.ndim if isinstance(kind, types.Array) else 1
 
 

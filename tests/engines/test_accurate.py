@@ -71,6 +71,22 @@ def test_linear_algebra_keeps_to_one_thread_and_gives_the_others_back() -> None:
     assert set(seen[0]) == {1}
 
 
+def test_the_first_simulation_of_a_process_does_so_too() -> None:
+    """Its engine is the first that loads scipy's linear algebra."""
+    code = """
+from tests.engines.test_accurate import FakeEngine, run, threads
+class Watching(FakeEngine):
+    def settings_for(self, accuracy, mechanism):
+        import scipy.linalg
+        print(set(threads()))
+        return super().settings_for(accuracy, mechanism)
+run(engine=Watching())
+"""
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["{1}"]
+
+
 def threads() -> list[int]:
     """Threads that each library of linear algebra may use."""
     return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
