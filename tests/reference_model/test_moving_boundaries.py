@@ -285,5 +285,7 @@ def test_elements_on_a_moving_spring_have_the_same_multipliers() -> None:
     assert abs(largest) == pytest.approx(np.max(np.abs(np.linalg.eigvals(monodromy(scene, 66.0, foreshortening=False)))), abs=2e-3)
     assert abs(largest) > 1.09
     others = np.linalg.eigvals(monodromy(scene, 66.0, foreshortening=True))
-    first = MovingBoundariesModel(scene, 4, True).multipliers(66.0)[:2]
-    assert max(np.min(np.abs(others - multiplier)) for multiplier in first) < 1e-2
+    # all have the modulus 1, so that their order is that of rounding; two modes are as good as the spring, two others feel the truncation
+    missed = np.sort([np.min(np.abs(others - multiplier)) for multiplier in MovingBoundariesModel(scene, 4, True).multipliers(66.0)])
+    assert np.all(missed[:4] < 2e-3)
+    assert np.all(missed < 3e-2)
