@@ -117,7 +117,8 @@ def gauss_points(modes: int) -> int:
     """Gauss points on each span for shapes that follow the slider.
 
     One less than a multiple of four, which with the span's end fills the places; fewer cost the same. Run 24 needs seven for five modes;
-    a crank of 6 in, which brings the slider nearer to the end, has 2e-3 of the tip acceleration left with seven and 2e-4 with eleven.
+    a crank of 6 in, which brings the slider nearer to the end, has 2e-3 of the tip acceleration left with seven and 2e-4 with eleven. With
+    four modes it has 1.2e-2 with seven and 4e-3 with eleven (`engines/LADDERS.md`, section 1).
     """
     return 7 if modes <= 3 else 11 if modes <= 9 else 15
 
