@@ -18,6 +18,7 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.simple import SimpleEngine, SimpleSettings
+from quickreturn.reference_model.mechanism import Mechanism
 
 #: Duration of the runs that compare settings, s: 50 rows.
 _DURATION: Final = 0.05
@@ -42,11 +43,8 @@ def settings_at_work(bench: Bench) -> Iterator[Check]:
 
 
 def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
-    tried, scenes = list[Any](), [bench.scene]
-    with contextlib.suppress(Unjudged):
-        scenes.append(everything(bench)[0])
-    for scene in scenes:
-        settings = bench.settings(scene)
+    tried = list[Any]()
+    for scene, settings in _where_it_may_act(bench):
         motion = Motion(scene, _DURATION)
         for value in _others(field, getattr(settings, field.name)):
             try:
@@ -63,6 +61,15 @@ def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
         raise Unjudged("no other value is accepted")
     words = ", ".join(f"{value:g}" if isinstance(value, float) else str(value) for value in dict.fromkeys(tried))
     raise Fault(f"{field.name} does nothing: with {words} neither the motion nor its cost is another", "use it, or leave it out")
+
+
+def _where_it_may_act(bench: Bench) -> Iterator[tuple[Mechanism, Settings]]:
+    """Scenes with settings: a setting may act only on what a scene has, or only where others are fine."""
+    yield bench.scene, bench.settings(bench.scene)
+    with contextlib.suppress(Unjudged):
+        scene = everything(bench)[0]
+        yield scene, bench.settings(scene)
+    yield bench.scene, bench.engine.ladder(bench.scene)[-1]
 
 
 def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Settings]) -> bool:

@@ -90,8 +90,9 @@ def slider_on_follower(found: Columns, mechanism: Mechanism) -> NDArray[np.compl
 @pytest.mark.parametrize(
     ("engine", "tolerance"),
     # What a model's discretization leaves between its forces and the motion of what it shows, relative to the slider force: twice what
-    # was found. The thesis' foreshortening is of second order; along the cable Exudyn's force does not know its stretch.
-    [("reference", 3e-4), ("thesis", 1.2e-3), ("exudyn", 4e-3), ("mujoco", 5e-4)],
+    # was found. The added inertia of `reference` is in the motion, not in the forces; the thesis' foreshortening is of second order; along
+    # the cable Exudyn's force does not know its stretch.
+    [("reference", 8e-4), ("thesis", 1.2e-3), ("exudyn", 4e-3), ("mujoco", 5e-4)],
 )
 def test_forces_on_follower_and_crank_move_them_as_the_columns_show(engine: str, tolerance: float, scene: Mechanism) -> None:
     found, inner = columns(engine, scene), slice(2, -2)

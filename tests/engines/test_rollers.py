@@ -158,7 +158,7 @@ def test_reference_takes_more_modes_where_rollers_are_hit(joint: str) -> None:
     if slider.has_corners:
         assert 0.1 * settings.tolerance <= pair.other.tolerance * (1.0 + 1e-12) <= 0.2 * settings.tolerance
     else:
-        assert pair.other.tolerance < 0.1 * settings.tolerance
+        assert pair.other.tolerance <= 0.1 * settings.tolerance * (1.0 + 1e-12)
 
 
 @pytest.mark.parametrize("side", [1e5, 1e4, 2e3])
