@@ -74,7 +74,8 @@ def convergence(points: Sequence[Point]) -> Table:
     found = Table("convergence", columns)
     for point, measured in completed(points):
         calls = measured.statistics.get("right_hand_side_calls")
-        found.add(measured, **point.settings, **measured.errors, right_hand_side_calls=calls, is_reference=point is points[-1])
+        settings = {name: point.settings[name] for name in ("modes", "tolerance")}  # the others are the same throughout
+        found.add(measured, **settings, **measured.errors, right_hand_side_calls=calls, is_reference=point is points[-1])
     return found
 
 

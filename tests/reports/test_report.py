@@ -18,6 +18,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.runs.comparison import compare
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import BothStarts, Prescribed, StudiedRun, Studies
+from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import OutputError, check_folder
@@ -69,7 +70,7 @@ def rung(modes: int) -> Point:
         statistics={},
         calls_per_period=None,
     )
-    settings = {"modes": modes, "tolerance": 1e-9}
+    settings = ReferenceSettings(modes=modes, tolerance=1e-9).as_dict()
     return Point(method="reference", engine="reference", settings=settings, changing=settings, status="completed", measured=measured)
 
 
