@@ -43,7 +43,7 @@ MODES_OF_BLOWS: Final = 7
 #: Part of the slider force from which on a roller that meets the follower hits it (`blow`): measured are 0.07, which needs no more modes
 #: than a rigid joint, and 0.6, which does (`engines/LADDERS.md`, section 5).
 HIT: Final = 0.1
-#: Angular frequency over that of a blow, below which no mode is slowed where rollers are hit.
+#: Angular frequency over that of a blow, below which no mode is slowed where rollers are hit (`engines/LADDERS.md`, section 1).
 BLOW_RESOLVED: Final = 5.0
 #: Largest tolerance of a finer run over that of the run itself: a tenth shows the integration's error. Where rollers touch and part more
 #: modes need no smaller one.
@@ -58,8 +58,8 @@ MOST_MODES: Final = 16
 #: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
-#: First bending frequency over the crank's, below which no mode is slowed: the higher ones move with the motion itself. Run 24 has 4.1; at
-#: a tenth of its stiffness (1.3) slowed modes do not get to an error of 0.1 %, nine as they are do.
+#: First bending frequency over the crank's, below which no mode is slowed: the motion itself needs the higher ones. Run 24 has 4.1, in
+#: which slowing costs nothing; with a tenth of its stiffness (1.3) it costs ten times the error (`engines/LADDERS.md`, section 1).
 SOFT_FOLLOWER: Final = 3.0
 #: Modes -> `Comparison.alike` of a run with so many; 0 for other numbers.
 ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}

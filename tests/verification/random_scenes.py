@@ -7,7 +7,7 @@ not: they magnify a change of the bending stiffness so much that models of any f
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -78,15 +78,7 @@ def sensible_machines(seed: int) -> Iterator[Scene]:
     and their phase is known to no model. Beside the criteria of `random_scenes` the first bending frequency must be five times the crank's
     or more wherever the crank is held.
     """
-    generator, number = np.random.default_rng(seed), 0
-    while True:
-        mechanism = _machine(generator)
-        if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO:
-            continue
-        scene = _judged(f"machine-{number + 1:03d}", mechanism, MACHINE_DURATION)
-        if scene is not None:
-            number += 1
-            yield scene
+    return _stiff_enough("machine-{:03d}", np.random.default_rng(seed), _machine, MACHINE_DURATION)
 
 
 def combined_machines(seed: int) -> Iterator[Scene]:
@@ -95,12 +87,17 @@ def combined_machines(seed: int) -> Iterator[Scene]:
     A slider with mass and in half of them with inertia, a compliant joint in half of them, 30 to 3000 times as stiff as the follower, a
     force on the tip over a part of the turn in half of them, gravity in most; the follower's damping is 0.2 to 300 % of critical.
     """
-    generator, number = np.random.default_rng([seed, 7]), 0
+    return _stiff_enough("combined-{:02d}", np.random.default_rng([seed, 7]), _with_everything, COMBINED_DURATION)
+
+
+def _stiff_enough(name: str, generator: Generator, draw: Callable[[Generator], Mechanism], duration: float) -> Iterator[Scene]:
+    """Sensible scenes whose first bending frequency is `LEAST_STIFFNESS_RATIO` times the crank's or more."""
+    number = 0
     while True:
-        mechanism = _with_everything(_machine(generator), generator)
+        mechanism = draw(generator)
         if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO:
             continue
-        scene = _judged(f"combined-{number + 1:02d}", mechanism, COMBINED_DURATION)
+        scene = _judged(name.format(number + 1), mechanism, duration)
         if scene is not None:
             number += 1
             yield scene
@@ -234,9 +231,9 @@ def _machine(generator: Generator) -> Mechanism:
     )
 
 
-def _with_everything(machine: Mechanism, generator: Generator) -> Mechanism:
+def _with_everything(generator: Generator) -> Mechanism:
     """A machine with all that can act on it, see `combined_machines`."""
-    uniform = generator.uniform
+    machine, uniform = _machine(generator), generator.uniform
 
     def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
         return float(math.exp(uniform(math.log(low), math.log(high))))
