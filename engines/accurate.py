@@ -188,8 +188,9 @@ class _Runs:
         self._failed: dict[Settings, EngineFailure] = {}
         self.compile_seconds = 0.0
         self._rung = 0
-        self._begin = self._first_begin = time.perf_counter()
-        self._time_limit, self._longest, self._is_known, self._hurried = time_limit, 0.0, False, False
+        self._begin = time.perf_counter()
+        self._seconds: dict[Settings, float] = {}  # wall time of each run, whether it failed or not
+        self._time_limit, self._is_known, self._hurried = time_limit, False, False
 
     def run(self, settings: Settings) -> Made:
         if self.engine.compiles and not self._done and not self._failed and not self.compile_seconds:
@@ -204,12 +205,13 @@ class _Runs:
             except EngineFailure as failure:
                 self._failed[settings] = failure
                 raise
-            self._longest = max(self._longest, time.perf_counter() - began)
+            finally:
+                self._seconds[settings] = time.perf_counter() - began
         return self._done[settings]
 
     def _find_time(self, now: float) -> None:
         """Raise `_NoTime` where another run could take longer than is left."""
-        if self._done and self._time_limit and now - self._first_begin + LONGER * self._longest > USABLE * self._time_limit:
+        if self._done and self._time_limit and now - self._begin + LONGER * max(self._seconds.values()) > USABLE * self._time_limit:
             self._hurried = True
             raise _NoTime(0.0, f"could take longer than is left of the time limit of {self._time_limit:g} s", "")
 
@@ -222,7 +224,6 @@ class _Runs:
             run_once(self.engine, self.scene, start, output_step, output_step, settings)
         self.compile_seconds = time.perf_counter() - began
         progress.tell(phase="simulating", rung=self._rung)
-        self._begin = time.perf_counter()
 
     def judged(self, settings: Settings) -> _Judged:
         self._rung += 1
@@ -284,7 +285,7 @@ class _Runs:
             within = f"the estimated error {estimate:.2g} is within the accuracy {target:g}, but estimates of {self.engine.name}"
             remark = f"{within} are not verified; ask an engine whose estimates are, such as reference"
         trajectory, setup_seconds = judged.made.trajectory, judged.made.simulation.setup_seconds
-        others = time.perf_counter() - self._begin - setup_seconds - trajectory.solve_seconds
+        others = sum(seconds for settings, seconds in self._seconds.items() if settings != judged.settings)
         return Result(
             trajectory=trajectory,
             settings=judged.settings,
@@ -299,7 +300,7 @@ class _Runs:
             setup_seconds=setup_seconds,
             solve_seconds=trajectory.solve_seconds,
             compile_seconds=self.compile_seconds,
-            estimate_seconds=max(0.0, others),
+            estimate_seconds=others,
             description=self.engine.describe(self.scene, judged.settings),
             runs=self._done,
         )

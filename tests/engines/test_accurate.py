@@ -16,6 +16,7 @@ from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
 from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, Compared, shown_factor
 from quickreturn.engines.one_run import run_once
+from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
@@ -373,3 +374,12 @@ def test_what_would_not_be_done_in_time_is_not_begun(monkeypatch: pytest.MonkeyP
     assert "the next finer settings could take longer than is left of the time limit of 60 s" in first.remark
     assert step_of(alone) == step_of(first) > step_of(all_rungs)
     assert all_rungs.reached
+
+
+def test_the_time_of_an_estimate_is_at_least_that_of_its_runs() -> None:
+    """Also if the tables of all runs are there already, whose making every run counts as its set-up."""
+    for _ in range(2):
+        result = simulate(ReferenceEngine(), run_24(), standard_start(run_24()), 0.2, 1e-3)
+    others = [made for settings, made in result.runs.items() if settings != result.settings]
+    assert others
+    assert result.estimate_seconds >= sum(made.trajectory.solve_seconds for made in others)
