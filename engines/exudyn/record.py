@@ -38,7 +38,7 @@ class Model(Protocol):
     drive_equation: int | None = None
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """Set what stands still over the next stretch of the simulation, `duration` (s) long and at most `damping.LONGEST`."""
+        """Set what stands still over the next stretch of the simulation, `duration` (s) long, at most `damping.longest_stretch`."""
         return
 
     def slider_position(self, coordinates: Array) -> float | None:

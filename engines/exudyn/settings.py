@@ -1,5 +1,6 @@
 """Settings of the `exudyn` engine and the ladder from accuracy to settings."""
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
@@ -11,6 +12,7 @@ from quickreturn.engines.settings import Settings, setting
 FEWEST_ELEMENTS: Final = 6
 LARGEST_STEP: Final = 5e-2  # s
 LEAST_STEP: Final = 1e-7  # s
+SOFTEST: Final = 0.25
 STIFFEST: Final = 100.0
 
 
@@ -21,7 +23,7 @@ class ExudynSettings(Settings):
     elements: int = setting(24, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
     step: float = setting(2.5e-4, "largest time step; the output step is divided evenly", unit="s", low=LEAST_STEP, high=LARGEST_STEP)
     spectral_radius: float = setting(0.9, "generalized-alpha: damping of the highest frequencies, 1 is none", low=0.5, high=0.95)
-    axial_factor: float = setting(1.0, "axial stiffness over that of the section; more is nearer to no stretch", low=1.0, high=STIFFEST)
+    axial_factor: float = setting(1.0, "axial stiffness over that of the section; more is nearer to no stretch", low=SOFTEST, high=STIFFEST)
     newton_tolerance: float = setting(1e-6, "change by an iteration over the step's first one that ends it", low=1e-10, high=1e-5)
 
     def steps_in(self, output_step: float) -> int:
@@ -53,19 +55,22 @@ PASSING: Final = (0.75, 1.8)
 #: Fewer elements than these have no order yet and are compared with more.
 FEWEST_WITH_ORDER: Final = 24
 
-#: A scene's follower does not stretch, a cable does. It is compared with this many times the axial stiffness, or with as much less of a
-#: cable that is stiffer than its section. Beyond `MOST_STIFF` nothing is gained.
-STIFFER: Final = 4.0
+#: A scene's follower does not stretch, a cable does. It is compared with one of this part of its axial stiffness.
+SOFTER: Final = 0.25
 
-#: Finest rung: beyond it a run of two seconds takes minutes. 16 times the axial stiffness costs a third more time.
+#: Finest settings: beyond them a run of two seconds takes minutes. 16 times the axial stiffness costs a third more time.
 MOST_ELEMENTS: Final = 96
 SMALLEST_STEP: Final = 2e-5  # s
-MOST_STIFF: Final = 16.0
+STIFFER: Final = (1.0, 4.0, 16.0)  # factors of the axial stiffness from one rung to the next; the last is the most that gains anything
 
-#: Parts of the accuracy that climbing aims at: the sum stays below one, for the orders are not exactly those.
-_SHARE_OF_TIME: Final = 0.65
-_SHARE_OF_SPACE: Final = 0.2
-_SHARE_OF_STRETCH: Final = 0.1
+#: Sum of the parts over the accuracy that climbing aims at: below one, for the orders are not exactly those.
+AIM: Final = 0.95
+#: Where no rung gets there, one is enough that leaves up to this factor of the least that any leaves ...
+NEAREST: Final = 1.2
+#: ... and none is worth its time if the least is more than this part of what there is.
+WORTHWHILE: Final = 0.9
+#: Cost of a rung that can share none of its comparisons with the one before, over one that can: it changes the cable.
+NEW_CABLE: Final = 2.0
 
 
 def in_time(own: ExudynSettings, output_step: float, order: float = SAFE_IN_TIME) -> Comparison:
@@ -110,13 +115,14 @@ def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
 
 
 def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
-    """A stiffer cable, or a softer one where it is stiff already, with its own elements at the coarsest of the steps.
+    """A softer cable, or a stiffer one where it is soft already; with half the elements if those have an order, at the coarsest step.
 
-    Not with fewer elements: few are too stiff in bending where they cannot stretch.
+    Stiffer cables of few elements are too stiff in bending; softer ones stretch as with many elements.
     """
-    factor = STIFFER if own.axial_factor < STIFFER else 1.0 / STIFFER
-    other = factor * own.axial_factor
-    return _first_to_run([Comparison(run, run.replaced(axial_factor=other), 1.0 / factor) for run in _steps_compared(own, time)])
+    few = own.elements // 2 if own.elements >= FEWEST_WITH_ORDER else own.elements
+    part = SOFTER if SOFTER * own.axial_factor >= SOFTEST else 1.0 / SOFTER
+    runs = [run.replaced(elements=few) for run in _steps_compared(own, time)]
+    return _first_to_run([Comparison(run, run.replaced(axial_factor=part * own.axial_factor), 1.0 / part) for run in runs])
 
 
 def _steps_compared(own: ExudynSettings, time: Comparison) -> list[ExudynSettings]:
@@ -146,7 +152,7 @@ class Excess(NamedTuple):
 
 
 def finer(own: ExudynSettings, excess: Excess | None, output_step: float) -> ExudynSettings | None:
-    """Steps, elements and axial stiffness by their orders; half the step where nothing is known.
+    """The cheapest steps, elements and axial stiffness that suffice by the orders; half the step where nothing is known.
 
     At most four times as many steps and twice the elements at once.
 
@@ -155,19 +161,25 @@ def finer(own: ExudynSettings, excess: Excess | None, output_step: float) -> Exu
         excess: what is known of the error; None where nothing is.
         output_step: s.
     """
-    in_time, in_space, in_stretch, passing = excess or Excess(4.0 * _SHARE_OF_TIME)
-    in_space += passing
-    steps, elements, axial_factor = own.steps_in(output_step), own.elements, own.axial_factor
-    most = max(1, math.floor(output_step / SMALLEST_STEP + 1e-9))
-    if in_time > _SHARE_OF_TIME:
-        wanted = steps * (in_time / _SHARE_OF_TIME) ** (1.0 / ORDER_IN_TIME)
-        steps = min(max(math.ceil(wanted - 1e-9), steps + 1), 4 * steps, max(most, steps))
-    if in_space > _SHARE_OF_SPACE:
-        wanted = elements * (in_space / _SHARE_OF_SPACE) ** (1.0 / ORDER_IN_SPACE)
-        elements = min(max(2 * math.ceil(wanted / 2.0), elements + 2), 2 * elements, max(MOST_ELEMENTS, elements))
-    if in_stretch > _SHARE_OF_STRETCH:
-        wanted = STIFFER ** math.ceil(math.log(axial_factor * in_stretch / _SHARE_OF_STRETCH, STIFFER))
-        axial_factor = min(max(wanted, axial_factor), max(MOST_STIFF, axial_factor))
-    if (steps, elements, axial_factor) == (own.steps_in(output_step), own.elements, own.axial_factor):
+    steps, elements = own.steps_in(output_step), own.elements
+    most_steps = max(steps, min(4 * steps, math.floor(output_step / SMALLEST_STEP + 1e-9)))
+    if excess is None:
+        return own.replaced(step=output_step / min(2 * steps, most_steps)) if most_steps > steps else None
+    most_elements = max(elements, min(2 * elements, MOST_ELEMENTS))
+    stiffer = [factor for factor in STIFFER if factor == 1.0 or factor * own.axial_factor <= STIFFER[-1]]
+    rungs = list(itertools.product(range(steps, most_steps + 1), range(elements, most_elements + 1, 2), stiffer))[1:]
+
+    def left(rung: tuple[int, int, float]) -> float:
+        """Parts of the error over the accuracy asked for that the orders leave of `excess`."""
+        in_time = excess.time * (steps / rung[0]) ** ORDER_IN_TIME
+        return in_time + (excess.space + excess.passing) * (elements / rung[1]) ** ORDER_IN_SPACE + excess.stretch / rung[2]
+
+    def cost(rung: tuple[int, int, float]) -> float:
+        return rung[0] * rung[1] * (1.0 if rung[1:] == (elements, 1.0) else NEW_CABLE)
+
+    least = min(map(left, rungs), default=math.inf)
+    if least > WORTHWHILE * sum(excess):
         return None
-    return own.replaced(elements=elements, step=output_step / steps, axial_factor=axial_factor)
+    enough = max(AIM, NEAREST * least)
+    chosen = min((rung for rung in rungs if left(rung) <= enough), key=cost)
+    return own.replaced(elements=chosen[1], step=output_step / chosen[0], axial_factor=chosen[2] * own.axial_factor)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.exudyn.damping import LONGEST
+from quickreturn.engines.exudyn.damping import longest_stretch
 from quickreturn.engines.exudyn.record import Model, Record
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
@@ -43,6 +43,7 @@ class ExudynSimulation(Simulation):
         self._impulse = self._lost = 0.0
         self._totals = dict.fromkeys(_ACCUMULATED, 0.0)
         self._length = model.assembly.scene.follower.length
+        self._longest = longest_stretch(model.assembly.scene)
         try:
             ready = self._solver.InitializeSolver(self._mbs, self._solver_settings)
         except exu.ExudynError as error:
@@ -60,7 +61,7 @@ class ExudynSimulation(Simulation):
         count = round(duration / output_step)
         begun = time.perf_counter()
         steps = self._settings.steps_in(output_step)
-        at_once = max(1, math.floor(LONGEST / output_step * (1.0 + 1e-9)))  # output steps that make up a stretch
+        at_once = max(1, math.floor(self._longest / output_step * (1.0 + 1e-9)))  # output steps that make up a stretch
         newton_before = self._solver.it.newtonStepsCount
         rows, failure = [self._last], None
         while len(rows) <= count and failure is None:
@@ -89,7 +90,7 @@ class ExudynSimulation(Simulation):
         that follows them.
         """
         rows: list[_Row] = []
-        parts = _stretches(output_step, steps) if outputs == 1 else 1
+        parts = _stretches(output_step, steps, self._longest) if outputs == 1 else 1
         self._set_step(outputs * output_step / parts, outputs * steps // parts)
         failure = next(filter(None, (self._stretch(rows, steps) for _ in range(parts))), None)
         if failure is None:
@@ -169,9 +170,9 @@ class ExudynSimulation(Simulation):
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
 
 
-def _stretches(output_step: float, steps: int) -> int:
-    """Number of equal parts with whole steps in an output step: the least whose parts are no longer than `LONGEST`, or the steps."""
-    fitting = (parts for parts in range(1, steps + 1) if steps % parts == 0 and output_step / parts <= LONGEST * (1.0 + 1e-9))
+def _stretches(output_step: float, steps: int, longest: float) -> int:
+    """Number of equal parts with whole steps in an output step: the least whose parts are no longer than `longest` (s), or the steps."""
+    fitting = (parts for parts in range(1, steps + 1) if steps % parts == 0 and output_step / parts <= longest * (1.0 + 1e-9))
     return next(fitting, steps)
 
 
