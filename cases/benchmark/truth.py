@@ -21,7 +21,7 @@ TRUTH: Final = ("reference", {"modes": "13", "tolerance": "1e-10", "added_inerti
 #: is used if the first does not agree: for a follower that bends to two thirds of its length 60 links are 1e-3 off.
 CONFIRMING: Final[Mapping[str, tuple[dict[str, str], ...]]] = {
     "mujoco": ({"links": "60", "armature": "0"}, {"links": "160"}),
-    "exudyn": ({"elements": "32", "step": "5e-5"},),
+    "exudyn": ({"elements": "32", "step": "5e-5", "newton_tolerance": "1e-6"},),
 }
 #: The faster confirming engine, for uses where one is enough.
 CONFIRMING_ONE: Final = "mujoco"

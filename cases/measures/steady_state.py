@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,7 +147,7 @@ class Settling:
         """The observed mu; infinite before the fourth cycle."""
         if self.cycles < FEWEST_CYCLES:
             return np.inf
-        observed = [new / old if old > 0.0 else 0.0 for old, new in zip(self.changes[-3:-1], self.changes[-2:], strict=True)]
+        observed = [new / old if old > 0.0 else 0.0 for old, new in pairwise(self.changes[-3:])]
         return max(self.multiplier or 0.0, *observed)
 
     @property

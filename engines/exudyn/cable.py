@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_POINTS_3, _WEIGHTS_3 = np.polynomial.legendre.leggauss(3)
-_POINTS_5, _WEIGHTS_5 = np.polynomial.legendre.leggauss(5)
+#: Gauss points of the elements' bending moments and axial forces, as `flexible.section_of` asks for them.
+_BENDING_POINTS, _BENDING_WEIGHTS = np.polynomial.legendre.leggauss(2)
+_AXIAL_POINTS, _AXIAL_WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 @dataclass(frozen=True)
@@ -136,29 +137,29 @@ class Cable:
         """Bending and stretching energy, with the quadrature rules of the element's forces, J, shape (rows,)."""
         h = self.element_length
         ends = self._ends(q)
-        bending = _WEIGHTS_3 * h / 2.0 * self.bending_stiffness
-        stretching = _WEIGHTS_5 * h / 2.0 * self.axial_stiffness
-        slope, bent = (np.einsum("ps,resc->repc", _hermite((1.0 + _POINTS_3) / 2.0, h, nu), ends) for nu in (1, 2))
+        bending = _BENDING_WEIGHTS * h / 2.0 * self.bending_stiffness
+        stretching = _AXIAL_WEIGHTS * h / 2.0 * self.axial_stiffness
+        slope, bent = (np.einsum("ps,resc->repc", _hermite((1.0 + _BENDING_POINTS) / 2.0, h, nu), ends) for nu in (1, 2))
         curvature = _cross(slope, bent) / np.sum(slope**2, axis=-1)
-        slope = np.einsum("ps,resc->repc", _hermite((1.0 + _POINTS_5) / 2.0, h, 1), ends)
+        slope = np.einsum("ps,resc->repc", _hermite((1.0 + _AXIAL_POINTS) / 2.0, h, 1), ends)
         strain = np.sqrt(np.sum(slope**2, axis=-1)) - 1.0
         return 0.5 * (np.einsum("rep,p->r", curvature**2, bending) + np.einsum("rep,p->r", strain**2, stretching))
 
     def bending_loss(self, q: Array, rates: Array) -> Array:
         """Power that the material's damping takes, W, shape (rows,), with the quadrature rule of the element's forces."""
-        h, points = self.element_length, (1.0 + _POINTS_3) / 2.0
+        h, points = self.element_length, (1.0 + _BENDING_POINTS) / 2.0
         slope, bent = (np.einsum("ps,resc->repc", _hermite(points, h, nu), self._ends(q)) for nu in (1, 2))
         slope_rate, bent_rate = (np.einsum("ps,resc->repc", _hermite(points, h, nu), self._ends(rates)) for nu in (1, 2))
         squared = np.sum(slope**2, axis=-1)
         stretched = 2.0 * np.sum(slope * slope_rate, axis=-1) / squared
         rate = (_cross(slope_rate, bent) + _cross(slope, bent_rate) - stretched * _cross(slope, bent)) / squared
-        return np.asarray(np.einsum("rep,p->r", rate**2, _WEIGHTS_3 * h / 2.0 * self.bending_damping))
+        return np.asarray(np.einsum("rep,p->r", rate**2, _BENDING_WEIGHTS * h / 2.0 * self.bending_damping))
 
     def stretch(self, q: Array) -> Array:
         """Length of the centre line less the undeformed length, m, shape (rows,)."""
         h = self.element_length
-        slope = np.einsum("ps,resc->repc", _hermite((1.0 + _POINTS_5) / 2.0, h, 1), self._ends(q))
-        return np.einsum("rep,p->r", np.sqrt(np.sum(slope**2, axis=-1)) - 1.0, _WEIGHTS_5 * h / 2.0)
+        slope = np.einsum("ps,resc->repc", _hermite((1.0 + _AXIAL_POINTS) / 2.0, h, 1), self._ends(q))
+        return np.einsum("rep,p->r", np.sqrt(np.sum(slope**2, axis=-1)) - 1.0, _AXIAL_WEIGHTS * h / 2.0)
 
     def first_moment(self, q: Array) -> Array:
         """∫ ρA r dx, kg m, shape (rows, 2)."""

@@ -25,7 +25,7 @@ from tests.engines.energy import imbalance
 from tests.engines.scenes import run_24
 
 DURATION = 0.25  # s: the slider turns back at 0.19 s, and its force changes hands
-CHAIN, CABLE = ChainSettings(links=18), ExudynSettings(elements=16)
+CHAIN, CABLE = ChainSettings(links=18), ExudynSettings(elements=16, newton_tolerance=1e-6)
 HELD = {"drive": PrescribedSpeed(speed=16.6)}
 
 SOFT = run_24(slider=Slider(joint_stiffness_plus=1e4, joint_stiffness_minus=4e4, preload=2.0, contact_damping=0.5))

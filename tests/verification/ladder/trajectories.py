@@ -61,8 +61,8 @@ class Ladder:
 
 def ladders(elements: int, step: float, links: int) -> tuple[Ladder, Ladder]:
     """Of the general engines, by Exudyn's middle number of elements and finest step (s), and MuJoCo's coarsest number of links."""
-    steps = [ExudynSettings(elements=elements, step=factor * step) for factor in (4, 2, 1)]
-    cables = [ExudynSettings(elements=count, step=step) for count in (elements // 2, elements, 2 * elements)]
+    steps = [ExudynSettings(elements=elements, step=factor * step, newton_tolerance=1e-6) for factor in (4, 2, 1)]
+    cables = [ExudynSettings(elements=count, step=step, newton_tolerance=1e-6) for count in (elements // 2, elements, 2 * elements)]
     chains = [ChainSettings(links=count) for count in (links, round(1.5 * links), round(2.25 * links))]
     refined = Direction("step", (steps[0], steps[1], steps[2]), 2.0), Direction("elements", (cables[0], cables[1], cables[2]), 2.0)
     return (
