@@ -34,6 +34,9 @@ from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 
+#: Number of elements from which on every other node has a damper: their quadrature is of fourth order, the elements of third.
+FEWEST_FOR_HALF_THE_DAMPERS: Final = 24
+
 _SHORT: Final = 1e-6  # s: a rate of change by differences, to eight digits
 
 _CLAMPED: Final = [1, 1, 0, 0, 0, 1]  # axes of a generic joint: both places and the rotation in the plane
@@ -166,8 +169,9 @@ class CableModel(Model):
         """Add the follower's damping relative to the base body, and its weight."""
         follower = self.assembly.scene.follower
         if base is not None and follower.damping > 0.0:
-            self._damper_weights = follower.damping * self._cable.quadrature
-            self._dampers = Dampers(self.assembly, base, self._nodes, self._cable.nodes, self._damper_weights)
+            some = slice(None, None, 2 if self._cable.elements % 2 == 0 and self._cable.elements >= FEWEST_FOR_HALF_THE_DAMPERS else 1)
+            self._damper_weights[some] = follower.damping * self._cable.quadrature(some.step)
+            self._dampers = Dampers(self.assembly, base, self._nodes[some], self._cable.nodes[some], self._damper_weights[some])
         add_weight(self.assembly, self._cable, self._nodes)
 
     def _locate(self) -> None:
@@ -235,7 +239,7 @@ class CableModel(Model):
         nodes = [values[:, :, 2:].reshape(-1, 2) for values in line]
         tangent, rate, acceleration = direction(*nodes)
         turning = (acceleration[:, None] * turned(tangent) - (rate**2)[:, None] * tangent).reshape(*line[0].shape[:2], 2)
-        weights = cable.quadrature * (cable.mass_per_length * (cable.length - cable.nodes) + tip.mass)
+        weights = cable.quadrature() * (cable.mass_per_length * (cable.length - cable.nodes) + tip.mass)
         weights[-1] += tip.mass * tip.center_of_mass
         weight = (cable.mass_per_length * cable.length + tip.mass) * np.array(scene.gravity)
         return np.einsum("n,rnc->rc", weights, turning) - weight
