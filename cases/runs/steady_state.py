@@ -168,12 +168,13 @@ class _Way:
         if not climbs:
             self._engine.check(self._mechanism)
             settings, accuracy = as_texts(self._engine.settings_for(target, self._mechanism).as_dict()), None
-        result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, settings, accuracy)
+        estimate = request.estimated or not settings or accuracy is not None  # none is needed for settings that are given
+        result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, settings, accuracy, estimate)
         self._settings, self._done = result.settings, result.runs
         self.know(
             accuracy=result.accuracy if climbs else target,
             settings=result.settings.as_dict(),
-            remark=result.remark,
+            remark=result.remark if estimate else "",
             reached=result.reached if climbs else result.error_estimate is not None and result.error_estimate <= target,
             error_estimate=result.error_estimate,
             error_estimates=result.error_estimates,
