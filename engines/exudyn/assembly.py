@@ -1,4 +1,4 @@
-"""An Exudyn system under construction: the parts that the flexible and the rigid follower share, and the list of what was built."""
+"""An Exudyn system under construction: parts that the flexible and the rigid follower share, and the list of what was built."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,9 +9,9 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from quickreturn.engines.base import ModelDescription
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.joint import in_words
+from quickreturn.reference_model.joint import joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
-from quickreturn.reference_model.tip_force import share
+from quickreturn.reference_model.tip_force import share_of_force
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True
@@ -61,7 +61,7 @@ class Assembly:
     @property
     def joint_text(self) -> str:
         """What the list of joints says of the slider's springs and dampers; nothing of a rigid joint."""
-        return f", beside the crank tip: {in_words(self.scene.slider)}" if self.joint_is_compliant else ""
+        return f", beside the crank tip: {joint_in_words(self.scene.slider)}" if self.joint_is_compliant else ""
 
     def listed_body(self, description: str) -> None:
         """Enter a body (or a group of elements) in the list of what was built."""
@@ -132,7 +132,7 @@ class Assembly:
 
         def acting(mbs: Any, _time: float, _load: Any) -> Any:
             angle = mbs.GetNodeOutput(crank_node, exu.OutputVariableType.Rotation)[2]
-            return share(angle, tip.force_from, span, tip.force_ramp) * force
+            return share_of_force(angle, tip.force_from, span, tip.force_ramp) * force
 
         self.mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=list(force), loadVectorUserFunction=acting))
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import ModelDescription
-from quickreturn.reference_model.joint import friction_in_words, in_words
+from quickreturn.reference_model.joint import friction_in_words, joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
 # kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
@@ -104,7 +104,7 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
     else:
         crank = ["crank hinge at O, driven by a torque against viscous damping"] if scene.crank_is_free else []
         moving = "crank tip" if scene.crank_is_free else "crank tip, moved at the prescribed speed,"
-        how = f"beside the follower's smooth centre line: {in_words(slider)}"
+        how = f"beside the follower's smooth centre line: {joint_in_words(slider)}"
         if slider.is_rigid:
             how = "on the follower's smooth centre line: one constraint, exact multiplier"
         joints = [*crank, "base hinge at P", *links, f"{moving} {how}{friction_in_words(slider)}"]

@@ -22,7 +22,7 @@ from quickreturn.engines.mujoco.context import CONTEXT, TIME_AND_USERDATA, Array
 from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, pointer
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
-from quickreturn.reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model.tip_force import share_of_force
 
 _STAGE_WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
 

@@ -19,7 +19,7 @@ from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.constants import unslowed
-from quickreturn.reference_model.joint import friction_in_words, in_words, rollers
+from quickreturn.reference_model.joint import friction_in_words, joint_in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
@@ -157,7 +157,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """Rigid or compliant."""
         slider = scene.slider
         if not slider.is_rigid:
-            line = f"slider beside the centre line ({in_words(slider)})"
+            line = f"slider beside the centre line ({joint_in_words(slider)})"
         else:
             line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(scene, settings)
         return line + friction_in_words(slider)

@@ -11,7 +11,7 @@ from quickreturn.engines.own.staying_shapes import LADDER as SHAPES
 from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, of_shapes
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model import slider_constraint
-from quickreturn.reference_model.joint import Rollers, friction_in_words, in_words, rollers
+from quickreturn.reference_model.joint import Rollers, friction_in_words, joint_in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.slider_constraint import SliderConstraint
 
@@ -90,7 +90,7 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
         """Whose spring it is."""
         stiff = f"stiff spring in place of the constraint, {settings.stiffness:g} N/m, {settings.damping:g} N*s/m"
         slider = scene.slider
-        return f"slider beside the centre line ({stiff if slider.is_rigid else in_words(slider)})" + friction_in_words(slider)
+        return f"slider beside the centre line ({stiff if slider.is_rigid else joint_in_words(slider)})" + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> StiffSpringSettings:
         """Shapes and stiffness from the measured table, for a follower as stiff and as fast as this one."""
