@@ -168,7 +168,6 @@ class _Judged:
 
     @property
     def estimate(self) -> float | None:
-        """See `Assessment.error_estimate`."""
         return sum(self.parts) if self.parts else None
 
     def remarked(self, remark: str) -> "_Judged":
@@ -267,8 +266,7 @@ class _Runs:
             name: relative_size(rms(coarse[name] - fine[name]), rms(coarse[name])) for name in ESTIMATED if name in coarse.columns
         }
         deflection = differences["tip_deflection"]
-        known = [difference for difference in differences.values() if difference is not None]
-        return deflection is not None and max(known) <= pair.alike * deflection
+        return deflection is not None and max(d for d in differences.values() if d is not None) <= pair.alike * deflection
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
         """The engine's next rung after `rung`, by its estimate if `judged` is that rung."""
@@ -346,6 +344,6 @@ def _no_garbage_collection() -> Iterator[None]:
 
 
 def _sum(values: Sequence[float | None]) -> float | None:
-    """The sum; None if a value is unknown, or if there is none."""
+    """The sum; None if there is no value, or one is unknown."""
     known = [value for value in values if value is not None]
     return sum(known) if known and len(known) == len(values) else None

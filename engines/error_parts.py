@@ -104,15 +104,9 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
 def shown_factor(factor: float, factor_before: float, difference: float, difference_before: float) -> float:
     """The factor that two successive differences support: from `LEAST_FACTOR` to `factor`, or if that is below 1, to `LARGEST_REST`.
 
-    Runs whose errors are e, f e and f' f e differ by (f - 1) e and (f' - 1) f e. The less the second difference exceeds the first, the
-    less the error falls from run to run. It does not fall where a fast motion is not resolved at all, as under a sudden load or where the
-    slider shakes the cable.
-
-    Args:
-        factor: f, as stated.
-        factor_before: f', as stated.
-        difference: the first difference, in any unit.
-        difference_before: the second one.
+    Runs whose errors are e, f e and f' f e, with f = `factor` and f' = `factor_before`, differ by (f - 1) e and (f' - 1) f e. The less
+    the second difference exceeds the first, the less the error falls from run to run. It does not fall where a fast motion is not
+    resolved at all, as under a sudden load or where the slider shakes the cable.
     """
     expected = factor * (factor_before - 1.0) / (factor - 1.0)
     shown = math.inf if difference == 0.0 else factor * difference_before / (difference * expected)

@@ -10,8 +10,7 @@ from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: Longest part of an engine's answer that a message quotes, in characters.
-_SHOWN = 60
+_SHOWN = 60  # characters of an engine's answer that a message quotes
 
 
 @on_one_thread

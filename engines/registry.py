@@ -23,8 +23,7 @@ RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "mo
 #: The main engine whose discretization is its model: its distance to the others is a model error, and reported as such.
 MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
-#: Longest part of an unknown name that a message quotes, in characters.
-_LONGEST_NAME: Final = 60
+_LONGEST_NAME: Final = 60  # characters of an unknown name that a message quotes
 
 _MODULES: Final = {
     "thesis": "quickreturn.engines.own.thesis:ThesisEngine",
@@ -113,12 +112,10 @@ def _loaded(name: str, load: Callable[[], object]) -> AnyEngine:
 
 
 def _origin(entry: EntryPoint) -> str:
-    """Package and class behind an entry point."""
     return f"{entry.dist.name if entry.dist else 'unknown package'} ({entry.value})"
 
 
 def _unknown(name: str) -> str:
-    """The sentence of `UnknownEngine`."""
     known = engine_names()
     near = difflib.get_close_matches(name, known, n=2)
     hint = f" (perhaps {' or '.join(near)} is meant)" if near else ""
@@ -146,5 +143,4 @@ class _Missing(Engine[AnySettings]):
 
 
 def _missing(name: str, reason: str) -> AnyEngine:
-    """The stand-in of this name."""
     return cast(AnyEngine, type("Missing", (_Missing,), {"name": name, "reason": reason})())

@@ -9,8 +9,7 @@ from typing import Any, Final, Self, get_type_hints
 
 from quickreturn.reference_model.errors import ToldError
 
-#: Longest part of a name or value that a message quotes, and longest number that is read, in characters.
-_LONGEST: Final = 60
+_LONGEST: Final = 60  # characters of a name or value that a message quotes, and of a number that is read
 #: Plain numbers as text; what else Python reads as a number ("1_000", digits of other scripts, "nan") is probably a slip.
 _NUMBERS: Final = {int: r"[+-]?[0-9]+", float: r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"}
 
@@ -91,7 +90,6 @@ def _parse(field: dataclasses.Field[Any], text: str, kind: type) -> Any:
 
 
 def _range(field: dataclasses.Field[Any]) -> str:
-    """The accepted range in words."""
     unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
     return f"{field.metadata['low']:g} to {field.metadata['high']:g}{unit}"
 

@@ -19,8 +19,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-#: Number of panels of equal length for integrals along the follower; knots of the fields split them further.
-_PANELS = 256
+_PANELS = 256  # of equal length, for integrals along the follower; knots of the fields split them further
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -155,7 +154,6 @@ def _integrals(density: Callable[[Array], Array], low: Array, high: Array) -> Ar
 
 
 def _cumulative(density: Callable[[Array], Array], edges: Array) -> Array:
-    """Integrals of `density` from the first edge to every edge."""
     return np.concatenate([[0.0], np.cumsum(_integrals(density, edges[:-1], edges[1:]))])
 
 

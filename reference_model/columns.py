@@ -90,8 +90,7 @@ BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_for
 
 #: Columns that the compiled models record.
 OBSERVED: Final = tuple(name for name, column in COLUMNS.items() if column.recorded)
-#: Further records of a model whose slider may leave the centre line: rate of the gap (m/s), power of the slider's force on crank and
-#: follower together (W).
+#: More, of a slider that may leave the centre line: rate of the gap (m/s), power of its force on crank and follower together (W).
 JOINT_COLUMNS: Final = ("gap_rate", "joint_power")
 _FIELDS: Final = {name: len([*group]) for name, group in groupby((*OBSERVED, *JOINT_COLUMNS), lambda name: name.rstrip("_0123456789"))}
 #: The record of one instant: `OBSERVED`, then `JOINT_COLUMNS`. Numbered columns are one field, an array: `strains`, `shapes`, `moments`.

@@ -43,9 +43,7 @@ def _of_drive(scene: Scene) -> dict[str, float]:
 
 
 def characteristic_frequency(p: Any) -> float:
-    """Frequency (1/s) that turns the size of a deflection into that of its rate: 10 sqrt(EI / rhoA) / L^2, near the first bending mode.
-
-    It is 1 for a rigid follower or one without mass.
+    """Frequency (1/s) for the sizes of rates: near that of the first bending mode; 1 for a rigid follower or one without mass.
 
     Args:
         p: parameters with n, EI, rhoA and L.

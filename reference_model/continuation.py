@@ -20,24 +20,21 @@ from quickreturn.reference_model.poincare import CycleBroken
 
 Array = NDArray[np.float64]
 
-#: First, smallest and largest arclength between two points, in the scaled variables (equation 10.9). Where the smallest fails, the branch
-#: ends.
+#: First, smallest and largest arclength (scaled, equation 10.9) between two points. Where the smallest fails, the branch ends.
 FIRST_STEP: Final = 0.02
 LEAST_STEP: Final = 1e-5
 LONGEST_STEP: Final = 0.2
 #: Angle (rad) between the tangents at two successive points: the one aimed at, and the largest accepted.
 TURN: Final = 0.25
 MOST_TURN: Final = 0.6
-#: Disturbance for the derivatives, relative to a quantity's size: the error of a derivative is of this order. It is at least
-#: `LEAST_DISTURBANCE` times the error of the image.
+#: Disturbance for derivatives over a quantity's size, of the order of their error; at least `LEAST_DISTURBANCE` times the image's error.
 DISTURBANCE: Final = 1e-4
 LEAST_DISTURBANCE: Final = 1e3
 #: Corrections end at the length `CORRECTED` (scaled variables), and fail where one is longer than `CONTRACTION` times the previous one.
 CORRECTED: Final = 1e-6
 CONTRACTION: Final = 0.5
 MOST_CORRECTIONS: Final = 8
-#: Precision to which special points are located, as a fraction of the step; and the largest value of a test function there, relative to
-#: its values at the step's ends, that counts as a zero. A larger one is a jump.
+#: Precision of a special point over the step; and largest value of a test function over those at the step's ends that is a zero, no jump.
 LOCATED: Final = 1e-5
 ZERO: Final = 1e-3
 MOST_POINTS: Final = 5000
@@ -107,14 +104,7 @@ class Branch:
 
 
 def branch(family: Family, point: Array, parameter: float, low: float, high: float) -> Branch:
-    """The branch through the fixed point near a given point, in both directions, until the parameter leaves its range.
-
-    Args:
-        family: the map.
-        point: x to begin with, shape (m,).
-        parameter: a to begin with.
-        low: lower end of the parameter's range.
-        high: upper end.
+    """The branch through the fixed point near x = `point`, shape (m,), both ways, until a leaves its range from `low` to `high`.
 
     Raises:
         CycleBroken, NotConverged: no fixed point is near the given point.
@@ -128,11 +118,7 @@ def branch(family: Family, point: Array, parameter: float, low: float, high: flo
 
 
 def first_point(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
-    """The fixed point at a given parameter, from a point near by; `limits` are the ends of the parameter's range.
-
-    Raises:
-        CycleBroken, NotConverged: no fixed point is near the given point.
-    """
+    """The fixed point at a given parameter near a point; `limits`: the parameter's range. Raises CycleBroken, NotConverged."""
     start = _differentiated(family, point, parameter, limits)
     border = np.append(np.zeros(len(point)), 1.0)
     fixed, _ = corrected(family, start, point, parameter, border)
@@ -175,18 +161,13 @@ def corrected(
 
 
 class _Walk:
-    """Walks along the branch, from a point in the direction of its tangent.
-
-    Attributes:
-        ending: afterwards why the walk ended; None where the range did, or the branch is closed.
-        closed: afterwards whether the walk came back to its first point.
-    """
+    """Walks along the branch, from a point in the direction of its tangent."""
 
     def __init__(self, family: Family, low: float, high: float) -> None:
         self._family = family
         self._limits = low, high
-        self.ending: Ending | None = None
-        self.closed = False
+        self.ending: Ending | None = None  # afterwards why the walk ended; None where the range did, or the branch is closed
+        self.closed = False  # afterwards whether the walk came back to its first point
 
     def points(self, here: BranchPoint) -> Iterator[BranchPoint]:
         """The points after `here`, with the special ones between them."""
@@ -218,11 +199,7 @@ class _Walk:
         self.ending = Ending(here.parameter, 0.0, False, f"{MOST_POINTS} points are enough")
 
     def _step(self, here: BranchPoint, step: float) -> BranchPoint:
-        """The next point; it lies on the range's limit where a full step would pass that.
-
-        Raises:
-            CycleBroken, NotConverged: there is none near by, or the branch turns by more than `MOST_TURN`.
-        """
+        """The next point, on the range's limit if the step would pass it. Raises CycleBroken; NotConverged, also for too sharp a turn."""
         point, parameter = _moved(here, step)
         point, parameter = corrected(self._family, here, point, parameter, here.tangent)
         limited = min(max(parameter, self._limits[0]), self._limits[1])

@@ -29,13 +29,7 @@ KEPT: Final = 8
 
 
 class CycleFamily:
-    """A machine's cycle as a map that depends on the value of one quantity.
-
-    Args:
-        scene_at: the machine for a value (SI) of the quantity.
-        modes: number of modes of the model.
-        tolerance: of the integration.
-    """
+    """The cycle of the machine `scene_at(value)` as a map, by a model with so many modes and an integration to a tolerance."""
 
     def __init__(self, scene_at: Callable[[float], Mechanism], modes: int, tolerance: float) -> None:
         self.scene_at = scene_at
@@ -83,11 +77,7 @@ class CycleFamily:
     def nearest(self, other: BranchPoint) -> tuple[Array, float]:
         """The point of this family's branch, and its parameter, in the plane across that of a family with fewer modes (equation 10.13).
 
-        A cycle does not depend on what the added modes were at its start (equation 10.6), so that the other family's derivatives serve
-        here.
-
-        Args:
-            other: a point of the branch with fewer modes.
+        The added modes forget their state within a cycle (equation 10.6), so that the other family's derivatives serve here.
 
         Raises:
             CycleBroken, NotConverged: this branch has no point near by.

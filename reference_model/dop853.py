@@ -78,10 +78,7 @@ INTERPOLATED: Final = (0, *range(5, 13))
 
 
 def _interpolation() -> NDArray[np.float64]:
-    """Weight of each `INTERPOLATED` stage in the state at the fraction u of a step: coefficients of powers of 2 u - 1, shape (9, 8).
-
-    Equation 5.17.
-    """
+    """Weights of the `INTERPOLATED` stages at the fraction u of a step (equation 5.17), in powers of 2 u - 1, shape (9, 8)."""
     c = A.sum(axis=1)
     powers = np.vander(2.0 * c - 1.0, 7, increasing=True).T
     conditions = np.array([*powers, A @ A @ c**3 - c**5 / 20, A @ A @ A @ A @ c - c**5 / 120])[:, INTERPOLATED]

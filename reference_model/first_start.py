@@ -36,10 +36,7 @@ def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
 
 @cache
 def kernel() -> int:
-    """Address of the compiled equations of motion.
-
-    If they are not on the disk yet, a second process compiles the functions of `compiled_by_the_second` meanwhile.
-    """
+    """Address of the compiled equations; if they are not on the disk yet, a second process compiles the rest at the same time."""
     if any(Path(config.CACHE_DIR).glob("*/equations._kernel-*.nbi")):  # type: ignore[attr-defined]
         return equations.kernel()
     quiet = subprocess.DEVNULL

@@ -137,14 +137,7 @@ def _dop853(
     K: NDArray[np.float64],
     scratch: NDArray[np.float64],
 ) -> tuple[int, int, float, int, float]:
-    """Fill `states`, and advance `y` to the start of the step that comes next.
-
-    Args as of `dop853` and `Equations`; K (stages and the step's end, size) and scratch (2, size) are memory.
-
-    Returns:
-        Status, rows filled, time reached (s), right-hand sides evaluated, and step size (s); for LEFT_FOLLOWER the size of the step that
-        passed the limit, which begins at the time returned.
-    """
+    """Status, rows filled, time (s), right-hand sides evaluated and next step (s); for LEFT_FOLLOWER begin and size of the last step."""
     controlled = len(scales)
     end = output_step * intervals
     t = 0.0

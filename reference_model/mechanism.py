@@ -432,11 +432,9 @@ _Part = TypeVar("_Part")
 
 
 def changed(part: _Part, values: Mapping[str, Any]) -> _Part:
-    """A copy of a scene, or of a part of it, with other values.
+    """A copy of a scene, or of a part of it, with other values, all set at once.
 
-    Args:
-        part: a scene or one of its dataclasses.
-        values: path of the field from there ("tip.mass", "crank.drive.torque", "gravity") -> value. All are set at once.
+    Each is named by its path in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
 
     Raises:
         ImpossibleMechanism: as the dataclasses do.

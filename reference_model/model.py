@@ -183,10 +183,7 @@ class BeamModel:
         v1, v2 = p.LA * math.cos(crank_angle) - p.d, p.LA * math.sin(crank_angle)
 
         def excess(place: float) -> float:
-            """Distance from P to the follower's point at a place, less that from P to the slider (m): zero where the loop closes.
-
-            The projected shape differs a little from the given one, and so does the place that closes its loop.
-            """
+            """How far the loop is open (m) with the slider at a place: the projected shape closes it a little off the given place."""
             y[m] = place
             self.can_move(y)
             return abs(f.foot) - math.hypot(v1, v2)

@@ -166,8 +166,12 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
         block = numbers[:, None], numbers
         M[block] += mechanism.follower.mass_per_length * mass
         K[block] += mechanism.follower.bending_stiffness * bending
-    _add_bodies(M, K, mechanism, numbering)
-
+    slope_at_base, deflection_at_slider, slope_at_slider = 1, 2, 3
+    M[slope_at_base, slope_at_base] += mechanism.base.inertia
+    M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
+    if math.isfinite(stiffness):
+        K[deflection_at_slider, deflection_at_slider] += stiffness
+    _add_tip(M, mechanism.tip, numbering)
     held = [0] if math.isfinite(stiffness) else [0, 2]  # deflection at the base, and at a rigid slider
     frequencies, full = _lowest(M, K, held, numbering[-1][2], count)
     return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
@@ -176,12 +180,7 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
 def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[Array, Array]:
     """Frequencies (Hz), shape (count,), and mass-normalised vectors, shape (size, count), of the `count` lowest modes.
 
-    Args:
-        M: mass matrix, shape (size, size).
-        K: stiffness matrix, of the same shape.
-        held: coordinates that stay zero.
-        tip: coordinate that is the deflection at the flexible end; it is positive in every mode.
-        count: number of modes.
+    The coordinates `held` are zero. The coordinate `tip`, the deflection at the flexible end, is positive in every mode.
     """
     free = np.delete(np.arange(len(M)), held)
     both = free[:, None], free
@@ -209,16 +208,6 @@ def _numbering(spans: int, interior: int) -> tuple[NDArray[np.intp], ...]:
     return tuple(
         np.r_[2 * span : 2 * span + 4, nodes + span * interior : nodes + (span + 1) * interior].astype(np.intp) for span in range(spans)
     )
-
-
-def _add_bodies(M: Array, K: Array, mechanism: Mechanism, numbering: tuple[NDArray[np.intp], ...]) -> None:
-    """Add base block, slider and tip body to the mass and stiffness matrices in place."""
-    slope_at_base, deflection_at_slider, slope_at_slider = 1, 2, 3
-    M[slope_at_base, slope_at_base] += mechanism.base.inertia
-    M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
-    if not mechanism.slider.is_rigid:
-        K[deflection_at_slider, deflection_at_slider] += mechanism.slider.closed_stiffness
-    _add_tip(M, mechanism.tip, numbering)
 
 
 def _add_tip(M: Array, tip: Tip | None, numbering: tuple[NDArray[np.intp], ...]) -> None:

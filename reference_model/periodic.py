@@ -36,8 +36,7 @@ LEAST_DISTURBANCE: Final = 1e3
 CARRIED: Final = 0.03
 #: Largest modulus of a multiplier above which the whole model's own derivatives must decide on stability.
 NEARLY_ONE: Final = 0.95
-#: Smallest fraction of a Newton step that is tried.
-SMALLEST_PART: Final = 1.0 / 16.0
+SMALLEST_PART: Final = 1.0 / 16.0  # of a Newton step that is tried
 MOST_STEPS: Final = 25
 MOST_JACOBIANS: Final = 6
 
@@ -148,19 +147,11 @@ def instability(multipliers: NDArray[np.complex128]) -> str:
 
 @dataclass(frozen=True)
 class _Cycle:
-    """A cycle that begins with the slider at its farthest place.
-
-    Attributes:
-        map: the model's map.
-        state: state vector at the begin.
-        passage: the end of the cycle.
-        point: free quantities at the begin.
-        residual: change of the free quantities over the cycle.
-    """
+    """A cycle with the slider at its farthest place at begin and end; `residual` is the change of the free quantities over it."""
 
     map: PoincareMap
-    state: Array
-    passage: Passage
+    state: Array  # at the begin
+    passage: Passage  # its end
 
     @classmethod
     def of(cls, cycle_map: PoincareMap, state: Array, duration: float, step: float = 0.0) -> Self:
@@ -206,7 +197,7 @@ def _marched(slow: PoincareMap, guess: Array, cycles: int) -> _Cycle:
 
 
 def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPoint:
-    """The fixed point by simplified Newton steps (equation 10.4), shortened where a full step does not help.
+    """The fixed point by simplified Newton steps (equation 10.4), shortened where a full step does not help. Raises NoPeriodicOrbit.
 
     P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3.
 
@@ -214,9 +205,6 @@ def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPo
         cycle: where to begin.
         jacobian: derivatives of the map near there; None takes them there.
         tolerance: the last step is shorter than this.
-
-    Raises:
-        NoPeriodicOrbit: the steps do not converge.
     """
     taken, part, fresh, distance, carried = 0, 1.0, False, math.inf, math.nan
     for steps in range(1, MOST_STEPS + 1):

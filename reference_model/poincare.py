@@ -56,8 +56,7 @@ class Passage:
         duration: of the motion, s.
         calls: right-hand sides evaluated.
         step: size of the step with which the integration may go on, s.
-        sizes: size of each free quantity along the motion, shape as the point's: RMS of all eta together, of q1', and of all eta'
-            together.
+        sizes: RMS along the motion of all eta together, of q1' or of all eta' together, for each free quantity, shape as the point's.
     """
 
     state: Array
@@ -93,11 +92,7 @@ class PoincareMap:
         return state[self._free]
 
     def state(self, point: Array, like: Array) -> Array:
-        """The state with these free quantities, and with energies zero.
-
-        Args:
-            point: the free quantities.
-            like: state vector that gives the crank angle and a prescribed crank speed.
+        """The state with these free quantities, zero energies, and the crank angle and any prescribed crank speed of the state `like`.
 
         Raises:
             CycleBroken: the loop cannot be closed.

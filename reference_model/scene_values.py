@@ -172,7 +172,6 @@ def _missing(given: Keys, alone: bool) -> Iterator[str]:
 
 
 def _has(given: Keys, path: str) -> bool:
-    """Whether a key (`section.key`) is given."""
     section, _, key = path.partition(".")
     return key in given.get(section, ())
 

@@ -4,9 +4,7 @@ import math
 
 
 def base_motion(speed: float, time: float, t: float) -> tuple[float, float, float]:
-    """Angle (rad), rate (rad/s) and acceleration (rad/s^2) of the base at the instant `t` (s), equation 11.1.
-
-    Plain arithmetic, which each model compiles.
+    """Angle (rad), rate (rad/s) and acceleration (rad/s^2) of the base, equation 11.1; each model compiles it.
 
     Args:
         speed: steady speed from `time` on, rad/s.

@@ -13,9 +13,7 @@ WHOLE: Final = 2.0 * math.pi - ROUNDING
 
 
 def share_of_force(crank_angle: float, begin: float, span: float, ramp: float) -> float:
-    """Fraction of the force that acts at a crank angle, 0 to 1, twice continuously differentiable.
-
-    Plain arithmetic, which each model compiles.
+    """Fraction of the force that acts at a crank angle, 0 to 1, twice continuously differentiable; each model compiles it.
 
     Args:
         crank_angle: rad.

@@ -87,7 +87,6 @@ class ExudynEngine(Engine[ExudynSettings]):
 
     @staticmethod
     def _model(scene: Scene, start: Start | None, settings: ExudynSettings) -> "Model":
-        """The assembled system of a scene."""
         from quickreturn.engines.exudyn.alone import FollowerModel
         from quickreturn.engines.exudyn.flexible import FlexibleModel
         from quickreturn.engines.exudyn.rigid import RigidModel

@@ -21,8 +21,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState, reconstruct
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: Frequency (Hz) below which an eigenvalue is the round-off of a motion without stiffness.
-_LOWEST = 1e-3
+_LOWEST = 1e-3  # Hz; below it lies the round-off of a motion without stiffness
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, elements: int) -> NDArray[np.float64]:

@@ -64,10 +64,7 @@ def equation_of(assembly: Assembly, constraint: Any | None) -> int | None:
 
 
 def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
-    """Energy ∫ power dt (J) from the first row on, shape (rows,), by the trapezoidal rule with its end correction.
-
-    The rule is of fourth order, and the energies of consecutive pieces add up. `power` is in W, its rate in W/s.
-    """
+    """Energy ∫ power dt (J) since the first row, by the trapezoidal rule with end correction (fourth order, additive over pieces)."""
     h = np.diff(time)
     parts = h / 2.0 * (power[1:] + power[:-1]) + h**2 / 12.0 * (power_rate[:-1] - power_rate[1:])
     return np.concatenate([[0.0], np.cumsum(parts)])

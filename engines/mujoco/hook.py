@@ -77,9 +77,7 @@ def _rub_pivot(ctx: Context, rate: float, force: Array) -> float:
 
 @compiled
 def _hold(model: int, data: int, ctx: Context, rows: tuple[Array, Array], bias: float, sliding: float, applied: Array) -> float:
-    """Multiplier of a rigid joint (N), for which the gap's acceleration vanishes; nan where friction jams the slider.
-
-    It includes the effect of the Coulomb friction, which is in proportion to it.
+    """Multiplier of a rigid joint (N): with it, and the friction in proportion to it, the gap's acceleration vanishes; nan if that jams.
 
     Args:
         model: address of MuJoCo's model.

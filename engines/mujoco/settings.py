@@ -7,8 +7,7 @@ from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.settings import setting
 
-#: Default armature of a hinge, and its largest value for a stiff follower, in the unit of `ChainSettings.armature` (measured in LADDERS.md,
-#: section 4, as is the ladder).
+#: Armature of a hinge, by default and at most, in the unit of `ChainSettings.armature` (LADDERS.md, section 4, as for the ladder).
 ARMATURE: Final = 7e-4
 STIFFEST_ARMATURE: Final = 1.0
 

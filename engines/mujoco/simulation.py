@@ -30,10 +30,8 @@ _STABILITY_LIMIT = 2.0 * math.sqrt(2.0)
 _SAFETY = 0.9
 #: Step x rate of the joint's vibration with a rigid follower: the error of the energy is then 1e-6 in each vibration.
 _RESOLVED = 0.1
-#: Fewest steps in a turn of the crank.
-_STEPS_PER_TURN = 400
-#: Rows of the table from one call of compiled code, between which Python answers an interrupt from the keyboard.
-_ROWS_AT_ONCE = 250
+_STEPS_PER_TURN = 400  # of the crank, at least
+_ROWS_AT_ONCE = 250  # from one call of compiled code, after which Python answers an interrupt from the keyboard
 
 
 class ChainSimulation(Simulation):

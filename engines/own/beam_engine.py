@@ -105,14 +105,7 @@ def gain_of(scene: Scene) -> float:
 
 
 def description(scene: Scene, beam: str, joint: str, coordinates: int) -> ModelDescription:
-    """Bodies and joints that have terms in the equations.
-
-    Args:
-        scene: the scene.
-        beam: a word or two on the follower's beam.
-        joint: a line on the slider's joint.
-        coordinates: number of coordinates besides the crank's angle.
-    """
+    """Bodies and joints with terms in the equations: `beam` in two words, `joint` in a line, `coordinates` besides the crank's angle."""
     bodies = {
         "crank": scene.crank is not None,
         f"follower beam ({beam})": True,

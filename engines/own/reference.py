@@ -16,7 +16,7 @@ from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparis
 from quickreturn.engines.ladder import Ladder, S
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
-from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.constants import unslowed
 from quickreturn.reference_model.joint import friction_in_words, joint_in_words, rollers
@@ -226,7 +226,11 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         assert isinstance(model, BeamModel)
         turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that the time of the search does not count its compilation
         began = time.perf_counter()
-        guess = begin.state if near is None else _guess(near, begin.state[model.parameters.speeds + 1], mechanism)
+        guess = begin.state
+        if near is not None:
+            guess, speed = near.state.copy(), (len(near.state) - 5) // 2 + 2
+            if not mechanism.crank_is_free:
+                guess[speed] = begin.state[model.parameters.speeds + 1]
         try:
             orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance, PATIENT if patient else MARCHED)
         except NoPeriodicOrbit as reason:
@@ -242,32 +246,10 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             solve_seconds=time.perf_counter() - began,
         )
 
-    def periodic_start(self, mechanism: Mechanism, settings: ReferenceSettings) -> Start:
-        """The periodic steady state at the slider's farthest place, as a start for any engine.
-
-        Raises:
-            NoSteadyState: there is none, it was not found, or it is not stable.
-        """
-        steady = self.steady_state(mechanism, standard_start(mechanism), settings)
-        if steady is None or not steady.stable:
-            raise NoSteadyState("a rigid follower or an open loop is marched" if steady is None else "the periodic state is not stable")
-        from quickreturn.engines.own.simulation import OwnSimulation
-
-        assert isinstance(steady.simulation, OwnSimulation)
-        return steady.simulation.present_start()
-
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> NDArray[np.float64]:
         """Converged, whatever the number of modes in simulations."""
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, count).frequencies
-
-
-def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> NDArray[np.float64]:
-    """The state of a neighbour's orbit, with `crank_speed` (rad/s) in place of its speed where that is prescribed."""
-    state = near.state.copy()
-    if not mechanism.crank_is_free:
-        state[(len(state) - 5) // 2 + 2] = crank_speed
-    return state
 
 
 def blow(scene: Scene) -> float:

@@ -56,8 +56,9 @@ class ModeFamily:
         h_by_s = 1.0 if span == 0 else -1.0
         x_by_s = (u if span == 0 else 1.0 - u)[None, :, None]  # at fixed u
         legendre_by_s = [self._series(self.coefficients[:, span], s, order) for order in range(3)]
+        degree = self.coefficients.shape[2]
         legendre_by_u = [
-            legendre.legvander(2.0 * u - 1.0, self.coefficients.shape[2] - 1) @ _derivative_matrix(self.coefficients.shape[2], m) * 2.0**m
+            legendre.legvander(2.0 * u - 1.0, degree - 1) @ np.pad(legendre.legder(np.eye(degree), m), ((0, m), (0, 0))) * 2.0**m
             for m in range(3)
         ]
 
@@ -97,14 +98,6 @@ class ModeFamily:
         scaled = (2.0 * s - self.low - self.high) / (self.high - self.low)
         series = chebyshev.chebder(coefficients, derivative) * (2.0 / (self.high - self.low)) ** derivative if derivative else coefficients
         return np.tensordot(chebyshev.chebvander(scaled, len(series) - 1), series, axes=1)
-
-
-def _derivative_matrix(degree: int, order: int) -> Array:
-    """Matrix that differentiates Legendre coefficients `order` times, acting on columns."""
-    matrix = np.eye(degree)
-    for _ in range(order):
-        matrix = np.pad(legendre.legder(matrix), ((0, 1), (0, 0)))
-    return matrix
 
 
 def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms: int) -> ModeFamily:

@@ -26,10 +26,8 @@ class _Reach(NamedTuple):
 
     Attributes:
         end: shortest second span in the tables: the stiffness of its modes grows without bound as its length vanishes.
-        leaving: distance before the end of the tables at which the slider counts as off the follower. A step may then end between the
-            two, and the integrator detects the departure.
-        terms: factor on the number of terms of the modes' series in s. Derivatives by s divide the error of a series by the span's
-            length, the second derivative twice.
+        leaving: distance before the end of the tables at which the slider counts as off the follower, so that a step can end in between.
+        terms: factor on the number of terms of the modes' series in s, whose error each derivative by s divides by the span's length.
         intervals: factor on the number of pieces of the tables.
     """
 
@@ -57,10 +55,7 @@ def _reach(mechanism: Mechanism) -> _Reach:
 
 
 def slider_range(mechanism: Mechanism) -> tuple[float, float]:
-    """Smallest and largest slider position (m) in tables of shapes that follow the slider.
-
-    The smallest is 5 % below that of the rigid mechanism, the largest just short of the follower's end.
-    """
+    """Slider positions (m) that tables of following shapes cover: from 5 % below the rigid mechanism's to just short of the end."""
     return _nearest(mechanism), (1.0 - _reach(mechanism).end) * mechanism.follower.length
 
 
@@ -260,13 +255,7 @@ def _places(edges: Array, u: Array) -> Array:
 
 
 def _rows(psi: list[Array], extras: list[Array], lengths: Array) -> Array:
-    """Table rows, shape (k, row length), in the order of `motion.layout.ShapeRow`.
-
-    Args:
-        psi: blocks (k, cells, Gauss points and end, n).
-        extras: of shape (k, n).
-        lengths: of the cells, m, shape (k, cells).
-    """
+    """Rows (k, row length), see `ShapeRow`, from blocks `psi` (k, cells, points, n), `extras` (k, n) and cell `lengths` (k, cells), m."""
     places, points = len(psi[0]), psi[0].shape[2]
     padding = 4 * math.ceil(points / 4) - points
     blocks = [np.pad(block, ((0, 0), (0, 0), (0, padding), (0, 0))).transpose(0, 3, 1, 2).reshape(places, -1) for block in psi]

@@ -13,7 +13,6 @@ import tempfile
 from pathlib import Path
 from typing import Final
 
-#: Environment variable that names numba's cache.
 VARIABLE: Final = "NUMBA_CACHE_DIR"
 _PACKAGE: Final = Path(__file__).resolve().parents[1]
 #: How the name of a cache folder of this package begins, and what follows the hash in that of a temporary one.

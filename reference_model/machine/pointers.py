@@ -142,10 +142,7 @@ def numbers_at(typing: Any, address: Any, size: Any) -> Any:
 
 @intrinsic
 def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, state: Any, rate: Any, with_forces: Any) -> Any:
-    """Call the equations of motion (`motion.equations.kernel`) by address, with the addresses of all arguments but the last.
-
-    `with_forces` is passed on: 1 asks for the slider's force and the torque too, 0 does not.
-    """
+    """Call the equations of motion (`motion.equations.kernel`); all but `with_forces` are addresses."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = context.get_value_type(types.uintp)
@@ -173,8 +170,7 @@ class Placed:
         kind: its compiled type.
 
     Attributes:
-        value: the tuple.
-        address: of the memory.
+        address: of its memory.
 
     Raises:
         TypeError: a member is not what its annotation says.

@@ -167,9 +167,7 @@ def _substitute(A: Array, b: Array, first: int, size: int) -> None:
 
 
 def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
-    """Write dy/dt of a state to `rate`; the first four arguments are addresses.
-
-    If `with_forces` is 1, the workspace holds the slider's force and the drive's torque afterwards.
+    """Write dy/dt of a state to `rate`, and if `with_forces` is 1, forces to the workspace; the other arguments are addresses.
 
     Returns:
         1; or 0, and nan in `rate`, for an impossible state, so that the integrator rejects the step.

@@ -30,10 +30,7 @@ def interpolate_row(t: Tables, s: float, row: Array) -> int:
 
 @stage
 def directions(psi: Array, e: Array) -> bool:
-    """To `e`: exp(i psi), to 1e-15; False where an angle exceeds `LARGEST_ANGLE`.
-
-    By Taylor's series, which the compiler vectorises; if there is a large angle, by that of an eighth of each, doubled three times.
-    """
+    """To `e`: exp(i psi) to 1e-15, by Taylor's series, of an eighth of large angles, doubled three times; False for too large an angle."""
     N = len(psi)
     largest = 0.0
     for j in range(N):

@@ -62,10 +62,7 @@ def _on_chord(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None
 
 @stage
 def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> bool:
-    """To `w`: the gap; partial rates of s (`sigma`), of q2 (`c`) and of the gap; and these rates (equations 3.1 to 3.6).
-
-    False where the loop is singular.
-    """
+    """To `w`: gap, partial rates of s (`sigma`), q2 (`c`) and gap, and the rates (equations 3.1 to 3.6); False for a singular loop."""
     n, m, f = p.n, p.speeds, w.facts
     if p.constraint == CHORDS:
         _on_chord(p, t, w, slider_point)

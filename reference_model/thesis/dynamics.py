@@ -169,10 +169,7 @@ def _add_crank_and_base(p: Parameters, c: Slider, q2_rate: float, q1_rate: float
 
 @inlined
 def project(p: Parameters, k: Contact, w: Workspace) -> bool:
-    """To `acceleration`: accelerations of (q1, q2, eta), by projection onto the free speeds (equations 5.1 to 5.4).
-
-    False if the projected mass matrix is not positive definite.
-    """
+    """To `acceleration`: those of (q1, q2, eta) by projection (equations 5.1 to 5.4); False for an indefinite projected mass matrix."""
     n = p.n
     first = 0 if p.crank_is_free else 1
     size = n + 1 - first

@@ -26,10 +26,7 @@ base_motion = stage(motion_of_base)
 def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
     """Write dy/dt of the state y to `rate`, and its observables to `row` (the numbers of a `ROW`) unless that is empty.
 
-    Parameters and workspace are addresses.
-
-    Returns:
-        False, and nan in `rate`, where the loop cannot close or the slope of the shapes reaches 1.
+    False, and nan in `rate`, where the loop cannot close or the slope of the shapes reaches 1. Parameters and workspace are addresses.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
     n = p.n
@@ -52,10 +49,7 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
 
 @compiled
 def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
-    """As `right_hand_side`, for the follower alone (equations 8.1 and 8.2).
-
-    Observables of crank and slider are zero, and the drive's torque is that on the base.
-    """
+    """As `right_hand_side`, for the follower alone (equations 8.1 and 8.2): without crank and slider, with the torque on the base."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     n, eta, eta_rate = p.n, y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2]
     angle, turn, acceleration = base_motion(p.base_speed, p.base_time, y[0])

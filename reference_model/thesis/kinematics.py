@@ -10,8 +10,7 @@ from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
 from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, Tables, cumulate, find_cell, partial_weights
 
-#: Largest number of Newton steps for the slider's place; four suffice where the loop closes.
-CLOSURE_STEPS = 30
+CLOSURE_STEPS = 30  # Newton steps for the slider's place, at most; four suffice where the loop closes
 
 
 @stage

@@ -16,8 +16,7 @@ from quickreturn.reference_model.machine.compilation import stage
 from quickreturn.reference_model.machine.pointers import Matrix, Vector, tuple_type
 from quickreturn.reference_model.shapes import ShapeSet
 
-#: Gauss points of a cell.
-POINTS = 6
+POINTS = 6  # Gauss points of a cell
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 #: Gauss points and weights on 0 <= u <= 1.
