@@ -12,7 +12,7 @@ from quickreturn.derive.units import in_si
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import state_size
-from quickreturn.reference_model.shapes import hermite_elements, decoupled
+from quickreturn.reference_model.shapes import decoupled, hermite_elements
 from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24
 from tests.quickreturn.derive.descriptions import described
