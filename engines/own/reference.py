@@ -45,8 +45,8 @@ MODES_OF_BLOWS: Final = 7
 HIT: Final = 0.1
 #: Smallest frequency of a slowed mode over that of a blow (`engines/LADDERS.md`, section 1).
 BLOW_RESOLVED: Final = 5.0
-#: Largest tolerance of a finer run over that of the run: a tenth shows the integration's error. It is the tolerance of a finer run where
-#: rollers touch and part, because there more modes need no smaller one.
+#: Largest tolerance of a finer run over that of the run: a tenth shows the integration's error. Where rollers touch and part it is the
+#: ratio itself, because there more modes need no smaller tolerance.
 TENTH: Final = 0.1
 LEAST_TOLERANCE: Final = 1e-12
 #: Rate (1/s) at which numerical errors of the gap decay in a rigid joint with friction.
