@@ -32,10 +32,9 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Scene
 
-#: Factor on the time of the longest run so far that the next may take, with half the step and twice the elements. It is not begun where
-#: less of the time limit is left.
+#: Assumed time of the next run over that of the longest so far: half the step and twice the elements. It is not begun if less time is left.
 LONGER: Final = 4.0
-#: Part of the time limit that imports, compiled code and the use of the answer leave for runs.
+#: Fraction of the time limit for runs; the rest is for imports, compiled code and the use of the answer.
 USABLE: Final = 0.9
 
 #: Remark on a run whose error the caller did not ask for.
@@ -50,17 +49,17 @@ class Assessment:
         accuracy: error of the tip deflection that the run aimed at, None where settings were given and no accuracy was asked.
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
-        error_estimates: the same for each of `ESTIMATED` and those of `LOADS` that there are; None where unknown or where the column is
-            zero throughout.
-        estimate_of: what the two are estimates of.
-        further_run_skipped: whether the run finer still, which shows how fast the error falls, was not needed.
-        hurried: whether the time limit left no time for a run, so that a faster machine would know more.
+        error_estimates: RMS error over RMS for each column of `ESTIMATED` and each existing one of `LOADS`; None where unknown or where
+            the column is zero throughout.
+        estimate_of: the error that is estimated.
+        further_run_skipped: whether a still finer run, which checks how fast the error falls, was not needed (`Comparison.alike`).
+        hurried: whether the time limit prevented a run, so that a faster machine would give a better answer.
         reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
         remark: why not reached or not estimated (a sentence), "" if all is well.
         setup_seconds: building the model of the delivered run.
         solve_seconds: solving the delivered run.
         compile_seconds: compiling or loading machine code before anything was timed.
-        estimate_seconds: wall time of all other runs, their setup included: those it was compared with and the rungs climbed.
+        estimate_seconds: wall time of all other runs, their setup included: those for the estimate, and coarser rungs.
         description: bodies, joints and degrees of freedom of the delivered run.
     """
 
@@ -86,7 +85,7 @@ class Result(Assessment):
     Attributes:
         trajectory: of the finest run that completed.
         settings: of that run.
-        runs: all runs that were made for it, by their settings; the delivered one among them.
+        runs: all completed runs by their settings, the delivered one among them.
     """
 
     trajectory: Trajectory
@@ -108,8 +107,8 @@ def simulate(
 ) -> Result:
     """Simulate a scene to an accuracy.
 
-    Without `settings` the engine picks where to begin, and finer rungs of its ladder are taken while the error estimate misses the
-    accuracy. A rung that breaks down is given one finer try: an unstable step is cured by that, a scene that cannot go on is not.
+    Without `settings` the engine picks where to begin, and takes finer rungs of its ladder while the error estimate misses the accuracy.
+    After a rung that breaks down the next finer one is tried once: it cures an unstable step, but not a scene that cannot go on.
 
     Args:
         engine: a usable engine.
@@ -117,11 +116,10 @@ def simulate(
         start: state at time zero; None for a follower alone, which begins straight and at rest.
         duration: s, a multiple of `output_step`.
         output_step: s.
-        settings: values by name as text; they override the engine's choice and switch the ladder off, the estimate stays.
+        settings: values by name as text; they override the engine's choice and switch the ladder off, but not the estimate.
         accuracy: error of the tip deflection asked for; None is the engine's default.
-        estimate: False: make the one run and estimate nothing; no accuracy can be asked for then.
-        time_limit: wall time (s) within which to answer with what is known by then. A run that could take longer is not begun, except
-            the first. None: no limit.
+        estimate: whether to estimate the error; without an estimate there is one run, and no accuracy can be asked for.
+        time_limit: wall time (s) for the answer; None: no limit. A run other than the first is not begun if it could take longer.
 
     Raises:
         ValueError: an accuracy without an estimate.
@@ -147,7 +145,7 @@ def simulate(
 
 
 class _NoEstimate(Exception):
-    """There is nothing to estimate an error with; the text is a clause that says why."""
+    """The error cannot be estimated; the text is a clause that says why."""
 
 
 class _NoTime(EngineFailure):
@@ -159,7 +157,7 @@ class _NoTime(EngineFailure):
 
 @dataclass(frozen=True)
 class _Judged:
-    """A run with its estimate and the parts of it; `remark` says why there is none."""
+    """A run with the parts of its error estimate; none if the error is unknown, and `remark` says why."""
 
     settings: Settings
     made: Made
@@ -177,7 +175,7 @@ class _Judged:
 
 
 class _Runs:
-    """Runs of one scene by settings: what was computed for the estimate of one rung serves the next."""
+    """The runs of one scene, by settings: a run for the estimate of one rung may serve as the next rung."""
 
     def __init__(
         self, engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, time_limit: float | None
@@ -190,7 +188,7 @@ class _Runs:
         self._rung = 0
         self._begin = time.perf_counter()
         self._seconds: dict[Settings, float] = {}  # wall time of each run, whether it failed or not
-        self._time_limit, self._is_known, self._hurried = time_limit, False, False
+        self._time_limit, self._has_estimate, self._hurried = time_limit, False, False
 
     def run(self, settings: Settings) -> Made:
         if self.engine.compiles and not self._done and not self._failed and not self.compile_seconds:
@@ -210,13 +208,13 @@ class _Runs:
         return self._done[settings]
 
     def _find_time(self, now: float) -> None:
-        """Raise `_NoTime` where another run could take longer than is left."""
+        """Raise `_NoTime` if another run could take longer than the time left."""
         if self._done and self._time_limit and now - self._begin + LONGER * max(self._seconds.values()) > USABLE * self._time_limit:
             self._hurried = True
             raise _NoTime(0.0, f"could take longer than is left of the time limit of {self._time_limit:g} s", "")
 
     def _compile(self, settings: Settings) -> None:
-        """One output step, so that all code is there before times are taken; what fails here fails again where it counts."""
+        """Run one output step, so that all code is loaded before times are taken. What fails here fails again in the run itself."""
         start, _, output_step = self._run
         progress.tell(engine=self.engine.name, phase=progress.COMPILING)
         began = time.perf_counter()
@@ -226,6 +224,7 @@ class _Runs:
         progress.tell(phase="simulating", rung=self._rung)
 
     def judged(self, settings: Settings) -> _Judged:
+        """The run of a rung with its error estimate. Raises EngineFailure: it broke down."""
         self._rung += 1
         progress.tell(engine=self.engine.name, phase="simulating", rung=self._rung)
         made = self.run(settings)
@@ -233,45 +232,49 @@ class _Runs:
         try:
             parts, skipped = self._parts(settings, made.trajectory)
         except (_NoEstimate, EngineFailure) as reason:
-            if isinstance(reason, _NoTime) and self._is_known:  # of a coarser rung, which is worth more than this one
+            if isinstance(reason, _NoTime) and self._has_estimate:  # a coarser rung with an estimate is worth more than this one
                 raise
-            told = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
-            return _Judged(settings, made, remark=f"the error is unknown: {told}")
-        self._is_known = True
+            why = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
+            return _Judged(settings, made, remark=f"the error is unknown: {why}")
+        self._has_estimate = True
         names = (*ESTIMATED, *(name for name in LOADS if name in made.trajectory.columns))
-        columns = {name: _sum([each.get(name) for _, each in parts]) for name in names}
+        columns = {name: _sum([part.get(name) for _, part in parts]) for name in names}
         return _Judged(settings, made, tuple(tip for tip, _ in parts), columns, further_run_skipped=skipped)
 
     def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[tuple[float, dict[str, float | None]]], bool]:
-        """The parts of the error, and whether a run finer still was not needed for one of them."""
+        """The parts of the error (see `estimated_part`), and whether a `Comparison.before` was not needed for one of them."""
         pairs, follower = self.engine.comparisons(settings, self.scene, self._run[-1]), self.scene.follower
         if any(pair.run == pair.other for pair in pairs):
             raise _NoEstimate("these settings leave no others to compare with")
         parts, skipped = [], False
         for pair in pairs:
-            alone = pair.before is not None and pair.alike > 0.0 and self._converge_alike(pair)
-            skipped |= alone
-            runs = compared(replace(pair, before=None) if alone else pair, lambda other: self.run(other).trajectory)
+            trusted = pair.before is not None and pair.alike > 0.0 and self._converge_alike(pair)
+            skipped |= trusted
+            runs = compared(replace(pair, before=None) if trusted else pair, lambda other: self.run(other).trajectory)
             if not follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
                 raise _NoEstimate("the run to compare with is the same to the last digit")
             parts.append(estimated_part(trajectory, runs, follower.length))
         return parts, skipped
 
     def _converge_alike(self, pair: Comparison) -> bool:
-        """Whether the first two runs of a pair differ by no more than `Comparison.alike` says."""
+        """Whether the differences between the two runs are within what `Comparison.alike` allows."""
         try:
             coarse, fine = (self.run(settings).trajectory for settings in (pair.run, pair.other))
         except EngineFailure:
             return False
-        apart = {name: relative_size(rms(coarse[name] - fine[name]), rms(coarse[name])) for name in ESTIMATED if name in coarse.columns}
-        deflection = apart["tip_deflection"]
-        return deflection is not None and max(each for each in apart.values() if each is not None) <= pair.alike * deflection
+        differences = {
+            name: relative_size(rms(coarse[name] - fine[name]), rms(coarse[name])) for name in ESTIMATED if name in coarse.columns
+        }
+        deflection = differences["tip_deflection"]
+        return deflection is not None and max(d for d in differences.values() if d is not None) <= pair.alike * deflection
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
+        """The engine's next rung after `rung`, by its estimate if `judged` is that rung."""
         excess = tuple(part / target for part in judged.parts) if judged is not None and judged.settings == rung else ()
         return self.engine.finer(rung, excess, self._run[-1])
 
     def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
+        """The delivered run, held against the accuracy `target`; `asked`: whether the caller asked for it explicitly."""
         estimate, remark, reached = judged.estimate, judged.remark, True
         if estimate is None:
             reached = not asked
@@ -307,7 +310,7 @@ class _Runs:
 
 
 def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
-    """The first rung from `first` on whose estimate is within `target`, else the finest one that ran."""
+    """The first rung, from `first` on, whose estimate is within `target`; else the finest rung that ran."""
     best: _Judged | None = None
     failure: EngineFailure | None = None
     rung: Settings | None = first
@@ -330,7 +333,7 @@ def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
 
 @contextlib.contextmanager
 def _no_garbage_collection() -> Iterator[None]:
-    """Compiling makes millions of small objects; looking through them again and again takes an eighth of the time."""
+    """Switches garbage collection off: it takes an eighth of the time of compiling, which makes millions of small objects."""
     was_on = gc.isenabled()
     gc.disable()
     try:
@@ -341,5 +344,6 @@ def _no_garbage_collection() -> Iterator[None]:
 
 
 def _sum(values: Sequence[float | None]) -> float | None:
+    """The sum; None if there is no value, or one is unknown."""
     known = [value for value in values if value is not None]
     return sum(known) if known and len(known) == len(values) else None

@@ -1,9 +1,8 @@
-"""What every engine provides, and how it reports what it cannot do.
+"""The interface of an engine, and the errors by which it reports what it cannot do.
 
-An engine turns a `Mechanism` into motion. `prepare` builds the model and returns a `Simulation` that can be advanced piece by
-piece, so that a steady state can be approached cycle by cycle without restarting; `natural_frequencies` answers for the frozen
-crank. What an engine cannot model it refuses with a sentence (`Refusal`); a run that breaks down raises `EngineFailure` with the
-time, the cause and what to try, and carries what was computed up to then.
+An engine turns a `Mechanism` into motion. `prepare` builds the model and returns a `Simulation` that is advanced piece by piece, so
+that a run can approach the steady state cycle by cycle. `natural_frequencies` belongs to the frozen crank. An engine refuses what it
+cannot model with a sentence (`Refusal`); a run that breaks down raises `EngineFailure` with time, cause, advice and the part computed.
 """
 
 from abc import ABC, abstractmethod
@@ -31,12 +30,12 @@ StartOfScene = Any
 #: Version of the engines' interface. It changes when an engine written for the version before would no longer work.
 INTERFACE: Final = 1
 
-#: Accuracies whose settings make up an engine's ladder, each once: ten in a decade, so that no rung is passed over.
+#: Accuracies whose settings make up an engine's ladder: ten in a decade, so that no rung is passed over.
 LADDER_ACCURACIES: Final = tuple(float(accuracy) for accuracy in np.geomspace(0.5, 2e-5, 45))
 
-#: What an engine's error estimate is an estimate of. "total": of the whole distance from the solution of the scene, so that it can be
-#: held against other engines. "integration": of the distance from the solution of the engine's own equations, whose discretization is
-#: its model; how far that model is off is not estimated. "unverified": of the whole distance, but nobody has measured that it holds.
+#: The error that an engine estimates. "total": from the solution of the scene, so that other engines can be judged by it. "integration":
+#: from the solution of the engine's own equations, whose discretization is its model; the error of that model is not estimated.
+#: "unverified": from the solution of the scene, but nobody has measured whether the estimate holds.
 EstimateOf = Literal["total", "integration", "unverified"]
 ESTIMATES: Final[tuple[EstimateOf, ...]] = get_args(EstimateOf)
 
@@ -49,9 +48,9 @@ class EngineFailure(ToldError):
     """A run that broke down.
 
     Attributes:
-        time: s from the start of the simulation, the last instant known to be good.
-        cause: one clause: what happened.
-        advice: one clause: what to try.
+        time: last good instant, s since the start of the simulation.
+        cause: what happened, a clause.
+        advice: what to try, a clause.
         partial: the trajectory up to `time`, or None.
     """
 
@@ -89,12 +88,12 @@ class Simulation(ABC):
     time: float
 
     def present_start(self) -> Start | None:
-        """The present state as a start for any engine; None if the simulation cannot tell it."""
+        """The present state as a start for any engine; None if the simulation cannot give one."""
         return None
 
     @abstractmethod
     def advance(self, duration: float, output_step: float) -> Trajectory:
-        """Integrate on by `duration` (s, a multiple of `output_step`) from where the simulation stands.
+        """Continue the simulation by `duration` (s, a multiple of `output_step`).
 
         Returns:
             The trajectory on the grid `time + k output_step`, k = 0 .. duration/output_step: the first row is the present
@@ -111,15 +110,15 @@ class Comparison:
     """Two runs whose difference D shows a part of an error: that part is D / abs(factor - 1) in `run`.
 
     Attributes:
-        run: settings whose error is judged; those of the delivered run, or of one with the same error in this part.
-        other: settings of the run that it is compared with.
-        factor: error of `other` over that of `run`, as far as they differ; below 1 where `other` is the finer one.
-        before: the comparison of `other` with a run that is coarser still, or finer still if `other` is the finer one. Where the
-            differences fall less from run to run than both factors say, the factor that they show counts
+        run: settings whose error is judged: those of the delivered run, or of one with the same error in this part.
+        other: settings of the run that `run` is compared with.
+        factor: this part of the error of `other` over that of `run`; below 1 if `other` is the finer one.
+        before: the comparison of `other` with a run that is coarser still, or finer still if `other` is the finer one. It checks
+            `factor`: if the differences fall more slowly than both factors say, the factor that they show counts
             (`engines.error_parts.shown_factor`). None: `factor` is taken on trust.
-        instead: the comparison to make where a run of this one breaks down, for example with finer runs; None: the error is unknown then.
-        alike: `before` is left out, and `factor` taken on trust, where columns converge alike: where no estimated column's relative
-            difference of `run` and `other` is more than so many times that of the tip deflection. 0: `before` is always run.
+        instead: the comparison to make if a run of this one breaks down, for example with finer runs. None: the error is then unknown.
+        alike: `before` is not run, and `factor` is taken on trust, if the relative difference between `run` and `other` is in no
+            estimated column more than this many times that in the tip deflection. 0: `before` is always run.
     """
 
     run: AnySettings
@@ -136,18 +135,18 @@ class NoSteadyState(Exception):
 
 @dataclass(frozen=True)
 class SteadyState:
-    """A periodic steady state that an engine found directly instead of waiting for it.
+    """A periodic steady state that an engine found by a direct search.
 
     Attributes:
-        simulation: in the steady state, at the slider's farthest place, at time 0.
-        period: s, off by less than the residual.
+        simulation: a simulation in the steady state, with the slider at its farthest place, at time 0.
+        period: s; its relative error is below the residual.
         multipliers: Floquet multipliers, the factors by which small disturbances change in a cycle, largest modulus first; those that
             are nearly zero may be missing.
-        stable: whether a disturbance dies away; marching finds only such a state.
-        iterations: steps of the search.
-        cycles_of_work: the search's effort over that of simulating one cycle.
+        stable: whether disturbances die away; simulated cycles approach only such a state.
+        iterations: number of steps of the search.
+        cycles_of_work: cost of the search over that of simulating one cycle.
         residual: distance from exact repetition, relative to the motion.
-        solve_seconds: wall time of the search from the prepared model.
+        solve_seconds: wall time of the search, from the prepared model.
     """
 
     simulation: Simulation
@@ -160,7 +159,7 @@ class SteadyState:
     solve_seconds: float
 
 
-#: The quantity that an engine names if it models the follower alone too, on a base that turns as prescribed.
+#: The quantity that an engine names if it also models the follower alone, on a base that turns as prescribed.
 SPIN_UP: Final = "base.spin_up_speed"
 
 
@@ -172,8 +171,8 @@ class Engine(ABC, Generic[S]):
     interface: ClassVar[int] = INTERFACE  # version that the engine is written for; state it as a number
     compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
-    estimates: ClassVar[EstimateOf] = "total"  # what the error estimate is an estimate of
-    quantities: ClassVar[tuple[str, ...]] = ()  # of `scene_values.NAMED` those that the model has, by `section.key`
+    estimates: ClassVar[EstimateOf] = "total"  # the error that it estimates
+    quantities: ClassVar[tuple[str, ...]] = ()  # `section.key` of those quantities in `scene_values.NAMED` that the model has
     settings_type: type[S]
 
     def __init_subclass__(cls) -> None:
@@ -185,7 +184,7 @@ class Engine(ABC, Generic[S]):
         return f"{self.name}: {self.method}"
 
     def check(self, scene: Scene, /) -> None:
-        """Refuse what `quantities` does not name. Called before anything is built; an override adds what else cannot be modelled.
+        """Refuse what `quantities` does not name. It is called before anything is built; an override may refuse more.
 
         Raises:
             Refusal: a feature of the scene that the engine does not have.
@@ -193,9 +192,9 @@ class Engine(ABC, Generic[S]):
         for section, values in values_of(scene).items():
             for key, value in values.items():
                 name = f"{section}.{key}"
-                if (known := NAMED.get(name)) is not None and value != known.default and name not in self.quantities:
-                    accepted = _accepted_instead(scene) if known.default is None else known.default
-                    given = f"{value} {known.unit}" if known.unit != "1" else f"{value}"
+                if (quantity := NAMED.get(name)) is not None and value != quantity.default and name not in self.quantities:
+                    accepted = _accepted_instead(scene) if quantity.default is None else quantity.default
+                    given = f"{value} {quantity.unit}" if quantity.unit != "1" else f"{value}"
                     raise Refusal(f"{name}: {given} is not modelled by engine {self.name}; accepted: {accepted}")
 
     @abstractmethod
@@ -204,21 +203,21 @@ class Engine(ABC, Generic[S]):
 
     @abstractmethod
     def settings_for(self, accuracy: float, scene: ModelledScene, /) -> S:
-        """Where to start for an error of the tip deflection of `accuracy` (measured table; the run's own estimate decides)."""
+        """Settings to begin with for an error of the tip deflection of `accuracy`; the run's own estimate decides whether they suffice."""
 
     @abstractmethod
     def comparisons(self, settings: S, scene: ModelledScene, output_step: float, /) -> tuple[Comparison, ...]:
         """Pairs of runs that show the parts of the error of `settings`, one pair per part; the estimate is the parts' sum.
 
-        Parts must be shown apart where they may have opposite signs (space and time, say): the difference of runs that are coarser
-        in both would let them cancel. `output_step` (s) bounds the time steps of most engines.
+        Parts that may have opposite signs (space and time, say) need a pair each: in a run that is coarser in both they could cancel.
+        `output_step` (s) bounds the time steps of most engines.
         """
 
     @abstractmethod
     def finer(self, settings: S, excess: tuple[float, ...], output_step: float, /) -> S | None:
-        """The next finer rung, taken when the estimate misses the accuracy asked; None at the end of the ladder.
+        """The next finer settings, for when the estimate misses the accuracy asked; None at the end of the ladder.
 
-        `excess` holds the parts of the estimate over the accuracy asked, in the order of `comparisons`; it is empty if unknown.
+        `excess` holds each part of the estimate over the accuracy asked, in the order of `comparisons`; it is empty if unknown.
         """
 
     @abstractmethod
@@ -239,7 +238,7 @@ class Engine(ABC, Generic[S]):
         return None
 
     def ladder(self, mechanism: Mechanism) -> tuple[S, ...]:
-        """Settings from coarse to fine over which speed is shown against error: those picked for `LADDER_ACCURACIES`."""
+        """Settings from coarse to fine for a benchmark of speed against error: those for `LADDER_ACCURACIES`, each once."""
         return tuple(dict.fromkeys(self.settings_for(accuracy, mechanism) for accuracy in LADDER_ACCURACIES))
 
     def steady_state(self, mechanism: Mechanism, start: Start, settings: S) -> SteadyState | None:
@@ -261,7 +260,7 @@ class Engine(ABC, Generic[S]):
 
 
 def _accepted_instead(scene: Scene) -> str:
-    """What to give in place of a quantity that a model lacks and that has no default: another drive."""
+    """What to give in place of a quantity that a model lacks and that has no default: a quantity of the drive."""
     if scene.crank is None:
         return "a scene with [crank]"
     if not isinstance(drive := scene.crank.drive, TorqueDrive):
@@ -288,14 +287,14 @@ USUAL: Final[tuple[str, ...]] = (
     "mechanism.gravity", "crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "tip.center_of_mass", "tip.force",
     "slider.mass",
 )  # fmt: skip
-#: A joint that gives way, the same on either side.
+#: A compliant joint that is one linear spring.
 SPRING: Final[tuple[str, ...]] = ("slider.joint_stiffness", "slider.joint_damping")
-#: Two rollers that give way, each on its own side.
+#: A compliant joint of two rollers.
 ROLLERS: Final[tuple[str, ...]] = (
     *SPRING, "slider.joint_stiffness_plus", "slider.joint_stiffness_minus", "slider.clearance", "slider.preload", "slider.contact_damping",
 )  # fmt: skip
 #: Friction along the follower and in its pivot.
 FRICTION: Final[tuple[str, ...]] = ("slider.friction", "slider.friction_force", "base.friction_torque")
 
-#: An engine of which only the interface is known.
+#: An engine with any settings.
 AnyEngine = Engine[Any]

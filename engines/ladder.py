@@ -8,26 +8,26 @@ from quickreturn.engines.settings import Settings
 S = TypeVar("S", bound=Settings)
 Climbing = TypeVar("Climbing", bound=Settings)
 
-#: Factor on the size where nothing is known of the error, and the largest factor from one rung to the next.
+#: Factor on the size if the error is unknown, and the largest factor from one rung to the next.
 _UNKNOWN: Final = 1.5
 _MOST_AT_ONCE: Final = 2.0
 
 
 @dataclass(frozen=True)
 class Ladder(Generic[S]):
-    """Settings that differ in one size, and where it says so in a tolerance that must not be looser than fits that size."""
+    """Settings that differ in one size, and perhaps in a tolerance that goes with it."""
 
-    rungs: tuple[tuple[S, float], ...]  # settings and the error of the tip deflection that they claim in run 24 over 2 s, coarse to fine
+    rungs: tuple[tuple[S, float], ...]  # settings, and the error of the tip deflection that they claim in run 24 over 2 s; coarse to fine
     size: str  # name of the setting that grows from rung to rung: modes, elements, links
-    tolerance: str = ""  # name of the setting that comes with a size, or ""
-    order: float = 0.0  # of the error in the size, by which climbing goes; 0: it goes from one rung to the next
+    tolerance: str = ""  # name of the tolerance that falls from rung to rung, or ""
+    order: float = 0.0  # order of the error in the size, for choosing a finer rung; 0: the next rung is taken
 
     def pick(self, accuracy: float, gain: float = 1.0) -> S:
-        """The coarsest rung that claims `accuracy`, or the finest one; `gain` is a scene's error over that in run 24."""
+        """The coarsest rung that claims `accuracy`, else the finest one; `gain` is the error in a scene over that in run 24."""
         return next((rung for rung, claim in self.rungs if gain * claim <= accuracy), self.rungs[-1][0])
 
     def claim(self, size: int) -> float:
-        """Error that the first rung of at least this size claims, or the finest rung."""
+        """Error that the first rung of at least this size claims, else the finest rung."""
         return self._first(size)[1]
 
     def sized(self, settings: Climbing, size: int) -> Climbing:
@@ -38,11 +38,11 @@ class Ladder(Generic[S]):
         return settings.replaced(**changes)
 
     def finer(self, settings: Climbing, excess: tuple[float, ...] = ()) -> Climbing | None:
-        """The settings with the size of the first rung that the estimate asks for, or of the finest one; None above the ladder.
+        """The settings with the size of the first rung that should suffice, else of the finest one; None at the end of the ladder.
 
         Args:
-            settings: those that do not suffice.
-            excess: parts of the estimate over the accuracy asked for; empty where nothing is known.
+            settings: settings that do not suffice.
+            excess: parts of the estimate over the accuracy asked for; empty if unknown.
         """
         present = getattr(settings, self.size)
         above = [size for size in (getattr(rung, self.size) for rung, _ in self.rungs) if size > present]

@@ -1,4 +1,4 @@
-"""Natural frequencies with the crank held, as an engine gives them, checked before anybody believes them."""
+"""Natural frequencies of an engine with the crank held, checked."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.mechanism import Mechanism
 
-_SHOWN = 60  # characters of what an engine returned
+_SHOWN = 60  # characters of an engine's answer that a message quotes
 
 
 @on_one_thread
@@ -21,9 +21,9 @@ def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: fl
         Refusal: as the engine raises it.
         EngineFailure: the engine returned something else; the cause says what.
     """
-    found: Any = engine.natural_frequencies(mechanism, crank_angle, count, settings)
+    answer: Any = engine.natural_frequencies(mechanism, crank_angle, count, settings)
     try:
-        values = np.asarray(found)
+        values = np.asarray(answer)
     except ValueError:  # lists of different lengths
         values = np.empty((0, 0))
     wrong = ""
@@ -36,7 +36,7 @@ def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: fl
     elif (np.diff(values.astype(np.float64)) < 0.0).any():
         wrong = "that do not ascend"
     if wrong:
-        shown = " ".join(str(found).split())
+        shown = " ".join(str(answer).split())
         cause = f"the engine returned natural frequencies {wrong}: {shown if len(shown) <= _SHOWN else f'{shown[:_SHOWN]}...'}"
         raise EngineFailure(0.0, cause, "report this to the author of the engine")
     return np.asarray(values, dtype=np.float64)[:count]

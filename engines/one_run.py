@@ -15,7 +15,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Scene
 
-#: Libraries in which a mistake of an engine may surface; its own line is shown, not theirs.
+#: Libraries below an engine: where a mistake of the engine surfaces in one, the message names the engine's line.
 _BELOW: Final = frozenset({"numpy", "scipy"})
 
 
@@ -32,8 +32,8 @@ def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: flo
 
     Raises:
         Refusal, SettingError: as the engine raises them.
-        EngineFailure: the run broke down, in whatever way: an unforeseen exception of an engine is reported as this too.
-        MemoryError, OSError: memory, disk or the like are lacking.
+        EngineFailure: the run broke down; any other exception of the engine is reported as this too.
+        MemoryError, OSError: memory, disk or another resource is exhausted.
     """
     try:
         simulation = engine.prepare(scene, start, settings)
@@ -48,10 +48,10 @@ def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: flo
 
 
 def raised_at(error: BaseException) -> str:
-    """Where an engine raised an exception, such as " at my_engine.py, line 12": the engine's line, not that of numpy which it called."""
+    """The line of an engine that raised an exception, such as " at my_engine.py, line 12", even if numpy or scipy raised it; or ""."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not _BELOW & set(Path(frame.filename).parts)] or frames
-    return f" at {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""
+    of_engine = [frame for frame in frames if not _BELOW & set(Path(frame.filename).parts)] or frames
+    return f" at {Path(of_engine[-1].filename).name}, line {of_engine[-1].lineno}" if of_engine else ""
 
 
 def check_trajectory(trajectory: Trajectory, duration: float, output_step: float) -> None:
@@ -76,14 +76,14 @@ def check_trajectory(trajectory: Trajectory, duration: float, output_step: float
     if len(times) != rows or not on_grid:
         raise EngineFailure(
             float(times[-1]) if len(times) else 0.0,
-            f"the engine returned {len(times)} rows that are not the {rows} of the output grid{_of_time(times, output_step)}",
+            f"the engine returned {len(times)} rows that are not the {rows} of the output grid{_wrong_unit_or_step(times, output_step)}",
             "try finer settings",
             trajectory if len(times) and on_grid else None,
         )
 
 
-def _of_time(times: NDArray[np.float64], output_step: float) -> str:
-    """What is wrong with a column of times, as far as that can be said."""
+def _wrong_unit_or_step(times: NDArray[np.float64], output_step: float) -> str:
+    """A clause on the unit or the step of a time column; "" if neither is wrong."""
     step = float(np.median(np.diff(times))) if len(times) > 1 else output_step
     if math.isclose(step, 1e3 * output_step, rel_tol=1e-3):
         return "; the time column is in milliseconds, not in s"

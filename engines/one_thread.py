@@ -1,9 +1,9 @@
 """Linear algebra on one thread: the eigenproblems of the shapes are small.
 
-A second thread makes them take up to thirty times as much of the processors, and no less time.
+A second thread makes them use up to thirty times the processor time, and saves none.
 """
 
-import scipy.linalg  # noqa: F401  it has a BLAS of its own, and the limit holds for what is loaded when a function is called
+import scipy.linalg  # noqa: F401  it has a BLAS of its own, and the limit holds only for libraries that are loaded by then
 from threadpoolctl import threadpool_limits
 
 #: Decorator of a function.

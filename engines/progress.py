@@ -1,11 +1,11 @@
-"""How far a run is. A worker listens on behalf of the person who waits; where nobody listens, `tell` does nothing."""
+"""Reports how far a run is, to one listener. Without a listener, `tell` does nothing."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-#: The phase in which machine code is compiled, or loaded if it is kept from before.
+#: The phase in which machine code is compiled, or loaded from the disk.
 COMPILING: Final = "compiling"
 
 
@@ -15,9 +15,9 @@ class Progress:
 
     engine: str = ""  # name, "" before it is known
     phase: str = ""  # a few words
-    rung: int = 0  # which settings of the engine's ladder are tried, from 1; 0: none
-    cycle: int = 0  # which cycle has been simulated, from 1; 0: none
-    most: int = 0  # how many cycles there may be; 0: unknown
+    rung: int = 0  # number of the settings that are tried, from 1; 0: none
+    cycle: int = 0  # number of the last simulated cycle, from 1; 0: none
+    most: int = 0  # largest number of cycles; 0: unknown
 
     def __str__(self) -> str:
         phase = f"{self.phase} at rung {self.rung}" if self.rung else self.phase
@@ -37,7 +37,7 @@ def listen(listener: Callable[[Progress], None] | None) -> None:
 
 @contextmanager
 def heard_by(listener: Callable[[Progress], None]) -> Iterator[None]:
-    """Call `listener` at every change within the block, unless there is one already: a worker's goes on reporting to its person."""
+    """Call `listener` at every change within the block, unless there is a listener already, such as that of a worker process."""
     if _listener is not None:
         yield
         return

@@ -1,4 +1,4 @@
-"""Refusals that several engines share. Each function raises `Refusal` if the scene has what it is named for."""
+"""Refusals that several engines share. Each function raises `Refusal` if the scene has the feature in the function's name."""
 
 from quickreturn.engines.base import Refusal
 from quickreturn.reference_model.mechanism import Scene
@@ -6,7 +6,7 @@ from quickreturn.reference_model.shapes import ShapeSet
 
 
 def of_massless_parts(name: str, scene: Scene, why: str) -> None:
-    """A crank or follower without mass, which an open loop leaves to itself; `why` ends the clause on the follower."""
+    """Refuse a crank or follower without mass, for an engine with an open loop; `why` ends the clause on the follower."""
     if scene.crank_is_free and scene.crank_inertia <= 0.0:
         raise Refusal(
             f"crank.inertia: {scene.crank.inertia:g} kg*m^2 on a crank without mass cannot be modelled by {name}, whose open loop"
@@ -17,7 +17,7 @@ def of_massless_parts(name: str, scene: Scene, why: str) -> None:
 
 
 def of_kinks(scene: Scene, shapes: ShapeSet, accepted: str) -> None:
-    """A slider with rotary inertia on shapes whose curvature jumps; `accepted`: the shapes that may carry it."""
+    """Refuse a slider with rotary inertia on shapes whose curvature jumps; `accepted` names the shapes that are accepted."""
     if (inertia := scene.slider.inertia) > 0.0 and not shapes.has_continuous_curvature:
         raise Refusal(
             f"slider.inertia: {inertia:g} kg*m^2 is not accepted with these settings: a slider with rotary inertia needs shapes with"

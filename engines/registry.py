@@ -1,7 +1,7 @@
-"""Which engines there are: the four main ones, rivals, and third-party ones found by the entry-point group `quickreturn.engines`.
+"""The engines: the four main ones, rivals, and third-party ones from the entry-point group `quickreturn.engines`.
 
-An engine's module is imported when the engine is asked for and not before, so that a library that is missing or broken disables
-its own engine and no other. An entry point maps the engine's name, which the class carries as `name`, to its class:
+An engine's module is imported only when the engine is asked for, so that a missing or broken library disables its own engine and no
+other. An entry point maps the engine's name, which the class has as `name`, to its class:
 
     [project.entry-points."quickreturn.engines"]
     my-engine = "my_package.my_module:MyEngine"
@@ -18,12 +18,12 @@ from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.reference_model.errors import ToldError
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
-#: The rival methods for the constraint and the moving load, on the same beam; listed, and used where they are asked for.
+#: Rival methods for the constraint and the moving load, on the same beam; used only where they are asked for.
 RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "moving-boundaries")
-#: The main engine whose discretization is its model: its distance to the others is no error of its own, and is told apart.
+#: The main engine whose discretization is its model: its distance to the others is a model error, and reported as such.
 MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
-_LONGEST_NAME: Final = 60  # characters of an unknown name that are shown
+_LONGEST_NAME: Final = 60  # characters of an unknown name that a message quotes
 
 _MODULES: Final = {
     "thesis": "quickreturn.engines.own.thesis:ThesisEngine",
@@ -38,7 +38,7 @@ _MODULES: Final = {
 }
 
 
-#: Engines of this project: until a model is built they load no library but numpy, so that they can be asked about themselves anywhere.
+#: Engines of this project: they load no library but numpy until a model is built, so that they can be listed anywhere.
 OWN: Final = frozenset(_MODULES)
 
 
@@ -54,7 +54,7 @@ def engine_names() -> tuple[str, ...]:
 
 
 def engine(name: str) -> AnyEngine:
-    """The engine of this name. If its code cannot be loaded, an engine that says so by `unavailable()` and refuses everything.
+    """The engine of this name. If its code cannot be loaded, an engine whose `unavailable()` says so and that refuses everything.
 
     Raises:
         UnknownEngine: no engine has this name.
@@ -71,43 +71,44 @@ def engine(name: str) -> AnyEngine:
 
 
 def usable_engine(name: str) -> AnyEngine:
-    """The engine of this name, known to be usable on this machine.
+    """The engine of this name, which can be used on this machine.
 
     Raises:
         UnknownEngine: no engine has this name.
         Refusal: the engine cannot be used here; the sentence says why.
     """
-    found = engine(name)
-    reason = found.unavailable()
+    named = engine(name)
+    reason = named.unavailable()
     if reason is not None:
         raise Refusal(f"engine {name} is not available: {reason}")
-    return found
+    return named
 
 
 def _third_party() -> dict[str, list[EntryPoint]]:
-    """Entry points by engine name. A package cannot replace a main engine: its entry of such a name does not count."""
-    found: dict[str, list[EntryPoint]] = {}
+    """Entry points by engine name, without those that have the name of an engine of this project: no package can replace one."""
+    entries: dict[str, list[EntryPoint]] = {}
     for entry in entry_points(group=GROUP):
         if entry.name not in _MODULES:
-            found.setdefault(entry.name, []).append(entry)
-    return found
+            entries.setdefault(entry.name, []).append(entry)
+    return entries
 
 
 def _loaded(name: str, load: Callable[[], object]) -> AnyEngine:
+    """An instance of the class that `load` returns; a `_Missing` if the class is no engine of this name and interface."""
     try:
         kind = load()
         if not (isinstance(kind, type) and issubclass(kind, Engine)):
             return _missing(name, f"{kind!r} is not a class derived from engines.base.Engine")
-        found = kind()
-        if found.name != name:
-            return _missing(name, f'its class calls itself "{found.name}"')
-        if found.interface != INTERFACE:
-            return _missing(name, f"it is written for version {found.interface} of the engines' interface, this is version {INTERFACE}")
-        if found.estimates not in ESTIMATES:
-            return _missing(name, f'its class states estimates = "{found.estimates}"; accepted: {", ".join(ESTIMATES)}')
+        loaded = kind()
+        if loaded.name != name:
+            return _missing(name, f'its class calls itself "{loaded.name}"')
+        if loaded.interface != INTERFACE:
+            return _missing(name, f"it is written for version {loaded.interface} of the engines' interface, this is version {INTERFACE}")
+        if loaded.estimates not in ESTIMATES:
+            return _missing(name, f'its class states estimates = "{loaded.estimates}"; accepted: {", ".join(ESTIMATES)}')
     except Exception as error:  # whatever a foreign module does on import must not disable the other engines
         return _missing(name, f"it cannot be loaded ({type(error).__name__}: {first_line(error)})")
-    return found
+    return loaded
 
 
 def _origin(entry: EntryPoint) -> str:
@@ -122,7 +123,7 @@ def _unknown(name: str) -> str:
 
 
 class _Missing(Engine[AnySettings]):
-    """Stands for an engine whose code cannot be loaded."""
+    """Stands in for an engine whose code cannot be loaded; `reason` says why."""
 
     method = "unknown"
     default_accuracy = 1e-3

@@ -1,4 +1,4 @@
-"""How large a signal is, and how far it is from another."""
+"""Size of a signal, and its distance from another."""
 
 import math
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def rms(values: NDArray[np.float64]) -> float:
-    """Root mean square; 0 of nothing."""
+    """Root mean square; 0 for an empty array."""
     return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
 
 

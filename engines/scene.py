@@ -1,4 +1,4 @@
-"""Simulating a scene of either kind from its standard start, and what an engine builds for it."""
+"""Simulates a scene of either kind from its standard start, and describes what an engine builds for it."""
 
 from collections.abc import Mapping
 
@@ -19,24 +19,23 @@ def simulate_scene(
     estimate: bool = True,
     time_limit: float | None = None,
 ) -> Result:
-    """`accurate.simulate` from the standard start: the mechanism's, or the follower straight and at rest.
+    """`accurate.simulate` from the scene's standard start.
 
     Raises:
-        ValueError, Refusal, SettingError, EngineFailure: as `accurate.simulate`; Refusal also where the engine has no model of a follower
-            alone.
+        ValueError, Refusal, SettingError, EngineFailure: as `accurate.simulate`; Refusal also for a follower alone that it does not model.
     """
     check_scene(engine, scene)
     return accurate.simulate(engine, scene, standard_start(scene), duration, output_step, settings, accuracy, estimate, time_limit)
 
 
 def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
-    """What the engine builds for a scene with its default settings. Refusal: it cannot."""
+    """Describes what the engine builds for a scene with its default settings. Raises Refusal: it cannot model the scene."""
     check_scene(engine, scene)
     return engine.describe(scene, engine.settings_for(engine.default_accuracy, scene))
 
 
 def check_scene(engine: AnyEngine, scene: Scene) -> None:
-    """Refuse a scene that the engine cannot model; an engine's own `check` sees the kinds of scene alone that the engine names.
+    """Refuse a scene that the engine cannot model. An override of `check` gets a follower alone only if the engine names `SPIN_UP`.
 
     Raises:
         Refusal: a feature of the scene that the engine does not have.

@@ -9,8 +9,8 @@ from typing import Any, Final, Self, get_type_hints
 
 from quickreturn.reference_model.errors import ToldError
 
-_LONGEST: Final = 60  # characters of a name or value that are shown or, of a number, read
-#: Plain numbers as text: what Python reads beyond that ("1_000", other scripts' digits, "nan") is a slip.
+_LONGEST: Final = 60  # characters of a name or value that a message quotes, and of a number that is read
+#: Plain numbers as text; what else Python reads as a number ("1_000", digits of other scripts, "nan") is probably a slip.
 _NUMBERS: Final = {int: r"[+-]?[0-9]+", float: r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"}
 
 
@@ -23,7 +23,7 @@ class SettingError(ToldError, ValueError):
 def setting(
     default: Any, meaning: str, *, unit: str = "", low: float = -math.inf, high: float = math.inf, choices: tuple[str, ...] = ()
 ) -> Any:
-    """A field of a `Settings` class. `low` and `high` are the accepted range, both inclusive."""
+    """A field of a `Settings` class. Values from `low` to `high`, both included, or those in `choices` are accepted."""
     return dataclasses.field(default=default, metadata={"meaning": meaning, "unit": unit, "low": low, "high": high, "choices": choices})
 
 
@@ -55,7 +55,7 @@ class Settings:
         changes: dict[str, Any] = {}
         for name, text in texts.items():
             if name not in known:
-                accepted = ", ".join(f"engine.{each}" for each in known) or "none"
+                accepted = ", ".join(f"engine.{setting_name}" for setting_name in known) or "none"
                 raise SettingError(f"engine.{name[:_LONGEST]}: no such setting of this engine; accepted: {accepted}")
             changes[name] = _parse(known[name], text, hints[name])
         return self.replaced(**changes)
@@ -66,10 +66,10 @@ class Settings:
 
 
 def as_texts(values: Mapping[str, Any], called: str = "settings") -> dict[str, str]:
-    """Plain values by name, as of `Settings.as_dict`, in the form that `Settings.with_texts` takes.
+    """Values by name, as `Settings.as_dict` gives them, as texts that `Settings.with_texts` takes.
 
     Raises:
-        SettingError: they are no dictionary; `called` is how that is named.
+        SettingError: `values` is no dictionary; the message names it `called`.
     """
     if not isinstance(values, Mapping):
         raise SettingError(f'{called}: {values!r} is no dictionary by name, such as {{"tolerance": 1e-6}}')
@@ -77,6 +77,7 @@ def as_texts(values: Mapping[str, Any], called: str = "settings") -> dict[str, s
 
 
 def _parse(field: dataclasses.Field[Any], text: str, kind: type) -> Any:
+    """The value of a setting from its text. Raises SettingError: it is none of the setting's type."""
     if kind is str:
         return text
     if kind is bool and text in ("true", "false"):
@@ -94,6 +95,7 @@ def _range(field: dataclasses.Field[Any]) -> str:
 
 
 def _check(field: dataclasses.Field[Any], kind: type, value: Any) -> None:
+    """Raise SettingError unless a value has the setting's type and is accepted."""
     meta = field.metadata
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)

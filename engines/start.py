@@ -10,22 +10,19 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 
 class Field(Protocol):
-    """A function of arc length with derivatives: scipy's `PPoly` and `CubicSpline` are such functions.
-
-    `field(x, nu)` is the nu-th derivative with respect to arc length (nu = 0 .. 2) at the arc lengths x (m, shape (n,)).
-    """
+    """A function of arc length with derivatives, such as scipy's `PPoly` and `CubicSpline`."""
 
     def __call__(self, x: NDArray[np.float64], nu: int = 0, /) -> NDArray[np.float64]:
-        """Values of the `nu`-th derivative at `x`."""
+        """The nu-th derivative with respect to arc length (nu = 0 .. 2) at the arc lengths x (m, shape (n,)), shape (n,)."""
 
 
 @dataclass(frozen=True)
 class Start:
     """Crank angle and speed, the follower's deflection W(x) along b2 at arc length x and its rate; b1 is the base tangent.
 
-    Together with the closed loop this fixes the state: arc length and the base angle q2 follow from the slider lying on the centre
-    line, their rates from the velocity loop. `None` means straight (deflection) and not changing (rate), which is the standard
-    start: the follower moves as the rigid mechanism does.
+    With the closed loop this determines the state: the slider lies on the centre line, which gives its arc length and the base angle q2,
+    and the velocity loop gives their rates. `None` means a straight follower (deflection) that keeps its shape (rate), as in the standard
+    start: it then moves as in the rigid mechanism.
     """
 
     crank_angle: float  # rad

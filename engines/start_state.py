@@ -1,6 +1,6 @@
 """From a `Start` to positions and velocities: closes the loop for a bent follower and evaluates its centre line anywhere.
 
-Every engine that carries coordinates of its own (nodes, hinges) begins from here, so that all of them begin in the same state.
+Engines with coordinates of their own (nodes, hinges) take their initial values from here, so that all begin in the same state.
 Symbols: P = O + d n1, b1 the base tangent at angle q2, W(x) the deflection along b2 at arc length x. The follower is inextensible:
 the point at x lies at p = (x - F, W) in frame B with F = ∫₀ˣ (1 - sqrt(1 - W'²)) dξ.
 """
@@ -19,13 +19,13 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-_PANELS = 256  # of equal length, besides the knots of the fields
+_PANELS = 256  # of equal length, for integrals along the follower; knots of the fields split them further
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @dataclass(frozen=True)
 class FollowerState:
-    """The follower's place and motion at the start. Angles in rad, lengths in m, rates per second; frame of O."""
+    """The follower's place and motion at the start, in the frame of O. Angles in rad, lengths in m, rates per second."""
 
     follower_angle: float  # q2, tangent at the base, within 90 deg of 180 deg for the chord from P to a slider
     follower_rate: float  # its rate
@@ -52,7 +52,7 @@ class FollowerState:
 
 @dataclass(frozen=True)
 class StartState(FollowerState):
-    """The same, with the slider's place and speed."""
+    """The follower's place and motion at the start, with the slider's place and speed."""
 
     slider_position: float  # s, arc length from P
     slider_speed: float  # its rate
@@ -76,6 +76,7 @@ def reconstruct(mechanism: Mechanism, start: Start) -> StartState:
     distance = math.hypot(*chord)
 
     def excess(s: float) -> float:
+        """Distance from P to the follower's point at s, less that from P to the slider, m."""
         return float(np.hypot(*shape.position(np.array([s]))[0])) - distance
 
     if excess(length) < 0.0:
@@ -140,12 +141,13 @@ class _Shape:
 
 
 def _gauss_points(edges: Array) -> Array:
+    """The Gauss points of all panels between the edges, shape (panels * 8,)."""
     middles, halves = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges) / 2.0
     return np.ravel(middles[:, None] + halves[:, None] * _GAUSS_POINTS)
 
 
 def _integrals(density: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """One integral of `density` for each pair of limits, shape (n,)."""
+    """The integral of `density` between each pair of limits, shape (n,)."""
     half = (high - low) / 2.0
     points = ((high + low) / 2.0)[:, None] + half[:, None] * _GAUSS_POINTS
     return half * (density(points.ravel()).reshape(points.shape) @ _GAUSS_WEIGHTS)

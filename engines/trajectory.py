@@ -27,7 +27,7 @@ class Trajectory:
     Attributes:
         columns: column name -> values, shape (n,). All of `REQUIRED`, any of `OPTIONAL`; units as in `reference_model.columns`.
         solve_seconds: wall time from the prepared model to this table.
-        statistics: what the solver counted, e.g. {"right_hand_side_calls": 12345}.
+        statistics: counts and times of the solver, e.g. {"right_hand_side_calls": 12345}.
     """
 
     columns: Columns
@@ -51,14 +51,14 @@ class Trajectory:
         return len(self.columns["time"])
 
     def table(self) -> "pd.DataFrame":
-        """The trajectory as a table, required columns first, then the optional ones in fixed order."""
-        import pandas as pd  # 0.2 s that nothing but a table needs
+        """The trajectory as a table, with the columns in the order of `reference_model.columns`."""
+        import pandas as pd  # takes 0.2 s
 
         return pd.DataFrame({name: self.columns[name] for name in COLUMNS if name in self.columns})
 
 
 class FollowerTrajectory(Trajectory):
-    """Observables of a follower alone: the columns of crank and slider are absent, the follower's angle is the prescribed one."""
+    """Observables of a follower alone, without the columns of crank and slider; the follower's angle is as prescribed."""
 
     required: ClassVar[tuple[str, ...]] = tuple(name for name in REQUIRED if not COLUMNS[name].of_slider)
 
@@ -69,7 +69,7 @@ def trajectory_type(scene: Scene) -> type[Trajectory]:
 
 
 def join(pieces: list[Trajectory]) -> Trajectory:
-    """Consecutive pieces of one simulation as one trajectory; each piece repeats the last row of the one before."""
+    """Consecutive pieces of one simulation as one trajectory, without the first row of each later piece, which repeats a row."""
     columns = {name: np.concatenate([piece[name][(0 if i == 0 else 1) :] for i, piece in enumerate(pieces)]) for name in pieces[0].columns}
     statistics = {key: sum(p.statistics.get(key, 0.0) for p in pieces) for key in pieces[0].statistics}
     return replace(pieces[0], columns=columns, solve_seconds=sum(p.solve_seconds for p in pieces), statistics=statistics)

@@ -233,7 +233,7 @@ def simulate(
         EngineFailure: the run failed; `partial` holds the trajectory up to then.
     """
     chosen, scene = found_engine(engine), one_case(case)
-    if sentence := machine_code.forgotten():
+    if sentence := machine_code.warning_if_not_kept():
         warnings.warn(sentence, stacklevel=2)
     request = TrajectoryRequest(
         scene=scene.scene,

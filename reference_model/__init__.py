@@ -6,4 +6,4 @@ thesis' model in `thesis/DERIVATION.md`; the code cites their numbers.
 
 from quickreturn.reference_model.machine import machine_code
 
-machine_code.keep_apart_by_source()
+machine_code.choose_cache_folder()

@@ -1,11 +1,11 @@
-"""The columns of a trajectory, each with unit and meaning, and the row in which compiled code lays them down.
+"""The columns of a trajectory, each with unit and meaning, and the record (`ROW`) that compiled code fills for one instant.
 
 Meanings and signs are the same in every model and engine. The deflections `shape_01` to `shape_11` at the interior twelfths of the length
 are for drawing: with the base and the tip they are thirteen places of the centre line.
 
 Bending moments have the sign of the strains. Where a slider with rotary inertia makes the moment jump, the moment at the slider is the one
 on its outboard side. A rigid follower has moments too, those that Newton and Euler require of it, but an engine that knows moments by
-curvature alone leaves the columns out there.
+curvature alone leaves the columns out for it.
 
 Bearing forces are those that the ground exerts on the body. The torque of the drive, the bearings' friction and the damping of the beam
 against its base are couples or internal forces: no bearing force contains them, except by the motion that they cause. The base block has
@@ -88,12 +88,12 @@ MOMENTS: Final = tuple(name for name in COLUMNS if name.startswith("moment_") an
 BENDING: Final = (*MOMENTS, "moment_slider")
 BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")
 
-#: Columns of what the compiled models record of an instant.
+#: Columns that the compiled models record.
 OBSERVED: Final = tuple(name for name, column in COLUMNS.items() if column.recorded)
-#: What the joint of an open loop does: rate of the gap (m/s), power of the slider's force on crank and follower together (W).
+#: More, of a slider that may leave the centre line: rate of the gap (m/s), power of its force on crank and follower together (W).
 JOINT_COLUMNS: Final = ("gap_rate", "joint_power")
 _FIELDS: Final = {name: len([*group]) for name, group in groupby((*OBSERVED, *JOINT_COLUMNS), lambda name: name.rstrip("_0123456789"))}
-#: A row of all these. Numbered columns are one field, an array with the plural of their name: `strains`, `shapes`, `moments`.
+#: The record of one instant: `OBSERVED`, then `JOINT_COLUMNS`. Numbered columns are one field, an array: `strains`, `shapes`, `moments`.
 ROW: Final = np.dtype(
     (np.record, [(name, np.float64) if count == 1 else (f"{name}s", np.float64, (count,)) for name, count in _FIELDS.items()])
 )
@@ -104,14 +104,15 @@ def recorded_columns(rows: Rows, *, alone: bool = False, bends: bool = True, joi
 
     Args:
         rows: as compiled code filled them.
-        alone: of a follower alone: without the columns of crank and slider; what drives turns the base.
-        bends: False: without bending moments, which a model that knows them by curvature has not of a rigid follower.
-        joint: with `JOINT_COLUMNS`.
+        alone: whether the rows are those of a follower alone: `base_torque` then stands in for `crank_torque`, and the other columns of
+            crank and slider are left out.
+        bends: whether to include the bending moments, which a model that knows them by curvature cannot give for a rigid follower.
+        joint: whether to include `JOINT_COLUMNS`.
     """
     values = rows.view(np.float64).reshape(len(rows), ROW.itemsize // 8).T.copy()
-    found = dict(zip((*OBSERVED, *JOINT_COLUMNS), values, strict=True))
-    unknown = {*(() if joint else JOINT_COLUMNS), *(() if bends else BENDING)}
-    kept = {name: column for name, column in found.items() if name not in unknown}
+    columns = dict(zip((*OBSERVED, *JOINT_COLUMNS), values, strict=True))
+    left_out = {*(() if joint else JOINT_COLUMNS), *(() if bends else BENDING)}
     if alone:
-        kept = {name: column for name, column in kept.items() if not COLUMNS[name].of_slider} | {"base_torque": found["crank_torque"]}
-    return kept
+        left_out |= {name for name in OBSERVED if COLUMNS[name].of_slider}
+        columns["base_torque"] = columns["crank_torque"]
+    return {name: column for name, column in columns.items() if name not in left_out}

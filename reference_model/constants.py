@@ -12,7 +12,7 @@ _OF_CRANK = ("d", "LA", "crank_mass", "crank_inertia", "crank_moment", "torque",
 
 
 def constants(scene: Scene) -> dict[str, Any]:
-    """Those of crank and slider are zero where the scene has none, those of the drive where the speed is prescribed."""
+    """Symbol -> value. Those of crank and slider are zero for a follower alone, torque and damping for a prescribed crank speed."""
     follower, tip = scene.follower, scene.tip_body
     return {
         **_of_drive(scene),
@@ -43,7 +43,7 @@ def _of_drive(scene: Scene) -> dict[str, float]:
 
 
 def characteristic_frequency(p: Any) -> float:
-    """About the first bending frequency, 1/s, that sizes of rates are taken with; 1 for a rigid follower or one without mass.
+    """Frequency (1/s) for the sizes of rates: near that of the first bending mode; 1 for a rigid follower or one without mass.
 
     Args:
         p: parameters with n, EI, rhoA and L.
@@ -52,5 +52,5 @@ def characteristic_frequency(p: Any) -> float:
 
 
 def unslowed(modes: int) -> int:
-    """Number of modes that an added inertia leaves as they are, of so many: half of them and one, at least three (equation 5.15)."""
+    """How many of `modes` modes the added inertia leaves unslowed: half of them and one, at least three (equation 5.15)."""
     return min(modes, max(modes // 2 + 1, 3))

@@ -20,36 +20,36 @@ from quickreturn.reference_model.poincare import CycleBroken
 
 Array = NDArray[np.float64]
 
-#: First, smallest and largest arclength between two points (equation 10.9). Where the smallest fails, the branch ends.
+#: First, smallest and largest arclength (scaled, equation 10.9) between two points. Where the smallest fails, the branch ends.
 FIRST_STEP: Final = 0.02
 LEAST_STEP: Final = 1e-5
 LONGEST_STEP: Final = 0.2
-#: Angle between the tangents at two points: what is aimed at, and what is accepted (rad).
+#: Angle (rad) between the tangents at two successive points: the one aimed at, and the largest accepted.
 TURN: Final = 0.25
 MOST_TURN: Final = 0.6
-#: Relative disturbance from which derivatives are taken: what they miss is of this order. It is at least `LEAST_DISTURBANCE` local errors.
+#: Disturbance for derivatives over a quantity's size, of the order of their error; at least `LEAST_DISTURBANCE` times the image's error.
 DISTURBANCE: Final = 1e-4
 LEAST_DISTURBANCE: Final = 1e3
-#: Length of the last correction, and what a correction may leave of the one before.
+#: Corrections end at the length `CORRECTED` (scaled variables), and fail where one is longer than `CONTRACTION` times the previous one.
 CORRECTED: Final = 1e-6
 CONTRACTION: Final = 0.5
 MOST_CORRECTIONS: Final = 8
-#: Part of a step to which special points are located, and largest value of a test function that counts as a zero and not as a jump.
+#: Precision of a special point over the step; and largest value of a test function over those at the step's ends that is a zero, no jump.
 LOCATED: Final = 1e-5
 ZERO: Final = 1e-3
 MOST_POINTS: Final = 5000
 
 
 class NotConverged(Exception):
-    """A correction that did not converge."""
+    """The corrections towards a fixed point did not converge."""
 
 
 @dataclass(frozen=True)
 class Image:
-    """A point's image under the map."""
+    """The image of a point x under the map."""
 
     point: Array  # P(x), shape (m,)
-    sizes: Array  # of the quantities, by which differences are divided, shape (m,)
+    sizes: Array  # scale of each quantity, by which differences are divided, shape (m,)
     noise: Array  # error of the image, shape (m,)
 
 
@@ -57,7 +57,7 @@ class Family(Protocol):
     """A map P(x, a) that depends smoothly on a parameter, and whose fixed points form curves (equation 10.8)."""
 
     def image(self, point: Array, parameter: float) -> Image:
-        """P(x, a). Raises CycleBroken: there is none."""
+        """The image of x for the parameter a. Raises CycleBroken: there is none."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ class BranchPoint:
     parameter: float  # a
     point: Array  # x, shape (m,)
     arclength: float  # from the branch's first point, in the scaled variables; negative on the other side of it
-    sizes: Array  # of x, shape (m,)
-    width: float  # of a
+    sizes: Array  # scale of each quantity in x, shape (m,)
+    width: float  # of the parameter's range: the scale of a
     jacobian: Array  # of the map, shape (m, m)
     matrix: Array  # scaled derivatives (equation 10.9), shape (m, m + 1)
     tangent: Array  # of the branch in the scaled variables, shape (m + 1,), towards growing arclength
@@ -81,7 +81,7 @@ class BranchPoint:
 
     @property
     def instability(self) -> str:
-        """See `periodic.instability`; "" of a stable point."""
+        """How the point is unstable, see `periodic.instability`; "" for a stable point."""
         return instability(self.multipliers)
 
 
@@ -97,56 +97,56 @@ class Ending:
 
 @dataclass(frozen=True)
 class Branch:
-    """Points in order of arclength, special points among them, and why it ends at its begin and at its end; None: the range ends."""
+    """Points in order of arclength, special points among them; and why the branch ends on either side, None where the range does."""
 
     points: tuple[BranchPoint, ...]
     endings: tuple[Ending | None, Ending | None]
 
 
 def branch(family: Family, point: Array, parameter: float, low: float, high: float) -> Branch:
-    """The branch through a fixed point near a point, shape (m,), both ways, until the parameter leaves its range from `low` to `high`.
+    """The branch through the fixed point near x = `point`, shape (m,), both ways, until a leaves its range from `low` to `high`.
 
     Raises:
-        CycleBroken, NotConverged: no fixed point is near the one given.
+        CycleBroken, NotConverged: no fixed point is near the given point.
     """
     begin = first_point(family, point, parameter, (low, high))
     forward, backward = _Walk(family, low, high), _Walk(family, low, high)
     after = list(forward.points(_towards(begin, 1.0))) if parameter < high else []
     before = list(backward.points(_towards(begin, -1.0))) if parameter > low and not forward.closed else []
-    turned = [replace(each, arclength=-each.arclength, tangent=-each.tangent) for each in reversed(before)]
+    turned = [replace(passed, arclength=-passed.arclength, tangent=-passed.tangent) for passed in reversed(before)]
     return Branch((*turned, begin, *after), (backward.ending, forward.ending))
 
 
 def first_point(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
-    """A fixed point at a given parameter, by Newton's method from a point near by. Raises CycleBroken, NotConverged."""
+    """The fixed point at a given parameter near a point; `limits`: the parameter's range. Raises CycleBroken, NotConverged."""
     start = _differentiated(family, point, parameter, limits)
     border = np.append(np.zeros(len(point)), 1.0)
-    found, _ = corrected(family, start, point, parameter, border)
-    return _towards(_differentiated(family, found, parameter, limits), 1.0)
+    fixed, _ = corrected(family, start, point, parameter, border)
+    return _towards(_differentiated(family, fixed, parameter, limits), 1.0)
 
 
 def corrected(
     family: Family, at: BranchPoint, point: Array, parameter: float, border: Array, tolerance: float = CORRECTED
 ) -> tuple[Array, float]:
-    """The fixed point in a hyperplane through a point, by Broyden's method from the matrix taken at `at` (equation 10.10).
+    """The fixed point in a hyperplane through a given point, and its parameter, by Broyden's method (equation 10.10).
 
     Args:
         family: the map.
-        at: a point of the branch near by.
+        at: a point of the branch near by, whose matrix the method begins with.
         point: x to begin with, shape (m,).
         parameter: a to begin with.
         border: normal of the hyperplane in the scaled variables, shape (m + 1,).
         tolerance: length of the last correction in the scaled variables.
 
     Raises:
-        CycleBroken, NotConverged: it does not converge.
+        CycleBroken, NotConverged: the corrections do not converge.
     """
     inverse = np.linalg.inv(np.vstack([at.matrix, border]))
     last, missed, step = math.inf, np.empty(0), np.empty(0)
     for _ in range(MOST_CORRECTIONS):
         image = family.image(point, parameter)
         before, missed = missed, np.append((image.point - point) / at.sizes, 0.0)
-        if len(before):  # Broyden's update: the change that the last step made is known now
+        if len(before):  # Broyden's update by the change that the last step has caused
             change = inverse @ (missed - before)
             inverse = inverse + np.outer(step - change, step @ inverse) / (step @ change)
         step = -inverse @ missed
@@ -161,13 +161,13 @@ def corrected(
 
 
 class _Walk:
-    """From a point along its tangent."""
+    """Walks along the branch, from a point in the direction of its tangent."""
 
     def __init__(self, family: Family, low: float, high: float) -> None:
         self._family = family
         self._limits = low, high
-        self.ending: Ending | None = None  # afterwards why it ended; None where the range did, or the branch is closed
-        self.closed = False  # afterwards whether it came back to its first point
+        self.ending: Ending | None = None  # afterwards why the walk ended; None where the range did, or the branch is closed
+        self.closed = False  # afterwards whether the walk came back to its first point
 
     def points(self, here: BranchPoint) -> Iterator[BranchPoint]:
         """The points after `here`, with the special ones between them."""
@@ -193,12 +193,13 @@ class _Walk:
             self.closed = _returned(here, there, first)
             if self.closed:
                 return
-            step = min(max(there.arclength - here.arclength, LEAST_STEP) * min(2.0, TURN / max(_turn(here, there), 1e-3)), LONGEST_STEP)
+            made = max(there.arclength - here.arclength, LEAST_STEP)
+            step = min(made * min(2.0, TURN / max(_turn(here, there), 1e-3)), LONGEST_STEP)
             here = there
         self.ending = Ending(here.parameter, 0.0, False, f"{MOST_POINTS} points are enough")
 
     def _step(self, here: BranchPoint, step: float) -> BranchPoint:
-        """The next point, on the range's limit where it would lie beyond. NotConverged: also where the branch turns too much."""
+        """The next point, on the range's limit if the step would pass it. Raises CycleBroken; NotConverged, also for too sharp a turn."""
         point, parameter = _moved(here, step)
         point, parameter = corrected(self._family, here, point, parameter, here.tangent)
         limited = min(max(parameter, self._limits[0]), self._limits[1])
@@ -214,19 +215,19 @@ class _Walk:
         return there
 
     def _special(self, here: BranchPoint, there: BranchPoint) -> Iterator[BranchPoint]:
-        """Special points between two points, in their order."""
-        found = []
+        """Special points between two points, in order of arclength."""
+        located = []
         if here.tangent[-1] * there.tangent[-1] < 0.0:
-            found.append(("fold", self._extreme(here, there)))
-        for kind, test in (("period doubling", doubling), ("torus", pair)):
+            located.append((self._fold(here, there), "fold"))
+        for kind, test in (("period doubling", _doubling_test), ("torus", _torus_test)):
             if test(here) * test(there) < 0.0 and (place := self._zero(here, there, test)) is not None:
-                found.append((kind, place))
-        for kind, place in sorted(found, key=lambda each: each[1]):
+                located.append((place, kind))
+        for place, kind in sorted(located):
             point, parameter = self._between(here, there, place)
             yield replace(_along(here, _differentiated(self._family, point, parameter, self._limits), place), special=kind)
 
     def _between(self, here: BranchPoint, there: BranchPoint, place: float) -> tuple[Array, float]:
-        """The branch's point in the plane across the first tangent, at a distance from the first point."""
+        """The branch's point, and its parameter, in the plane across the tangent of `here` at the distance `place` from it."""
         whole = there.arclength - here.arclength
         point, parameter = _moved(here, place)
         straight, beyond = _moved(here, whole)
@@ -235,45 +236,45 @@ class _Walk:
             self._family, here, point + bent * (there.point - straight), parameter + bent * (there.parameter - beyond), here.tangent
         )
 
-    def _extreme(self, here: BranchPoint, there: BranchPoint) -> float:
-        """Where the parameter turns back, without derivatives (equation 10.11)."""
-        whole, way = there.arclength - here.arclength, -math.copysign(1.0, here.tangent[-1])
-        found = minimize_scalar(
-            lambda place: way * self._between(here, there, place)[1],
+    def _fold(self, here: BranchPoint, there: BranchPoint) -> float:
+        """Distance from `here` at which the parameter turns back, by a search without derivatives (equation 10.11)."""
+        whole, sign = there.arclength - here.arclength, -math.copysign(1.0, here.tangent[-1])
+        extreme = minimize_scalar(
+            lambda place: sign * self._between(here, there, place)[1],
             bounds=(0.0, whole),
             method="bounded",
             options={"xatol": LOCATED * whole},
         )
-        return float(found.x)
+        return float(extreme.x)
 
     def _zero(self, here: BranchPoint, there: BranchPoint, test: Callable[[BranchPoint], float]) -> float | None:
-        """Where a test function passes zero; None where it jumps past it."""
+        """Distance from `here` at which a test function is zero; None where it jumps from one sign to the other."""
         whole = there.arclength - here.arclength
-        known = {0.0: test(here), whole: test(there)}
+        values = {0.0: test(here), whole: test(there)}
 
-        def at(place: float) -> float:
-            if place not in known:
+        def test_at(place: float) -> float:
+            if place not in values:
                 point, parameter = self._between(here, there, place)
-                known[place] = test(_differentiated(self._family, point, parameter, self._limits))
-            return known[place]
+                values[place] = test(_differentiated(self._family, point, parameter, self._limits))
+            return values[place]
 
-        place = float(brentq(at, 0.0, whole, xtol=LOCATED * whole))
-        return place if abs(at(place)) < ZERO * max(abs(known[0.0]), abs(known[whole]), 1.0) else None
+        place = float(brentq(test_at, 0.0, whole, xtol=LOCATED * whole))
+        return place if abs(test_at(place)) < ZERO * max(abs(values[0.0]), abs(values[whole]), 1.0) else None
 
 
-def doubling(here: BranchPoint) -> float:
+def _doubling_test(here: BranchPoint) -> float:
     """Zero where a multiplier is -1 (equation 10.12)."""
     return float(np.prod(1.0 + here.multipliers).real)
 
 
-def pair(here: BranchPoint) -> float:
+def _torus_test(here: BranchPoint) -> float:
     """Zero where the largest pair of complex multipliers lies on the unit circle (equation 10.12)."""
-    found = here.multipliers[here.multipliers.imag != 0.0]
-    return float(np.abs(found[0])) - 1.0 if len(found) else -1.0
+    pairs = here.multipliers[here.multipliers.imag != 0.0]
+    return float(np.abs(pairs[0])) - 1.0 if len(pairs) else -1.0
 
 
 def _differentiated(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
-    """A fixed point with its derivatives and a tangent of either direction (equations 10.5 and 10.9)."""
+    """A fixed point with its derivatives, and with a tangent in either of the two directions (equations 10.5 and 10.9)."""
     low, high = limits
     image = family.image(point, parameter)
     columns = []
@@ -291,35 +292,37 @@ def _differentiated(family: Family, point: Array, parameter: float, limits: tupl
     return BranchPoint(parameter, point, 0.0, image.sizes, high - low, jacobian, matrix, tangent)
 
 
-def _towards(here: BranchPoint, way: float) -> BranchPoint:
+def _towards(here: BranchPoint, sign: float) -> BranchPoint:
     """The point with its tangent towards a growing (1) or falling (-1) parameter."""
-    return replace(here, tangent=here.tangent * math.copysign(way, way * here.tangent[-1]))
+    return replace(here, tangent=here.tangent * math.copysign(sign, sign * here.tangent[-1]))
 
 
 def _along(before: BranchPoint, here: BranchPoint, step: float) -> BranchPoint:
-    """A point with its arclength, and its tangent in the direction of the one before."""
-    way = math.copysign(1.0, float(here.tangent @ _seen(before, here)))
-    return replace(here, arclength=before.arclength + step, tangent=way * here.tangent)
+    """The point `here` at an arclength `step` after `before`, with its tangent in the direction of that point's."""
+    sign = math.copysign(1.0, float(here.tangent @ _rescaled_tangent(before, here)))
+    return replace(here, arclength=before.arclength + step, tangent=sign * here.tangent)
 
 
-def _seen(before: BranchPoint, here: BranchPoint) -> Array:
-    """The tangent of a point in another one's scaled variables, normed."""
+def _rescaled_tangent(before: BranchPoint, here: BranchPoint) -> Array:
+    """The unit tangent at `before` in the scaled variables of `here`."""
     tangent = before.tangent * np.append(before.sizes / here.sizes, 1.0)
     return np.asarray(tangent / np.linalg.norm(tangent))
 
 
 def _turn(before: BranchPoint, here: BranchPoint) -> float:
-    return math.acos(min(1.0, abs(float(here.tangent @ _seen(before, here)))))
+    """Angle between the tangents at two points, rad."""
+    return math.acos(min(1.0, abs(float(here.tangent @ _rescaled_tangent(before, here)))))
 
 
 def _moved(here: BranchPoint, step: float) -> tuple[Array, float]:
+    """Point and parameter at a distance `step` from a point along its tangent."""
     return here.point + step * here.tangent[:-1] * here.sizes, here.parameter + step * float(here.tangent[-1]) * here.width
 
 
 def _returned(here: BranchPoint, there: BranchPoint, first: BranchPoint) -> bool:
-    """Whether a closed branch passes its first point between two points."""
+    """Whether a closed branch passes its first point between `here` and `there`."""
     if here is first:
         return False
     ahead = np.append((first.point - here.point) / here.sizes, (first.parameter - here.parameter) / here.width)
     step = there.arclength - here.arclength
-    return bool(np.linalg.norm(ahead) < step and ahead @ here.tangent > 0.0 and _seen(first, here) @ here.tangent > 0.5)
+    return bool(np.linalg.norm(ahead) < step and ahead @ here.tangent > 0.0 and _rescaled_tangent(first, here) @ here.tangent > 0.5)

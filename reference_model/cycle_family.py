@@ -17,19 +17,19 @@ from quickreturn.reference_model.poincare import PoincareMap
 
 Array = NDArray[np.float64]
 
-#: Distance to which the orbit is searched that a branch begins with.
+#: Accuracy of the periodic orbit with which a branch begins, relative to the size of its motion.
 SEARCHED: Final = 1e-3
-#: Factor between the prescribed speeds for which models are built: a model's tables do not depend on the speed, only the sizes that its
-#: integration's errors refer to do.
+#: Ratio of successive prescribed speeds for which models are built. A model's tables do not depend on the speed; only the sizes that the
+#: errors of its integration refer to do.
 PACE: Final = 1.25
-#: Length of the last correction of a point that serves for a comparison only.
+#: Length of the last correction (scaled variables) of a point that serves for a comparison only.
 COMPARED: Final = 1e-4
-#: Models that are kept: corrections and derivatives ask for the same values again.
+#: Number of models that are kept: corrections and derivatives ask for the same values again.
 KEPT: Final = 8
 
 
 class CycleFamily:
-    """A machine's cycle for each value (SI) of a quantity, by a model with so many modes and an integration to a tolerance."""
+    """The cycle of the machine `scene_at(value)` as a map, by a model with so many modes and an integration to a tolerance."""
 
     def __init__(self, scene_at: Callable[[float], Mechanism], modes: int, tolerance: float) -> None:
         self.scene_at = scene_at
@@ -38,25 +38,25 @@ class CycleFamily:
         self._built = lru_cache(KEPT)(lambda scene: BeamModel.following(scene, modes))
 
     def at(self, value: float) -> tuple[PoincareMap, Array]:
-        """The cycle's map for a value, and a state at the farthest place with its crank speed."""
+        """The map for a value, and the state with a straight follower, the slider at its farthest place and the machine's crank speed."""
         scene = self.scene_at(value)
         speed = scene.crank.drive.initial_speed
         if isinstance(scene.crank.drive, PrescribedSpeed) and speed != 0.0:
-            pace = math.copysign(PACE ** round(math.log(abs(speed), PACE)), speed)
-            scene = changed(scene, {"crank.drive.speed": pace})
+            rounded = math.copysign(PACE ** round(math.log(abs(speed), PACE)), speed)
+            scene = changed(scene, {"crank.drive.speed": rounded})
         model = self._built(scene)
         state = model.straight_state(math.pi, speed)
         return PoincareMap(model, self.tolerance), state
 
     def image(self, point: Array, value: float) -> Image:
         """The state a cycle later. Raises CycleBroken."""
-        cycle, like = self.at(value)
-        state = cycle.state(point, like)
+        cycle, straight = self.at(value)
+        state = cycle.state(point, straight)
         passage = cycle.passage(state, cycle.time_to_go(state))
         return Image(cycle.point(passage.state), passage.sizes, cycle.noise(state))
 
     def orbit(self, value: float) -> Array:
-        """The free quantities of the periodic motion that the search from the straight follower finds. Raises NoPeriodicOrbit."""
+        """The free quantities of the periodic orbit that a search from the straight follower finds. Raises NoPeriodicOrbit."""
         cycle, straight = self.at(value)
         return cycle.point(periodic_orbit(cycle.model, straight, SEARCHED, self.tolerance).state)
 
@@ -64,10 +64,10 @@ class CycleFamily:
         """The cycle from a point: `time` (s) and observables by the names of `reference_model.columns`, each of shape (rows + 1,).
 
         Raises:
-            CycleBroken: there is none.
+            CycleBroken: no whole cycle begins there.
         """
-        cycle, like = self.at(value)
-        state = cycle.state(point, like)
+        cycle, straight = self.at(value)
+        state = cycle.state(point, straight)
         period = cycle.time_to_go(state)
         if self.scene_at(value).crank_is_free:
             period = cycle.passage(state, period).duration
@@ -75,12 +75,12 @@ class CycleFamily:
         return {"time": np.linspace(0.0, period, rows + 1), **cycle.model.observe(states)}
 
     def nearest(self, other: BranchPoint) -> tuple[Array, float]:
-        """The point of this family's branch in the plane across the branch of a family with fewer modes (equation 10.13).
+        """The point of this family's branch, and its parameter, in the plane across that of a family with fewer modes (equation 10.13).
 
-        What the added modes were a cycle ago is forgotten (equation 10.6), so that the other family's derivatives serve here.
+        The added modes forget their state within a cycle (equation 10.6), so that the other family's derivatives serve here.
 
         Raises:
-            CycleBroken, NotConverged: there is none near by.
+            CycleBroken, NotConverged: this branch has no point near by.
         """
         kept, sizes = self._kept(len(other.point)), np.empty(2 * self.modes + len(other.point) % 2)
         blocks = np.zeros(len(sizes), dtype=int)
@@ -95,6 +95,6 @@ class CycleFamily:
         return corrected(self, replace(other, point=point, sizes=sizes, matrix=matrix), point, other.parameter, tangent, COMPARED)
 
     def _kept(self, size: int) -> NDArray[np.intp]:
-        """Places of the free quantities of a model with fewer modes among those of this one: eta, crank speed if free, rates of eta."""
+        """Indices, among this model's free quantities (eta, crank speed if free, eta'), of the `size` ones of a model with fewer modes."""
         fewer, crank = divmod(size, 2)
         return np.array([*range(fewer), *range(self.modes, self.modes + crank + fewer)])

@@ -1,7 +1,7 @@
 """The coefficients of DOP853: order 8, error formulas of orders 5 and 3, interpolation within a step.
 
-Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; from their program `dop853.f`. Written out here, for
-scipy, which has them too, takes 0.3 s to import what surrounds them.
+Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5; from their program `dop853.f`. They are written out
+here because scipy's module that has them takes 0.3 s to import.
 """
 
 # fmt: off
@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 
 def _lower(rows: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
-    """Rows of a square matrix without the zeros from the diagonal on."""
-    found = np.zeros((len(rows), len(rows)))
+    """The square matrix with these rows, which leave out the zeros from the diagonal on."""
+    matrix = np.zeros((len(rows), len(rows)))
     for number, row in enumerate(rows):
-        found[number, : len(row)] = row
-    return found
+        matrix[number, : len(row)] = row
+    return matrix
 
 
 #: Weights of the stages before each stage, shape (13, 13): twelve of the step, and its end.
@@ -73,16 +73,16 @@ E5: Final = np.array([
     0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366,
     0.3341791187130175, 0.08192320648511571, -0.022355307863886294, 0.0,
 ])
-#: Stages that the interpolation takes: those that have weights in the step, and its end.
+#: Stages that the interpolation uses: those with a weight in the step, and the step's end.
 INTERPOLATED: Final = (0, *range(5, 13))
 
 
 def _interpolation() -> NDArray[np.float64]:
-    """Weights of these stages' rates in the state at the fraction u of a step (equation 5.17), by powers of 2 u - 1, shape (9, 8)."""
+    """Weights of the `INTERPOLATED` stages at the fraction u of a step (equation 5.17), in powers of 2 u - 1, shape (9, 8)."""
     c = A.sum(axis=1)
     powers = np.vander(2.0 * c - 1.0, 7, increasing=True).T
     conditions = np.array([*powers, A @ A @ c**3 - c**5 / 20, A @ A @ A @ A @ c - c**5 / 120])[:, INTERPOLATED]
-    integrals = np.zeros((len(INTERPOLATED), 8))  # of the powers from 0 to u, and nothing for the errors of the stages
+    integrals = np.zeros((len(INTERPOLATED), 8))  # of the powers from 0 to u; the last two conditions have the right side 0
     for k in range(7):
         integrals[k, k + 1], integrals[k, 0] = 0.5 / (k + 1), 0.5 * (-1) ** k / (k + 1)
     return np.linalg.solve(conditions, integrals)

@@ -1,11 +1,11 @@
-"""Exit codes of the program, and errors that it answers by a sentence and one of them."""
+"""Exit codes of the program, and the errors that it reports in a sentence."""
 
 from enum import IntEnum
 from typing import ClassVar
 
 
 class ExitCode(IntEnum):
-    """What the program returns."""
+    """What the program returns to the shell."""
 
     GOOD = 0
     CLAIMS_BROKEN = 1  # engines disagree by more than they claim
@@ -15,12 +15,12 @@ class ExitCode(IntEnum):
 
 
 class ToldError(Exception):
-    """An error whose text is a sentence for a person."""
+    """An error that the program reports as a sentence, without a traceback."""
 
     exit_code: ClassVar[ExitCode] = ExitCode.BAD_INPUT
-    option: ClassVar[str] = ""  # of the command line, by which what is wrong is given
+    option: ClassVar[str] = ""  # command-line option whose value is wrong; the sentence begins with it
 
     @property
     def sentences(self) -> list[str]:
-        """What the program says, one for each mistake."""
+        """What the program prints: one sentence for each mistake."""
         return [f"{self.option} {self}".lstrip()]

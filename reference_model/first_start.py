@@ -1,7 +1,7 @@
-"""The first start: while one process compiles the equations of motion, a second compiles what an integration needs besides.
+"""The first start: while one process compiles the equations of motion, a second compiles what else an integration needs.
 
-Compiling takes one core; on two the first start is shorter by two fifths. Where the second process cannot be had, or compiles what is not
-asked for, the first compiles what it misses: then only time is lost.
+Compiling takes one core; with two the first start is shorter by two fifths. If the second process cannot start, or compiles for other types
+than those needed, the first process compiles what is missing, and only time is lost.
 """
 
 import gc
@@ -21,11 +21,11 @@ from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, TABLES_TY
 
 
 def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
-    """Functions, each with the types of its arguments."""
+    """Functions that the second process compiles, each with the types of its arguments."""
     whole, real, vector, matrix = types.int64, types.float64, MEMBERS["Vector"], MEMBERS["Matrix"]
     addresses, at = (whole, whole, whole), tuple(map(At, (PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE)))
     return [
-        (inertia.assemble, (*at, vector)),  # of the equations what the first process comes to last
+        (inertia.assemble, (*at, vector)),  # these four are the parts of the equations that the first process compiles last
         (inertia.bias_accelerations, (*at, vector)),
         (inertia.moment_about_pivot, at),
         (inertia.dissipation, (*at, vector)),
@@ -36,7 +36,7 @@ def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
 
 @cache
 def kernel() -> int:
-    """Address of the equations of motion; where they are not on the disk, what else is needed is when they are compiled."""
+    """Address of the compiled equations; if they are not on the disk yet, a second process compiles the rest at the same time."""
     if any(Path(config.CACHE_DIR).glob("*/equations._kernel-*.nbi")):  # type: ignore[attr-defined]
         return equations.kernel()
     quiet = subprocess.DEVNULL

@@ -8,13 +8,13 @@ Array = NDArray[np.float64]
 
 
 def integrals_to_points(points: Array, weights: Array) -> Array:
-    """Weights of each Gauss point in the integrals from -1 to each point, and to 1; shape (G, G + 1).
+    """Weight of each Gauss point (row) in the integral from -1 to each point, and to 1 (columns); shape (G, G + 1).
 
-    By the polynomial's Legendre series, which Gauss quadrature gives exactly; through its powers 15 points would leave 1e-7.
+    Gauss quadrature gives the polynomial's Legendre series exactly; with a power series the error would be 1e-7 for 15 points.
 
     Args:
-        points: of Gauss and Legendre on (-1, 1), shape (G,).
-        weights: theirs, shape (G,).
+        points: Gauss-Legendre points on (-1, 1), shape (G,).
+        weights: their quadrature weights, shape (G,).
     """
     G = len(points)
     series = legendre.legvander(points, G - 1) * weights[:, None] * (np.arange(G) + 0.5)  # row j: coefficients of point j's polynomial
@@ -23,6 +23,6 @@ def integrals_to_points(points: Array, weights: Array) -> Array:
 
 
 def lagrange_weights(points: Array) -> Array:
-    """One over the product of each point's distances from the others, shape (G,): what makes Lagrange's polynomials 1 at their points."""
+    """One over the product of each point's differences from the others, shape (G,): it makes Lagrange's polynomials 1 at their points."""
     distances = points[:, None] - points + np.eye(len(points))
     return np.asarray(1.0 / np.prod(distances, axis=1), dtype=np.float64)

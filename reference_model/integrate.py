@@ -1,8 +1,8 @@
-"""Time integration by a compiled DOP853 loop, which knows a right-hand side, a state, scales and an event, and no model.
+"""Time integration by a compiled DOP853 loop that knows no model: only a right-hand side, a state, error scales and an event.
 
 DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5): order 8, error control by the embedded
-formulas of orders 5 and 3. Rows between the ends of steps are interpolated from the steps' own
-stages. A step that asks for a state in which the loop cannot close is rejected like one with too large an error.
+formulas of orders 5 and 3. Output rows within a step are interpolated from its stages. A step that needs a state in which the loop cannot
+close is rejected like one with too large an error.
 """
 
 import math
@@ -18,9 +18,9 @@ from quickreturn.reference_model.machine.pointers import call_equations
 
 STAGES: Final = 12
 
-#: Largest step times the highest angular frequency that the equations have. On the imaginary axis DOP853 damps an oscillation to 0.70 to
-#: 0.75 of itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond; without a ceiling steps creep past that again and
-#: again, and the acceleration rings as loud as the tolerance lets it (DERIVATION.md, section 5).
+#: Largest product of the step and the equations' highest angular frequency. DOP853 shrinks an undamped oscillation to 0.70 to 0.75 of
+#: itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond. Without a ceiling steps pass that again and again, and the
+#: acceleration rings as much as the tolerance allows (DERIVATION.md, section 5).
 CEILING: Final = 5.7
 
 REACHED_END, LEFT_FOLLOWER, STEP_TOO_SMALL, TOO_MANY_CALLS, NOT_A_NUMBER = range(5)
@@ -48,13 +48,14 @@ class Integration:
 
 @dataclass(frozen=True)
 class Equations:
-    """A right-hand side in compiled code, and what it needs, by address.
+    """A right-hand side in compiled code, and its first arguments, by address.
 
     Attributes:
-        function: of the equations (`reference_model.motion.equations.kernel`): dy/dt of a state; 0 where the state cannot be.
-        parameters, workspace: its first two arguments.
-        watched: of the state evaluated last the slider's place, m, and the highest angular frequency, rad/s, 0 where nobody knows it;
-            shape (2,), part of the workspace.
+        function: address of the equations (see `reference_model.motion.equations.kernel`). They write dy/dt of a state, and return 0 where
+            the state is impossible.
+        parameters, workspace: addresses of its first two arguments.
+        watched: slider position (m) and highest angular frequency (rad/s, 0 if unknown) of the state evaluated last; shape (2,), part of
+            the workspace.
     """
 
     function: int
@@ -79,7 +80,7 @@ def dop853(
         y: state at the start; not changed.
         output_step: grid of the output, s.
         intervals: number of output steps.
-        scales: absolute local error of each state that is controlled, shape (number of them,): the first ones of the state.
+        scales: accepted local error of each controlled state, in its unit, shape (number of them,). The controlled states come first.
         limit: slider position at which the integration ends, m.
         first_step: step size to begin with, s; 0 chooses one.
     """
@@ -87,7 +88,7 @@ def dop853(
     states, scratch, K = np.empty((intervals + 1, size)), np.empty((2, size)), np.empty((STAGES + 1, size))
     at = (equations.function, equations.parameters, equations.workspace, equations.watched)
     status, rows, time, calls, step = _dop853(*at, y, output_step, intervals, scales, limit, first_step, states, K, scratch)
-    if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose stages are left in K
+    if status == LEFT_FOLLOWER:  # within the step of size `step` from `time` and `y`, whose stages are in K
         time_left = step * _leaving_time(*at, y, K, step, limit)
         while rows <= intervals and rows * output_step <= time + time_left * (1.0 + 1e-12):
             _interpolate(y, K, step, min((rows * output_step - time) / step, 1.0), states[rows])
@@ -107,7 +108,7 @@ def _leaving_time(
     h: float,
     limit: float,
 ) -> float:
-    """Fraction of the step at which the slider passes `limit`, by bisection."""
+    """Fraction of the step `h` from `y` at which the slider passes `limit`, by bisection."""
     state, rate = np.empty(len(y)), np.empty(len(y))
     low, high = 0.0, 1.0
     for _ in range(45):
@@ -136,6 +137,7 @@ def _dop853(
     K: NDArray[np.float64],
     scratch: NDArray[np.float64],
 ) -> tuple[int, int, float, int, float]:
+    """Status, rows filled, time (s), right-hand sides evaluated and next step (s); for LEFT_FOLLOWER begin and size of the last step."""
     controlled = len(scales)
     end = output_step * intervals
     t = 0.0
@@ -191,6 +193,7 @@ def _copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
 
 @without_references
 def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
+    """To `out`: the state at which a stage of the step `h` from `y` is evaluated."""
     for i in range(len(y)):
         out[i] = y[i]
     for j in range(stage):
@@ -202,6 +205,7 @@ def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: 
 
 @without_references
 def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], controlled: int) -> float:
+    """Error of the step relative to `scales`, as in `dop853.f`: a step is accepted below 1."""
     error5 = error3 = 0.0
     for i in range(controlled):
         e5 = e3 = 0.0

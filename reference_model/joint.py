@@ -15,15 +15,15 @@ PIVOT_FRICTION_RATE: Final = 0.1
 
 @dataclass(frozen=True, kw_only=True)
 class Rollers:
-    """Constants of the law. A linear spring is two rollers of the same stiffness that both begin to push at no gap.
+    """Constants of the law. A linear spring is two rollers of the same stiffness that both begin to push at zero gap.
 
     Attributes:
         plus: stiffness of the roller that pushes the follower along +n, N/m.
-        minus: of the other one, N/m.
-        plus_from: gap above which the plus roller pushes, m: half the clearance, or less than none with preload.
-        minus_from: the same below minus the gap, m.
+        minus: stiffness of the roller that pushes it along -n, N/m.
+        plus_from: gap above which the plus roller pushes, m: half the clearance, or a negative gap with preload.
+        minus_from: value of -gap above which the minus roller pushes, m.
         loss: contact damping, s/m.
-        damping: of the damper beside the rollers, N s/m.
+        damping: coefficient of the damper parallel to the rollers, N s/m.
     """
 
     plus: float = 0.0
@@ -35,11 +35,11 @@ class Rollers:
 
 
 def rollers(slider: Slider) -> Rollers:
-    """Those of a joint that gives way."""
+    """Constants of the law for a slider whose joint is not rigid."""
     plus, minus = slider.sides
-    begin = [slider.clearance / 2.0 - slider.preload / stiffness for stiffness in (plus, minus)]
+    plus_from, minus_from = (slider.clearance / 2.0 - slider.preload / stiffness for stiffness in (plus, minus))
     return Rollers(
-        plus=plus, minus=minus, plus_from=begin[0], minus_from=begin[1], loss=slider.contact_damping, damping=slider.joint_damping
+        plus=plus, minus=minus, plus_from=plus_from, minus_from=minus_from, loss=slider.contact_damping, damping=slider.joint_damping
     )
 
 
@@ -49,7 +49,7 @@ def joint_force(
     """Force of the joint on the follower along n, N; neither roller pulls (equations 5.11 and 5.12).
 
     Args:
-        gap: m.
+        gap: distance of the crank tip from the centre line along n, m.
         rate: of the gap, m/s.
         plus: N/m, see `Rollers`.
         minus: N/m.
@@ -64,32 +64,32 @@ def joint_force(
 
 
 def joint_energy(gap: float, plus: float, minus: float, plus_from: float, minus_from: float) -> float:
-    """Energy stored in the rollers, J (equation 5.13)."""
+    """Energy stored in the rollers, J (equation 5.13). Arguments as of `joint_force`."""
     return 0.5 * plus * max(gap - plus_from, 0.0) ** 2 + 0.5 * minus * max(-gap - minus_from, 0.0) ** 2
 
 
 def friction_share(speed: float, over: float) -> float:
-    """Share of the friction that acts at a sliding speed, -1 to 1; `over`: the speed over which it changes its sign (equation 5.14)."""
+    """Fraction of the friction that acts at a sliding speed, -1 to 1; its sign changes over the speed `over` (equation 5.14)."""
     return math.tanh(speed / over)
 
 
-def in_words(slider: Slider) -> str:
-    """The joint that gives way, in a line."""
-    told = [f"{slider.joint_damping:g} N*s/m"] if slider.joint_damping > 0.0 or slider.is_linear else []
+def joint_in_words(slider: Slider) -> str:
+    """A line that describes a joint that is not rigid."""
+    words = [f"{slider.joint_damping:g} N*s/m"] if slider.joint_damping > 0.0 or slider.is_linear else []
     plus, minus = slider.sides
     if slider.is_linear:
-        told = [f"compliant joint, {plus:g} N/m", *told]
+        words = [f"compliant joint, {plus:g} N/m", *words]
     else:
         # a side that no key makes soft is infinite in the scene
-        given = (min(slider.joint_stiffness, own) for own in (slider.joint_stiffness_plus, slider.joint_stiffness_minus))
+        given = (min(slider.joint_stiffness, side) for side in (slider.joint_stiffness_plus, slider.joint_stiffness_minus))
         of_plus, of_minus = (", as stiff as a contact" if math.isinf(stiffness) else "" for stiffness in given)
-        told = [f"rollers of {plus:g} N/m (plus{of_plus}) and {minus:g} N/m (minus{of_minus})", *told]
+        words = [f"rollers of {plus:g} N/m (plus{of_plus}) and {minus:g} N/m (minus{of_minus})", *words]
     for key, unit in (("clearance", "m clearance"), ("preload", "N preload"), ("contact_damping", "s/m contact damping")):
         if (value := getattr(slider, key)) > 0.0:
-            told.append(f"{value:g} {unit}")
-    return ", ".join(told)
+            words.append(f"{value:g} {unit}")
+    return ", ".join(words)
 
 
 def friction_in_words(slider: Slider) -> str:
-    """What a description of the joint ends with: nothing where the slider does not rub."""
+    """The end of a description of the joint: a clause on its friction, "" for a frictionless slider."""
     return ", with friction along the follower" if slider.has_friction else ""

@@ -4,7 +4,7 @@ Geometry (thesis, figure 4.1): the crank turns about O, the follower about P = O
 length from O, and rides along the follower's centre line. Every part that a scene does not need is absent (`None`) or zero, and
 no model may build anything for it.
 
-Each quantity is declared here and nowhere else: what case files and `quickreturn show` know of it follows (`scene_values`).
+Each quantity is declared here and nowhere else; case files and `quickreturn show` read the declarations (`scene_values`).
 
 Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 """
@@ -17,10 +17,10 @@ from typing import Any, ClassVar, Final, Literal, TypeVar
 from quickreturn.reference_model.errors import ToldError
 from quickreturn.reference_model.quantities import quantity
 
-#: Difference (rad) from a turn up to which two angles count as a turn apart: a file may give them with few digits.
+#: Two angles count as one turn apart if their difference misses a turn by no more than this (rad): a file may give few digits.
 ROUNDING: Final = 1e-6
-#: Stiffness (N/m) of a roller that no key makes softer where the other one is, or where there is clearance: 1 um per newton, some ten times
-#: what Hertz gives for a steel roller on an aluminium strip. Contact without any softness would be a series of blows.
+#: Stiffness (N/m) of a roller without a stiffness of its own in a joint that is not rigid: 1 um per newton, some ten times the deflection
+#: that Hertz's theory gives for a steel roller on an aluminium strip. Rigid contact would be a series of impacts.
 CONTACT_STIFFNESS: Final = 1e6
 
 
@@ -28,10 +28,10 @@ class ImpossibleMechanism(ToldError, ValueError):
     """The parts do not fit together.
 
     Attributes:
-        key: the quantity to blame, as `part.quantity`.
-        problem: a clause that follows the quantity's value.
+        key: the quantity at fault, as `part.quantity`.
+        problem: a clause that follows the quantity's key and value.
         accepted: what is accepted instead; may be empty.
-        others: quantities that may be to blame as well.
+        others: quantities that may be at fault as well.
     """
 
     def __init__(self, key: str, problem: str, accepted: str = "", others: tuple[str, ...] = ()) -> None:
@@ -53,7 +53,7 @@ class TorqueDrive:
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedSpeed:
-    """The crank turns at this speed whatever it takes: the crank angle is then no degree of freedom."""
+    """A drive that keeps the crank at this speed, with whatever torque that takes: the crank angle is then no degree of freedom."""
 
     speed: float = quantity("rad/s", "speed of the crank, whatever it takes", key="prescribed_speed", named=True)
 
@@ -101,7 +101,7 @@ class SpinUp:
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """What a follower of rectangular section is made of; with the section it gives stiffness and mass per length."""
+    """Material of a follower of rectangular section; with the section it gives stiffness and mass per length."""
 
     elastic_modulus: float = quantity("Pa", "Young's modulus", sign="positive")
     density: float = quantity("kg/m^3", "density of the material", sign="positive")
@@ -209,11 +209,11 @@ class Tip:
     force_ramp: float = quantity("rad", "crank angle over which it comes and goes", sign="positive", default=math.radians(10.0))
 
     def __post_init__(self) -> None:
-        share = self.force_to - self.force_from
-        if not self.is_always_forced and not 2.0 * self.force_ramp <= share <= 2.0 * math.pi:
+        span = self.force_to - self.force_from
+        if not self.is_always_forced and not 2.0 * self.force_ramp <= span <= 2.0 * math.pi:
             raise ImpossibleMechanism(
                 "tip.force_to",
-                f"lets the force act over {math.degrees(share):.6g} deg of the crank's turn",
+                f"lets the force act over {math.degrees(span):.6g} deg of the crank's turn",
                 f"from twice force_ramp ({math.degrees(2.0 * self.force_ramp):.6g} deg) to 360 deg are accepted",
                 ("tip.force_from", "tip.force_ramp"),
             )
@@ -300,7 +300,7 @@ class Slider:
 
     @property
     def is_linear(self) -> bool:
-        """Whether the joint gives way, as one spring does: the same on either side, without clearance, preload and contact damping."""
+        """Whether the joint is one linear spring: of equal stiffness on both sides, without clearance, preload and contact damping."""
         return not self.is_rigid and len({*self.sides}) == 1 and self.clearance == self.preload == self.contact_damping == 0.0
 
     @property
@@ -315,10 +315,10 @@ class Slider:
 
     @property
     def sides(self) -> tuple[float, float]:
-        """Stiffness (N/m) of the plus and of the minus roller; infinite both or none."""
+        """Stiffness (N/m) of the plus and of the minus roller; both infinite for a rigid joint, else both finite."""
         if self.is_rigid:
             return math.inf, math.inf
-        given = (min(self.joint_stiffness, own) for own in (self.joint_stiffness_plus, self.joint_stiffness_minus))
+        given = (min(self.joint_stiffness, side) for side in (self.joint_stiffness_plus, self.joint_stiffness_minus))
         plus, minus = (CONTACT_STIFFNESS if math.isinf(stiffness) else stiffness for stiffness in given)
         return plus, minus
 
@@ -331,7 +331,7 @@ class Slider:
 
 @dataclass(frozen=True, kw_only=True)
 class _Bodies:
-    """What a mechanism and a follower alone have in common."""
+    """The parts that a mechanism and a follower alone have in common."""
 
     base: Base
     follower: Follower
@@ -340,7 +340,7 @@ class _Bodies:
 
     @property
     def has_gravity(self) -> bool:
-        """Whether any gravity term exists."""
+        """Whether gravity acts."""
         return self.gravity != (0.0, 0.0)
 
     @property
@@ -392,7 +392,7 @@ class Mechanism(_Bodies):
 
     @property
     def crank_moment(self) -> float:
-        """First moment of the same about O, kg m, along the crank."""
+        """First moment of mass about O of all that turns with the crank, kg m, along the crank."""
         return self.crank.mass * self.crank.center_of_mass + self.slider.mass * self.crank.length
 
 
@@ -400,10 +400,10 @@ class Mechanism(_Bodies):
 class FollowerAlone(_Bodies):
     """A scene without crank and slider: the follower on a base block that turns about O as prescribed.
 
-    At the start the follower lies straight along n1, at rest. Its pivot P is at O. A `crank` of None tells it from a mechanism.
+    At the start the follower lies straight along n1, at rest. Its pivot P is at O. `crank` is None, unlike in a mechanism.
 
     Raises:
-        ImpossibleMechanism: a rigid follower, whose motion is prescribed as a whole, or a force that waits for a crank to turn.
+        ImpossibleMechanism: the follower is rigid, so that its whole motion is prescribed; or a force on the tip depends on a crank angle.
     """
 
     spin_up: SpinUp
@@ -432,21 +432,21 @@ _Part = TypeVar("_Part")
 
 
 def changed(part: _Part, values: Mapping[str, Any]) -> _Part:
-    """The scene, or a part of it, with other values, all at once.
+    """A copy of a scene, or of a part of it, with other values, all set at once.
 
-    Each is named by its place in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
+    Each is named by its path in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
 
     Raises:
         ImpossibleMechanism: as the dataclasses do.
     """
     whole: Any = part
-    given: dict[str, dict[str, Any]] = {}
-    own: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
+    nested: dict[str, dict[str, Any]] = {}
     for path, value in values.items():
         name, _, rest = path.partition(".")
         if rest:
-            given.setdefault(name, {})[rest] = value
+            nested.setdefault(name, {})[rest] = value
         else:
-            own[name] = value
-    found: _Part = replace(whole, **own, **{name: changed(getattr(part, name), below) for name, below in given.items()})
-    return found
+            fields[name] = value
+    copy: _Part = replace(whole, **fields, **{name: changed(getattr(part, name), below) for name, below in nested.items()})
+    return copy

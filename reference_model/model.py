@@ -20,16 +20,17 @@ from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
-from quickreturn.reference_model.shapes import ShapeSet, no_shapes, vibrating
+from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 
 Array = NDArray[np.float64]
-#: Place of the slider and arc lengths (k,) to tangent angles of the shapes and their derivatives by that place, each (k, n).
+#: Function of the slider's place (m) and arc lengths (m), shape (k,). It returns the shapes' tangent angles and their derivatives by the
+#: slider's place, each of shape (k, n).
 Angles = Callable[[float, Array], tuple[Array, Array]]
 
 
 class ObservationFailed(RuntimeError):
-    """A state whose observables cannot be evaluated. `row` is its index."""
+    """The observables of a state cannot be evaluated. `row` is the state's index."""
 
     def __init__(self, row: int) -> None:
         super().__init__(f"state {row} cannot be evaluated")
@@ -37,18 +38,20 @@ class ObservationFailed(RuntimeError):
 
 
 class BeamModel:
-    """One beam in the angle of its tangent, with given shapes and a slider constraint; made by the class's three methods.
+    """The follower as one beam, described by the angle of its tangent in given shapes, with a slider constraint.
+
+    `following`, `staying` and `alone` build one for a scene.
 
     Args:
         scene: the mechanism, or the follower alone.
         constants: of the equations.
-        shapes: tangent angle and its derivative by the slider's place, of every shape at arc lengths, for a place of the slider.
-        made_before: wall time (s) that parts took which were kept from an earlier model.
+        shapes: tangent angles of the shapes, see `Angles`.
+        made_before: wall time (s) that an earlier model spent on parts that this one reuses.
 
     Attributes:
         made_before: as given.
         parameters: the constants.
-        workspace: what the state evaluated last left behind.
+        workspace: intermediate results for the state evaluated last.
     """
 
     def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, made_before: float = 0.0) -> None:
@@ -63,23 +66,23 @@ class BeamModel:
 
     @classmethod
     def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None) -> "BeamModel":
-        """Shapes that follow the slider: the first `modes` modes of the follower supported there; none for a rigid follower.
+        """A model whose shapes follow the slider: the first `modes` modes of the follower supported there.
 
-        Clamped modes for the follower alone. Unless `slowed_to` is None, an added inertia slows the higher half of the modes, but not below
-        this angular frequency (rad/s), see equation 5.15.
+        A rigid follower has no shapes, and the follower alone has clamped modes. Unless `slowed_to` is None, an added inertia slows the
+        higher half of the modes, but not below this angular frequency (rad/s), see equation 5.15.
         """
         if scene.crank is None:
             return cls.alone(scene, modes)
         if scene.follower.is_rigid:
             return cls.staying(scene, no_shapes(scene.follower.length), constraint)
-        (tables, reach), family, seconds = beam.following(scene, modes)
+        tables, reach, family, seconds = beam.following(scene, modes)
         return cls(scene, parameters(scene, modes, tables, reach, constraint, slowed_to=slowed_to), family.angles, seconds)
 
     @classmethod
     def staying(
         cls, scene: Scene, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
     ) -> "BeamModel":
-        """Shapes that stay where they are: slopes of clamped-free modes, or of cubic elements.
+        """A model whose shapes do not move with the slider: slopes of clamped-free modes, or of cubic elements.
 
         Raises:
             ValueError: a slider with rotary inertia on shapes whose curvature jumps.
@@ -88,30 +91,30 @@ class BeamModel:
             return cls.alone(scene, shapes, transverse_damping=transverse_damping)
         if scene.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
             raise ValueError("a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one element")
-        own, squares = vibrating(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
+        free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
-        tables, reach = (beam.elements if of_elements else beam.staying)(scene, own, squares)
-        constants = parameters(scene, own.count, tables, reach, constraint, transverse_damping=transverse_damping)
-        return cls(scene, constants, partial(_unmoved, partial(own.evaluate, derivative=1)))
+        tables, reach = (beam.elements if of_elements else beam.staying)(scene, free, squares)
+        constants = parameters(scene, free.count, tables, reach, constraint, transverse_damping=transverse_damping)
+        return cls(scene, constants, partial(_unmoved, partial(free.evaluate, derivative=1)))
 
     @classmethod
     def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet, *, transverse_damping: bool = False) -> "BeamModel":
-        """The follower alone, in its first clamped modes (at least 1) or in given shapes."""
+        """A model of the follower alone, in its first `shapes` clamped modes (at least 1) or in given shapes."""
         if isinstance(shapes, int):
-            found = clamped_modes(scene, shapes)
-            squares, nodes = (2.0 * np.pi * found.frequencies) ** 2, None
+            clamped = clamped_modes(scene, shapes)
+            squares, nodes = (2.0 * np.pi * clamped.frequencies) ** 2, None
 
             def angles(x: Array) -> Array:
-                return found.deflection(x, 1).T
+                return clamped.deflection(x, 1).T
         else:
-            own, squares = vibrating(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
-            angles, nodes = partial(own.evaluate, derivative=1), own.edges if own.coefficients.shape[1] == 4 else None
+            free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
+            angles, nodes = partial(free.evaluate, derivative=1), free.edges if free.coefficients.shape[1] == 4 else None
         tables = beam.clamped(scene, angles, squares, nodes)
         constants = parameters(scene, len(squares), tables, scene.follower.length, transverse_damping=transverse_damping)
         return cls(scene, constants, partial(_unmoved, angles))
 
     def with_fewer_shapes(self, count: int) -> "BeamModel":
-        """The model with the first shapes alone, on the same points: columns of the same tables."""
+        """The model in the first `count` shapes, with the same Gauss points: a selection of columns of its tables."""
         p, t = self.parameters, self.parameters.tables
         row = ShapeRow.of(t.coefficients, p.n, t)
         kept = [*(part[..., :count, :] for part in row[:3]), *(part[..., :count] for part in row[3:-1]), row.length]
@@ -180,7 +183,7 @@ class BeamModel:
         v1, v2 = p.LA * math.cos(crank_angle) - p.d, p.LA * math.sin(crank_angle)
 
         def excess(place: float) -> float:
-            """The projected shape differs a little from the given one, and so does the place that closes its loop."""
+            """How far the loop is open (m) with the slider at a place: the projected shape closes it a little off the given place."""
             y[m] = place
             self.can_move(y)
             return abs(f.foot) - math.hypot(v1, v2)
@@ -205,14 +208,14 @@ class BeamModel:
         return Equations(kernel(), p.address, w.address, self.workspace.watched)
 
     def error_scales(self, crank_speed: float) -> Array:
-        """Sizes against which the relative tolerance is taken, one per controlled state: fixed, so that none vanishes (equation 5.10).
+        """Size of each controlled state, to which the relative tolerance refers: fixed, so that none vanishes (equation 5.10).
 
-        The scene's deflection for amplitudes and that times a characteristic frequency for their rates, a hundredth of the length for the
-        slider and of a radian for the follower's angle, a tenth of a radian for the crank and a tenth of its speed.
+        An amplitude has the scene's deflection, the follower's angle 0.01 rad, the crank 0.1 rad, the slider 1 % of the follower's length.
+        The rate of an amplitude or of the follower's angle has that size times a characteristic frequency, the crank's speed a tenth.
         """
         p, frequency = self.parameters, characteristic_frequency(self.parameters)
         base = [] if self.closes_loop or p.constraint == BASE else [0.01]
-        # the place on a straight follower is known from the crank's angle, the state only follows it
+        # with a rigid follower the crank's angle gives the slider's place, so that this state needs no tight control
         at_rest = [0.1, *[self._size] * p.n, *base, 0.01 * p.L if p.n or base else p.L]
         rates = [0.1 * max(abs(crank_speed), 1.0), *[self._size * frequency] * p.n, *[0.01 * frequency] * len(base)]
         return np.array(at_rest + rates)
@@ -223,12 +226,10 @@ class BeamModel:
         return dop853(self.equations, y, output_step, intervals, scales, self.parameters.reach, first_step)
 
     def observe(self, states: Array) -> dict[str, Array]:
-        """Observables of states (k, size), each of shape (k,), by the names in `reference_model.columns`.
-
-        Those of an open loop come with what its joint does, those of the follower alone with its own.
+        """Observables of states (k, size), each of shape (k,), by the names in `reference_model.columns`; see `recorded_columns`.
 
         Raises:
-            ObservationFailed: a state that cannot be.
+            ObservationFailed: the loop does not close in a state.
         """
         rows = np.zeros(len(states), ROW)
         p, w = self._at
@@ -254,26 +255,26 @@ class BeamModel:
         return scipy.interpolate.CubicHermiteSpline(x, place, slope), scipy.interpolate.CubicHermiteSpline(x, speed, slope_rate)
 
     def natural_frequencies(self, crank_angle: float, count: int) -> Array:
-        """Lowest natural frequencies (Hz) with the crank held, follower straight, at rest, undamped; of an open loop (equation 7.1).
+        """Lowest natural frequencies (Hz) with the crank held, the follower straight, at rest and undamped (open loop: equation 7.1).
 
-        Where the constraint is not workless the equations are not symmetric: of complex roots the modulus.
+        A constraint that does work makes the equations unsymmetric: of complex roots these are the moduli.
         """
         squares = np.sort(np.abs(self._frozen_squares(crank_angle)))
         return np.asarray(np.sqrt(squares[:count]) / (2.0 * np.pi), dtype=np.float64)
 
     def growth_rates(self, crank_angle: float) -> Array:
-        """Rates (1/s) at which the same small vibrations grow of themselves, one per pair of roots: zero for a workless constraint."""
+        """Growth rates (1/s) of the vibrations of `natural_frequencies`, one per pair of roots: zero where the constraint does no work."""
         return np.asarray(np.abs(np.real(np.sqrt(-self._frozen_squares(crank_angle).astype(complex)))), dtype=np.float64)
 
     def mass_matrix(self) -> Array:
-        """Of the state evaluated last, for all free speeds."""
+        """Mass matrix of the state evaluated last, shape (free speeds, free speeds)."""
         lower = self.workspace.M[self.parameters.first :, self.parameters.first :]
         return np.tril(lower) + np.tril(lower, -1).T
 
     def _frozen_squares(self, crank_angle: float) -> NDArray[np.complex128]:
-        """Squares of the angular frequencies."""
+        """Squares of the angular frequencies with the crank held, rad^2/s^2."""
         p, w = self.parameters, self.workspace
-        # mass matrix, row and spread are there even where the force that follows is not
+        # the mass matrix, the gap's row and the force's spread are computed before the force can fail
         self.can_move(self.straight_state(crank_angle, 0.0))
         mass = self.mass_matrix()[1 - p.first :, 1 - p.first :]
         stiffness = np.zeros_like(mass)
@@ -291,6 +292,6 @@ class BeamModel:
 
 
 def _unmoved(angles: Callable[[Array], Array], s: float, x: Array) -> tuple[Array, Array]:
-    """Of shapes that stay, wherever the slider is."""
+    """`Angles` of shapes that do not move with the slider."""
     psi = angles(x)
     return psi, np.zeros_like(psi)

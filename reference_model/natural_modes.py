@@ -2,14 +2,15 @@
 
 The follower turns about P with the base block, is held by the slider at arc length s and carries the tip body at its free end.
 Each of the two spans P to slider and slider to tip is one element: the four cubic Hermite shapes plus polynomials whose second
-derivatives are Legendre polynomials of degree 2 and up (Szabo and Babuska, "Finite Element Analysis", 1991, section 5.2, once
-more integrated). Those vanish with their slope at both ends, leave the stiffness matrix diagonal and converge exponentially; the
-kink of the bending moment at the slider lies between elements.
+derivatives are Legendre polynomials of degree 2 and up (Szabo and Babuska, "Finite Element Analysis", 1991, section 5.2,
+integrated once more). The value and the slope of such a polynomial vanish at both ends. These shapes leave the stiffness matrix
+diagonal and converge exponentially; the kink of the bending moment at the slider lies between elements.
 """
 
 import math
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
+from typing import Final
 
 import numpy as np
 import scipy
@@ -21,8 +22,10 @@ from quickreturn.reference_model.rigid import crank_pace
 
 Array = NDArray[np.float64]
 
-RATIO_ANGLES = 9  # crank angles of half a turn (the other half mirrors it) among which the lowest first frequency is looked for
-SPARE_SHAPES = 8  # shapes per span beyond the number of modes asked: 1e-10 in the frequency of the last of them
+#: Number of crank angles at which the lowest natural frequency is computed: in half a turn, which the other half mirrors.
+RATIO_ANGLES: Final = 9
+#: Shapes per span beyond the number of modes: the relative error in the frequency of the last mode is then 1e-10.
+SPARE_SHAPES: Final = 8
 
 
 @dataclass(frozen=True)
@@ -117,16 +120,19 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
 
 
 def stiffness_ratio(scene: Scene) -> float:
-    """Lowest natural frequency with the crank held anywhere over the crank's (`rigid.crank_pace`); 0 where either is missing."""
+    """Lowest natural frequency with the crank held at any angle, over the crank's speed (`rigid.crank_pace`).
+
+    It is 0 where the scene has no crank, the crank stands still, or the follower is rigid or free to turn.
+    """
     if scene.crank is None or scene.follower.is_rigid or (pace := crank_pace(scene)) == 0.0 or scene.slider.closed_stiffness == 0.0:
         return 0.0
     at_rest = Crank(length=scene.crank.length, drive=PrescribedSpeed(speed=0.0))
     return 2.0 * math.pi * _lowest_frequency(replace(scene, crank=at_rest)) / pace
 
 
-@lru_cache(maxsize=64)  # machines whose cranks differ in nothing but length share it
+@lru_cache(maxsize=64)
 def _lowest_frequency(mechanism: Mechanism) -> float:
-    """The lowest with the crank held anywhere, Hz."""
+    """Lowest natural frequency with the crank held at any angle, Hz."""
     return min(float(frozen_crank_modes(mechanism, angle, 1).frequencies[0]) for angle in np.linspace(0.0, math.pi, RATIO_ANGLES))
 
 
@@ -160,17 +166,21 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
         block = numbers[:, None], numbers
         M[block] += mechanism.follower.mass_per_length * mass
         K[block] += mechanism.follower.bending_stiffness * bending
-    _add_bodies(M, K, mechanism, numbering)
-
+    slope_at_base, deflection_at_slider, slope_at_slider = 1, 2, 3
+    M[slope_at_base, slope_at_base] += mechanism.base.inertia
+    M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
+    if math.isfinite(stiffness):
+        K[deflection_at_slider, deflection_at_slider] += stiffness
+    _add_tip(M, mechanism.tip, numbering)
     held = [0] if math.isfinite(stiffness) else [0, 2]  # deflection at the base, and at a rigid slider
     frequencies, full = _lowest(M, K, held, numbering[-1][2], count)
     return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
 
 
 def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[Array, Array]:
-    """Frequencies (Hz, (count,)) and mass-normalised vectors (size, count) of the `count` lowest modes, some coordinates `held` at zero.
+    """Frequencies (Hz), shape (count,), and mass-normalised vectors, shape (size, count), of the `count` lowest modes.
 
-    The sign is that of a positive deflection at the flexible end, which is coordinate `tip`.
+    The coordinates `held` are zero. The coordinate `tip`, the deflection at the flexible end, is positive in every mode.
     """
     free = np.delete(np.arange(len(M)), held)
     both = free[:, None], free
@@ -185,7 +195,8 @@ def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[
 
 
 def _spans(position: float, length: float) -> tuple[tuple[float, float], ...]:
-    if length - position < 1e-9 * length:  # a span that short is round-off of a slider at the tip
+    """Arc lengths (m) of the ends of each span."""
+    if length - position < 1e-9 * length:  # the slider is at the tip but for round-off
         return ((0.0, length),)
     return ((0.0, position), (position, length))
 
@@ -197,16 +208,6 @@ def _numbering(spans: int, interior: int) -> tuple[NDArray[np.intp], ...]:
     return tuple(
         np.r_[2 * span : 2 * span + 4, nodes + span * interior : nodes + (span + 1) * interior].astype(np.intp) for span in range(spans)
     )
-
-
-def _add_bodies(M: Array, K: Array, mechanism: Mechanism, numbering: tuple[NDArray[np.intp], ...]) -> None:
-    """Add base block, slider and tip body to the mass and stiffness matrices in place."""
-    slope_at_base, deflection_at_slider, slope_at_slider = 1, 2, 3
-    M[slope_at_base, slope_at_base] += mechanism.base.inertia
-    M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
-    if not mechanism.slider.is_rigid:
-        K[deflection_at_slider, deflection_at_slider] += mechanism.slider.closed_stiffness
-    _add_tip(M, mechanism.tip, numbering)
 
 
 def _add_tip(M: Array, tip: Tip | None, numbering: tuple[NDArray[np.intp], ...]) -> None:
@@ -228,7 +229,7 @@ def _element(span: tuple[float, float], interior: int) -> tuple[Array, Array]:
 
 @cache
 def _reference_matrix(interior: int, derivative: int) -> Array:
-    """Integrals over [-1, 1] of the products of shapes, derived so many times, shape (4 + interior, 4 + interior)."""
+    """Integrals over [-1, 1] of the products of the shapes' derivatives of this order, shape (4 + interior, 4 + interior)."""
     points, weights = legendre.leggauss(interior + 4)  # exact for products of shapes of degree interior + 3
     shapes = legendre.legval(points, _legendre_series(interior, derivative).T)
     return np.asarray((shapes * weights) @ shapes.T, dtype=np.float64)
@@ -236,7 +237,7 @@ def _reference_matrix(interior: int, derivative: int) -> Array:
 
 @cache
 def _legendre_series(interior: int, derivative: int) -> Array:
-    """Legendre coefficients of the shapes on [-1, 1], one row per shape, derived `derivative` times."""
+    """Legendre coefficients on [-1, 1] of the shapes' derivatives of this order, one row per shape."""
     series = np.zeros((4 + interior, interior + 4))
     # cubic Hermite shapes (2 -+ 3 xi +- xi^3)/4 and (+-1 - xi -+ xi^2 + xi^3)/4 in Legendre polynomials
     series[0, :4] = 1 / 2, -3 / 5, 0, 1 / 10

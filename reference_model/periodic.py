@@ -1,11 +1,10 @@
-"""The periodic steady state without waiting for it, and its Floquet multipliers.
+"""Finds the periodic steady state without simulating its approach, and the Floquet multipliers.
 
-A steady state is a fixed point of the cycle's map (equation 10.2). Newton's method finds it where marching only creeps towards it.
-What makes it cheap: few quantities are slow. The modes beyond the first ones forget a disturbance within a cycle, so that Newton's
-step is needed for the crank's speed and the first modes alone, while the map itself carries the rest (Newton-Picard method: K.
-Lust, D. Roose, A. Spence, A. R. Champneys, SIAM Journal on Scientific Computing 19, 1998, 1188). And the map's derivatives for
-these come from the model that has these modes alone, whose cycles cost a fraction; its steady state is the guess for the whole
-model.
+A steady state is a fixed point of the cycle's map (equation 10.2). Newton's method finds it where a simulation approaches it slowly. It is
+cheap because few quantities are slow: the crank's speed and the first modes. The other modes forget a disturbance within a cycle, so that
+the map itself corrects them, and Newton's step is needed for the slow quantities alone (Newton-Picard method: K. Lust, D. Roose, A. Spence,
+A. R. Champneys, SIAM Journal on Scientific Computing 19, 1998, 1188). The derivatives of the map by the slow quantities come from a model
+with the slow modes alone, whose cycles cost a fraction; its steady state is the guess for the whole model.
 """
 
 import math
@@ -20,22 +19,22 @@ from quickreturn.reference_model.poincare import CycleBroken, Passage, PoincareM
 
 Array = NDArray[np.float64]
 
-#: Modes whose memory of a disturbance outlasts a cycle; of the others at most a twentieth is left in the thesis' runs.
+#: Number of slow modes. A disturbance of any other mode shrinks to a twentieth or less within a cycle of the thesis' runs.
 SLOW_MODES: Final = 2
-#: Cycles made first, and so many where a search failed: they carry a start that is far from any steady state to where Newton's method
-#: converges.
+#: Cycles simulated before the search, which bring a start far from any steady state near enough for Newton's method; and their number after
+#: a search has failed.
 MARCHED: Final = 2
 PATIENT: Final = 50
-#: Distance to which the model of the slow modes is solved, and tolerance of its integration: the model itself is off by as much.
+#: Accuracy to which the model of the slow modes is solved, and tolerance of its integration: the error of that model is as large.
 GUESS: Final = 1e-3
 GUESS_INTEGRATION: Final = 1e-5
 #: Disturbance from which the map's derivatives are taken, relative to the states' sizes along the cycle ...
 DISTURBANCE: Final = 1e-3
-#: ... and at least this number of local errors of the integration.
+#: ... and at least this many times the local error of the integration.
 LEAST_DISTURBANCE: Final = 1e3
-#: Distance over which derivatives may be carried before they are taken anew for the multipliers and the whole model.
+#: Distance of the fixed point from where the derivatives were taken above which the multipliers and the whole model need new ones.
 CARRIED: Final = 0.03
-#: Largest modulus of a multiplier from which on the whole model's own derivatives must decide on stability.
+#: Largest modulus of a multiplier above which the whole model's own derivatives must decide on stability.
 NEARLY_ONE: Final = 0.95
 SMALLEST_PART: Final = 1.0 / 16.0  # of a Newton step that is tried
 MOST_STEPS: Final = 25
@@ -57,10 +56,10 @@ class PeriodicOrbit:
             the whole model where one of them comes close to the unit circle.
         stable: whether all of them lie within the unit circle.
         iterations: Newton steps, of both models.
-        cycles: cycles made of the model of the slow modes, and of the whole model.
-        cycles_of_work: evaluations of the equations in all of these, over those in a cycle of the whole model.
-        residual: distance from the fixed point before the last Newton step, relative to the states' sizes along the cycle: more
-            than what is left after it.
+        cycles: numbers of cycles simulated with the model of the slow modes, and with the whole model.
+        cycles_of_work: evaluations of the equations in all these cycles, over those in one cycle of the whole model.
+        residual: distance from the fixed point before the last Newton step, relative to the states' sizes along the cycle: an upper
+            bound of the remaining error.
     """
 
     state: Array
@@ -84,7 +83,7 @@ def periodic_orbit(
         tolerance: distance from the fixed point relative to the states' sizes along the cycle. Mild motions are small beside the
             fixed sizes that the integration's tolerance refers to: to reach 1e-6 in all, that must be 1e-9.
         integration: tolerance of the integration.
-        marched: cycles made first, of the slow modes alone.
+        marched: number of cycles of the slow modes' model simulated before the search.
 
     Raises:
         NoPeriodicOrbit: not converged.
@@ -96,6 +95,7 @@ def periodic_orbit(
 
 
 def _search(whole: PoincareMap, guess: Array, tolerance: float, marched: int) -> PeriodicOrbit:
+    """As `periodic_orbit`, from the map of the whole model. Raises CycleBroken, NoPeriodicOrbit."""
     slow = PoincareMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
     coarse = _newton(_marched(slow, _with_modes(guess, slow.parameters.n), marched), None, GUESS)
     jacobian = coarse.jacobian
@@ -120,7 +120,7 @@ def _search(whole: PoincareMap, guess: Array, tolerance: float, marched: int) ->
 
 
 def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> NDArray[np.complex128]:
-    """All 2 n + 1 multipliers (2 n with prescribed speed) of the whole model, largest modulus first; takes as many cycles more.
+    """All 2 n + 1 multipliers (2 n with prescribed speed) of the whole model, largest modulus first; each costs a cycle.
 
     Raises:
         NoPeriodicOrbit: the state is not one of a cycle.
@@ -147,11 +147,11 @@ def instability(multipliers: NDArray[np.complex128]) -> str:
 
 @dataclass(frozen=True)
 class _Cycle:
-    """A cycle from a state at the farthest place; `residual` is what it changes of the free quantities."""
+    """A cycle with the slider at its farthest place at begin and end; `residual` is the change of the free quantities over it."""
 
     map: PoincareMap
-    state: Array
-    passage: Passage
+    state: Array  # at the begin
+    passage: Passage  # its end
 
     @classmethod
     def of(cls, cycle_map: PoincareMap, state: Array, duration: float, step: float = 0.0) -> Self:
@@ -173,18 +173,18 @@ class _Cycle:
 
 @dataclass(frozen=True)
 class _FixedPoint:
-    """A fixed point: where its cycle begins, how long it lasts, the Jacobian last taken, and how far away that and the last step began."""
+    """A fixed point."""
 
-    state: Array
-    period: float
-    jacobian: Array
-    carried: float
-    distance: float
-    steps: int
+    state: Array  # state vector with the slider at its farthest place
+    period: float  # s
+    jacobian: Array  # of the map, as taken last
+    carried: float  # distance of the state where the Jacobian was taken; nan for a Jacobian that was given
+    distance: float  # length of the last step, relative to the states' sizes along the cycle
+    steps: int  # number of steps
 
 
 def _marched(slow: PoincareMap, guess: Array, cycles: int) -> _Cycle:
-    """A cycle that is not far from the steady state."""
+    """The cycle that follows `cycles` cycles from a state anywhere in a turn. Raises CycleBroken."""
     speed = guess[slow.parameters.n + 2]
     if speed == 0.0:
         raise CycleBroken("the crank stands still in the given state")
@@ -197,14 +197,14 @@ def _marched(slow: PoincareMap, guess: Array, cycles: int) -> _Cycle:
 
 
 def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPoint:
-    """Simplified Newton steps (equation 10.4), damped where they do not help.
+    """The fixed point by simplified Newton steps (equation 10.4), shortened where a full step does not help. Raises NoPeriodicOrbit.
 
     P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3.
 
     Args:
         cycle: where to begin.
-        jacobian: derivatives of the map near there; None: taken there.
-        tolerance: distance at which the last step is made.
+        jacobian: derivatives of the map near there; None takes them there.
+        tolerance: the last step is shorter than this.
     """
     taken, part, fresh, distance, carried = 0, 1.0, False, math.inf, math.nan
     for steps in range(1, MOST_STEPS + 1):
@@ -227,7 +227,7 @@ def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPo
         if left < distance:
             cycle, part, fresh = there, min(1.0, 2.0 * part), False
             steps_to_go = math.log(max(left / tolerance, 1.0)) / math.log(distance / left)
-            if steps_to_go > len(step):  # taking the derivatives anew costs as many cycles
+            if steps_to_go > len(step):  # new derivatives cost len(step) cycles
                 jacobian = None
         elif not fresh:
             jacobian = None
@@ -251,12 +251,13 @@ def _jacobian(cycle: _Cycle) -> Array:
 
 
 def eigenvalues(jacobian: Array) -> NDArray[np.complex128]:
-    """Of the map's Jacobian, the Floquet multipliers (equation 10.7); largest modulus first."""
-    found = np.linalg.eigvals(jacobian).astype(np.complex128)
-    return found[np.argsort(-np.abs(found), kind="stable")]
+    """Eigenvalues of the map's Jacobian, the Floquet multipliers (equation 10.7); largest modulus first."""
+    multipliers = np.linalg.eigvals(jacobian).astype(np.complex128)
+    return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
 def _relative(difference: Array, cycle: _Cycle) -> float:
+    """Largest of the free quantities' differences, each relative to its size along the cycle; infinite where one is not a number."""
     size = float(np.max(np.abs(difference) / cycle.passage.sizes))
     return size if math.isfinite(size) else math.inf
 
@@ -272,7 +273,7 @@ def _with_modes(state: Array, modes: int) -> Array:
 
 
 def _among_all_modes(jacobian: Array, slow: PoincareMap, whole: PoincareMap) -> Array:
-    """The slow quantities' derivatives among all: what the other modes were a cycle ago is forgotten (equation 10.6)."""
+    """Jacobian of all free quantities from that of the slow ones: the other modes forget their state within a cycle (equation 10.6)."""
     n = whole.parameters.n
     numbered = _with_modes(np.arange(1.0, 2 * slow.parameters.n + 6), n)
     is_slow = whole.point(numbered) > 0.0

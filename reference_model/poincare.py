@@ -1,9 +1,9 @@
 """A cycle of the explicit model as a map: from one passage of the slider's farthest place to the next (a Poincare map).
 
 At the farthest place, q1 = 180 deg + k 360 deg, the free quantities are eta, q1' (unless prescribed) and eta' (equation 10.1); the
-slider's arc length follows from the loop, and energies do not act back. A cycle is integrated in time for about as long as it
-takes, and the rest of the turn, forward or back, in the crank angle, so that it ends exactly at the farthest place (M. Henon, On
-the numerical computation of Poincare maps, Physica D 5, 1982, 412).
+slider's arc length follows from the loop, and energies do not act back. A cycle is integrated in time over its estimated duration,
+then in the crank angle, forward or back, to exactly the farthest place (M. Henon, On the numerical computation of Poincare maps,
+Physica D 5, 1982, 412).
 """
 
 import math
@@ -20,12 +20,12 @@ from quickreturn.reference_model.model import BeamModel
 
 Array = NDArray[np.float64]
 
-#: Rows of a cycle from which the sizes of the states are taken.
-ROWS = 16
-#: Parts into which one step of the integrator (order 8) is cut for the rest of a turn (order 4): same accuracy for a rest of a few steps.
-PARTS = 16
-#: Longest rest of a turn, in such parts: more would cost as much as another cycle.
-LONGEST_REST = 2000
+#: Number of states along a cycle from which their sizes are taken.
+ROWS: Final = 16
+#: Steps of the method in the crank angle (order 4) for each step of the integrator in time (order 8): as accurate over a few of the latter.
+PARTS: Final = 16
+#: Largest number of steps in the crank angle: more would cost as much as another cycle.
+LONGEST_REST: Final = 2000
 
 _CAUSES: Final = {
     LEFT_FOLLOWER: "the slider left the follower's end",
@@ -36,7 +36,7 @@ _CAUSES: Final = {
 
 
 class CycleBroken(Exception):
-    """A state from which no whole cycle can be made: the loop does not close, the integration ends, or the crank stands still.
+    """No whole cycle begins in a state: the loop does not close, the integration ends early, or the crank stands still.
 
     Attributes:
         left: whether the slider leaves the follower.
@@ -49,14 +49,14 @@ class CycleBroken(Exception):
 
 @dataclass(frozen=True)
 class Passage:
-    """The slider's passage through its farthest place, and the way there.
+    """The slider's passage through its farthest place, and the motion that leads there.
 
     Attributes:
-        state: state vector, shape (2 n + 5,), with the crank angle of the passage.
-        duration: s, of the way.
+        state: state vector at the passage, shape (2 n + 5,).
+        duration: of the motion, s.
         calls: right-hand sides evaluated.
-        step: s, with which the integration may go on.
-        sizes: RMS along the way of all eta together, of q1' and of all eta' together, for each free quantity, shape as the point's.
+        step: size of the step with which the integration may go on, s.
+        sizes: RMS along the motion of all eta together, of q1' or of all eta' together, for each free quantity, shape as the point's.
     """
 
     state: Array
@@ -67,14 +67,14 @@ class Passage:
 
 
 class PoincareMap:
-    """The map of a model's cycle for its free quantities, the "point".
+    """The map of a model's cycle for its free quantities, here called the point.
 
     Args:
-        model: whose loop is closed.
+        model: a model that closes the loop (`BeamModel.closes_loop`).
         tolerance: of the integration.
 
     Attributes:
-        cycles: number of cycles made so far.
+        cycles: number of cycles simulated so far.
         calls: right-hand sides evaluated so far.
     """
 
@@ -92,7 +92,7 @@ class PoincareMap:
         return state[self._free]
 
     def state(self, point: Array, like: Array) -> Array:
-        """The state with these free quantities, crank angle and (where prescribed) crank speed of another; energies zero.
+        """The state with these free quantities, zero energies, and the crank angle and any prescribed crank speed of the state `like`.
 
         Raises:
             CycleBroken: the loop cannot be closed.
@@ -109,20 +109,20 @@ class PoincareMap:
         return self.tolerance * self.model.error_scales(float(state[self.parameters.n + 2]))[self._free]
 
     def time_to_go(self, state: Array) -> float:
-        """About how long it takes from a state to the slider's next passage through its farthest place, s."""
+        """Estimated time (s) from a state to the slider's next passage through its farthest place."""
         crank_angle, crank_speed = float(state[0]), float(state[self.parameters.n + 2])
         return (_next_farthest(crank_angle, crank_speed) - crank_angle) / crank_speed
 
     def passage(self, start: Array, duration: float, step: float = 0.0) -> Passage:
-        """From a state to the slider's next passage through its farthest place.
+        """The slider's next passage through its farthest place.
 
         Args:
-            start: state vector, anywhere.
-            duration: s, about how long it takes.
-            step: s, to begin with; 0 chooses one.
+            start: state vector, at any crank angle.
+            duration: estimated time until the passage, s.
+            step: size of the first step, s; 0 chooses one.
 
         Raises:
-            CycleBroken: it does not get there.
+            CycleBroken: the motion does not get there.
         """
         n = self.parameters.n
         end = _next_farthest(float(start[0]), float(start[n + 2]))
@@ -152,7 +152,7 @@ class PoincareMap:
         return Passage(y, elapsed, calls + 4 * parts, step, self._sizes(np.concatenate(states)))
 
     def _close_loop(self, y: Array) -> bool:
-        """Put the slider where |p(s)| = |PC|, by the secant method from the straight follower; False where it cannot."""
+        """Set the slider's place in `y` so that |p(s)| = |PC|, by the secant method from the straight follower; False if that fails."""
         p, facts = self.parameters, self.model.workspace.facts
         distance = math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0]))
         s, slope, last_s, last_excess, excess = distance, 1.0, 0.0, 0.0, math.inf
@@ -170,6 +170,7 @@ class PoincareMap:
         return abs(excess) < 1e-12 * p.L
 
     def _sizes(self, states: Array) -> Array:
+        """See `Passage.sizes`, from states along the motion, shape (k, 2 n + 5)."""
         n = self.parameters.n
         sizes = np.empty(2 * n + 5)
         for block in (slice(1, n + 1), slice(n + 2, n + 3), slice(n + 3, 2 * n + 3)):
@@ -178,17 +179,17 @@ class PoincareMap:
 
 
 def _next_farthest(crank_angle: float, crank_speed: float) -> float:
-    """The next crank angle 180 deg + k 360 deg in the direction of rotation; a whole turn on where it stands there."""
-    way = math.copysign(1.0, crank_speed)
-    turns = math.floor((way * crank_angle - math.pi) / (2.0 * math.pi) + 1e-9) + 1
-    return way * (math.pi + 2.0 * math.pi * turns)
+    """The next crank angle 180 deg + k 360 deg (rad) in the direction of rotation; from such an angle on, a whole turn later."""
+    sign = math.copysign(1.0, crank_speed)
+    turns = math.floor((sign * crank_angle - math.pi) / (2.0 * math.pi) + 1e-9) + 1
+    return sign * (math.pi + 2.0 * math.pi * turns)
 
 
 def turn_to(model: BeamModel, y: Array, angle: float, parts: int) -> float:
-    """Move the state `y` to a crank angle in classical Runge-Kutta steps of equal angle (equation 10.3).
+    """Move the state `y`, in place, to a crank angle (rad) by `parts` classical Runge-Kutta steps of equal angle (equation 10.3).
 
     Returns:
-        The time (s) that passes, nan where it cannot.
+        The time (s) that passes; nan if a state on the way is impossible.
     """
     equations = model.equations
     return float(_turn_to(equations.function, equations.parameters, equations.workspace, y, angle, parts, np.empty((5, len(y)))))
@@ -209,10 +210,10 @@ def _turn_to(
                 trial[i] = y[i] + (reach * K[stage - 1, i] if stage > 0 else 0.0)
             if call_equations(function, parameters, workspace, trial.ctypes.data, K[stage].ctypes.data, 0) == 0:
                 return math.nan
-            pace = 1.0 / K[stage, 0]
-            elapsed += h * pace * (1.0 if stage in (0, 3) else 2.0) / 6.0
+            time_by_angle = 1.0 / K[stage, 0]
+            elapsed += h * time_by_angle * (1.0 if stage in (0, 3) else 2.0) / 6.0
             for i in range(size):
-                K[stage, i] *= pace
+                K[stage, i] *= time_by_angle
         for i in range(size):
             y[i] += h * (K[0, i] + 2.0 * K[1, i] + 2.0 * K[2, i] + K[3, i]) / 6.0
     y[0] = angle

@@ -1,4 +1,4 @@
-"""What a field of a scene measures, declared once, on the field: unit, sign, and what may be left out."""
+"""Declaration of what a field of a scene measures: unit, meaning, sign, and whether a case file may leave it out."""
 
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, field, fields
@@ -22,7 +22,7 @@ class Quantity:
     infinity: bool  # whether it may be infinite, for a rigid part
     moves: bool  # whether the motion depends on it
     named: bool  # whether a model may lack it: an engine has it only if its `quantities` name it
-    default: Any  # SI value where a case file leaves it out; None: no fixed one
+    default: Any  # SI value where a case file leaves it out; None where there is no fixed one
 
 
 def quantity(
@@ -40,16 +40,16 @@ def quantity(
 ) -> Any:
     """A field of a scene's dataclass; see `Quantity`.
 
-    Unless given, `key` is the field's own name, and what has a default is optional. A quantity that does not change how the scene
-    `moves` is left out where two scenes are compared and where a result's key is made.
+    Unless given, `key` is the field's name, and a quantity with a default is optional. A quantity on which the motion does not depend
+    (`moves` False) is ignored in comparisons of scenes and in the key under which a result is stored.
     """
     optional = default is not MISSING if optional is None else optional
-    known = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, named, None if default is MISSING else default)
-    return field(default=default, compare=moves, metadata={_KEY: known})
+    declared = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, named, None if default is MISSING else default)
+    return field(default=default, compare=moves, metadata={_KEY: declared})
 
 
 def quantities_of(part: Any) -> Iterator[tuple[str, str, Quantity]]:
-    """Of a part (a dataclass or its instance) each field that is a quantity: its name, and its key in a case file."""
-    for declared in fields(part):
-        if (found := declared.metadata.get(_KEY)) is not None:
-            yield declared.name, found.key or declared.name, found
+    """Name, key in a case file, and declaration of each field of a part (a dataclass or its instance) that is a quantity."""
+    for part_field in fields(part):
+        if (declared := part_field.metadata.get(_KEY)) is not None:
+            yield part_field.name, declared.key or part_field.name, declared

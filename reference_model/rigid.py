@@ -62,37 +62,37 @@ def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
 
 
 def crank_pace(mechanism: Mechanism) -> float:
-    """About how fast the crank turns, rad/s: as at the start, or as its damping balances its torque, whichever is faster."""
+    """Estimated crank speed, rad/s, not negative: the larger of the initial speed and torque / damping."""
     drive = mechanism.crank.drive
     balanced = abs(drive.torque) / drive.damping if isinstance(drive, TorqueDrive) and drive.damping > 0.0 else 0.0
     return max(abs(drive.initial_speed), balanced)
 
 
-#: Part of the follower's length that errors of the deflection are measured against where it moves as much as in the thesis' runs ...
+#: Scale of the deflection, as a fraction of the follower's length, in scenes that deflect as much as the thesis' runs or more ...
 USUAL_SCALE: Final = 0.01
-#: ... and times the static deflection where it moves less.
+#: ... and as a multiple of `static_deflection` in scenes that deflect less.
 STATIC_SCALE: Final = 3.0
 
 
 def deflection_scale(scene: Scene) -> float:
-    """The size (m) that errors of the deflection are measured against in a scene: what it does, and never more than a fixed size.
+    """Scale (m) to which tolerances of the deflection refer (equation 5.10).
 
-    Equation 5.10; the fixed size for a follower that is rigid, or alone.
+    It is `STATIC_SCALE` static deflections, at most `USUAL_SCALE` lengths; the latter for a rigid follower or a follower alone.
     """
     usual = USUAL_SCALE * scene.follower.length
     if scene.crank is None or scene.follower.is_rigid:
         return usual
-    moves = STATIC_SCALE * static_deflection(scene, crank_pace(scene))
-    return min(usual, max(moves, 1e-12 * usual)) if moves > 0.0 else usual
+    static = STATIC_SCALE * static_deflection(scene, crank_pace(scene))
+    return min(usual, max(static, 1e-12 * usual)) if static > 0.0 else usual
 
 
 def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48) -> float:
-    """RMS over a turn of the tip deflection (m) that the loads of the rigid motion would cause if they stood still, equation 9.9.
+    """RMS over a turn of the tip deflection (m) that the loads of the rigid motion cause if applied statically, equation 9.9.
 
     Args:
-        mechanism: the scene; 0 for a rigid follower.
+        mechanism: the scene; the deflection of a rigid follower is 0.
         crank_speed: rad/s, constant.
-        angles: crank angles at which it is taken, evenly spaced.
+        angles: number of crank angles at which the deflection is computed, evenly spaced.
     """
     beam, tip = mechanism.follower, mechanism.tip_body
     L, rhoA, EI = beam.length, beam.mass_per_length, beam.bending_stiffness
@@ -114,13 +114,8 @@ def rigid_kinetostatics(
 ) -> tuple[Array, Array]:
     """Slider force on the follower (N, along its normal) and drive torque on the crank (N m) for a given motion, equations 9.7 and 9.8.
 
-    The drive torque is all that the motor must give, the crank's viscous damping included (a prescribed speed has none).
-
-    Args:
-        mechanism: the scene; its bending stiffness is not used.
-        crank_angle: q1, rad.
-        crank_speed: rad/s.
-        crank_acceleration: rad/s^2.
+    The drive torque is all that the motor must give, the crank's viscous damping included (a prescribed speed has none). The bending
+    stiffness is not used. Arguments as of `rigid_motion`.
     """
     motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
     inertia, moment = follower_inertia(mechanism)
@@ -143,17 +138,19 @@ def rigid_bearing_forces(
 ) -> tuple[Array, Array]:
     """Forces (N) of the ground on the follower's base at P and on the crank at O for a given motion, equation 9.10.
 
+    Arguments as of `rigid_motion`.
+
     Returns:
-        Along n1 and n2, each of shape (2, *that of the crank angle).
+        Two arrays of shape (2, *that of the crank angle): components along n1 and n2.
     """
     motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
     force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]
     q1, gravity = np.asarray(crank_angle, dtype=float), complex(*mechanism.gravity)
     along, arm = np.exp(1j * motion.follower_angle), np.exp(1j * q1)
-    weighs = mechanism.follower.mass_per_length * mechanism.follower.length + mechanism.tip_body.mass
+    mass = mechanism.follower.mass + mechanism.tip_body.mass
     tool = tip_force(mechanism.tip_body, q1)
     swing = 1j * motion.follower_acceleration - motion.follower_speed**2
-    at_pivot = (follower_inertia(mechanism)[1] * swing - 1j * force) * along - weighs * gravity - (tool[0] + 1j * tool[1])
+    at_pivot = (follower_inertia(mechanism)[1] * swing - 1j * force) * along - mass * gravity - (tool[0] + 1j * tool[1])
     swing = 1j * np.asarray(crank_acceleration) - np.square(crank_speed)
     at_crank = mechanism.crank_moment * swing * arm + 1j * force * along - mechanism.crank_mass * gravity
     return np.array([at_pivot.real, at_pivot.imag]), np.array([at_crank.real, at_crank.imag])
@@ -162,7 +159,10 @@ def rigid_bearing_forces(
 def rigid_bending_moment(
     mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> Array:
-    """Bending moment (N m) at an arc length (m) for a given motion, by the loads outboard of it, equation 9.11."""
+    """Bending moment (N m) at the arc length `place` (m) for a given motion, from the loads outboard of it, equation 9.11.
+
+    The other arguments are as of `rigid_motion`.
+    """
     motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
     force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]
     beam, tip, q1 = mechanism.follower, mechanism.tip_body, np.asarray(crank_angle, dtype=float)

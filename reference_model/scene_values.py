@@ -1,4 +1,4 @@
-"""A scene as numbers by section and key, as a case file has them, and back: everything follows from what `mechanism` declares."""
+"""Converts between a scene and its values by section and key, as in a case file, from the declarations in `mechanism`."""
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -24,10 +24,10 @@ from quickreturn.reference_model.quantities import Quantity, quantities_of
 Value = float | tuple[float, ...]
 #: Section -> key -> SI value.
 Values = Mapping[str, Mapping[str, Value]]
-#: Section -> keys that are given, whatever their values.
+#: Section -> keys that are given.
 Keys = Mapping[str, Container[str]]
 
-#: Parts that a section is made of; of some only one is there.
+#: Section -> dataclasses whose quantities it holds. A scene has only one of [crank]'s two drives.
 _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
     {
         "mechanism": (Mechanism,),
@@ -40,21 +40,21 @@ _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
 )
 
 
-#: Section -> what it describes, where it is a part of the machine.
+#: Section -> the part of the machine that it describes, in a line; [mechanism] has none.
 DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {name: (parts[0].__doc__ or "").partition("\n")[0] for name, parts in _PARTS.items() if name != "mechanism"}
 )
 #: Section -> key -> what it measures.
 SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
-    {name: MappingProxyType({key: found for part in parts for _, key, found in quantities_of(part)}) for name, parts in _PARTS.items()}
+    {name: MappingProxyType({key: of_key for part in parts for _, key, of_key in quantities_of(part)}) for name, parts in _PARTS.items()}
 )
-#: What not every model has, `section.key` -> what it measures. An engine names those that it has and refuses the rest.
+#: `section.key` -> what it measures, for quantities that a model may lack. An engine names those that it has and refuses the rest.
 NAMED: Final[Mapping[str, Quantity]] = MappingProxyType(
-    {f"{name}.{key}": found for name, keys in SECTIONS.items() for key, found in keys.items() if found.named}
+    {f"{name}.{key}": quantity for name, keys in SECTIONS.items() for key, quantity in keys.items() if quantity.named}
 )
 #: Sections that a scene with a crank may lack.
 OPTIONAL_SECTIONS: Final = ("tip", "slider")
-#: Keys that replace each other: the first of a pair excludes the others, and one of them must be there.
+#: Keys that exclude each other: the first of each pair, and the others. A case file needs one of the two sides.
 ALTERNATIVES: Final = (
     ("crank.prescribed_speed", ("crank.torque", "crank.damping", "crank.initial_speed")),
     ("follower.elastic_modulus", ("follower.bending_stiffness",)),
@@ -67,7 +67,7 @@ DRIVE_CHOICE: Final = "give either prescribed_speed alone, or torque and damping
 
 
 class MissingQuantity(ImpossibleMechanism):
-    """Quantities, or sections `[name]`, that cannot be left out; `keys` has them all, in the order of a case file."""
+    """Quantities, or sections `[name]`, that a case file lacks; `keys` holds all of them, in the order of a case file."""
 
     def __init__(self, keys: Sequence[str]) -> None:
         super().__init__(keys[0], "is missing", CRANK_OR_NOT if "[crank]" in keys else "")
@@ -75,13 +75,13 @@ class MissingQuantity(ImpossibleMechanism):
 
 
 def scene_of(values: Values) -> Scene:
-    """The scene that these numbers describe.
+    """The scene that these values describe.
 
     Args:
-        values: sections that are there, each with the keys that are given.
+        values: the sections that are given, each with its keys.
 
     Raises:
-        ImpossibleMechanism: what cannot be, does not fit together, or (`MissingQuantity`) is missing.
+        ImpossibleMechanism: values are impossible or conflict, or (`MissingQuantity`) some are missing.
     """
     if misfit := next(misfits_of_keys(values), None):
         raise misfit
@@ -109,7 +109,7 @@ def scene_of(values: Values) -> Scene:
 
 
 def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
-    """The numbers of a scene by section and key; sections and keys that it lacks are left out."""
+    """The values of a scene by section and key; sections and keys that it lacks are left out."""
     parts: dict[str, list[Any]] = {
         "mechanism": [scene],
         **{name: [part] for name in ("crank", "base", "follower", "tip", "slider") if (part := getattr(scene, name)) is not None},
@@ -126,18 +126,18 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
 
 
 def replaced_by(paths: Container[str]) -> list[str]:
-    """Keys that are dropped where others, `section.key` each, are given in their place."""
-    found = list[str]()
+    """Keys (`section.key`) that must be dropped from a scene when the keys in `paths` are set, because they exclude each other."""
+    dropped = list[str]()
     for first, others in ALTERNATIVES:
-        found += others if first in paths else [first] if any(path in paths for path in others) else []
-    return found
+        dropped += others if first in paths else [first] if any(path in paths for path in others) else []
+    return dropped
 
 
 def misfits_of_keys(given: Keys) -> Iterator[ImpossibleMechanism]:
-    """Keys that conflict, and (the last one, a `MissingQuantity`) all that are missing; whatever their values are."""
+    """Errors of the given keys, whatever their values: an error for each conflict, then one `MissingQuantity` for all that are missing."""
     if (spun_up := [path for path in SPIN_UP if _has(given, path)]) and "crank" in given:
         yield ImpossibleMechanism(spun_up[0], "conflicts with [crank], which turns the follower", CRANK_OR_NOT)
-        return  # what is missing depends on which of them goes
+        return  # the missing keys depend on which of the two the user keeps
     if spun_up:
         for key, there in (("[slider]", "slider" in given), ("mechanism.pivot_distance", _has(given, "mechanism.pivot_distance"))):
             if there:
@@ -159,14 +159,14 @@ def _is_alone(given: Keys) -> bool:
 
 
 def _missing(given: Keys, alone: bool) -> Iterator[str]:
-    """Keys, and sections as `[name]`, that are not there and cannot be left out."""
+    """Keys, and sections as `[name]`, that are missing."""
     needless = {"mechanism.pivot_distance"} if alone else {*SPIN_UP}
     for first, others in ALTERNATIVES:
         needless |= {first, *others} if _has(given, first) else {first}
     for section, keys in SECTIONS.items():
         if section in given:
-            paths = {f"{section}.{name}": found for name, found in keys.items() if name not in given[section]}
-            yield from (path for path, found in paths.items() if not found.optional and path not in needless)
+            absent = {f"{section}.{name}": quantity for name, quantity in keys.items() if name not in given[section]}
+            yield from (path for path, quantity in absent.items() if not quantity.optional and path not in needless)
         elif section not in OPTIONAL_SECTIONS and not (alone and section in ("mechanism", "crank")):
             yield f"[{section}]"
 
@@ -177,6 +177,7 @@ def _has(given: Keys, path: str) -> bool:
 
 
 def _follower(given: dict[str, Any]) -> Follower:
+    """The follower, with stiffness and mass per length from its material where that is given."""
     section = given["thickness"], given["width"]
     if "elastic_modulus" in given:
         given["bending_stiffness"] = Material.bending_stiffness(given.pop("elastic_modulus"), *section)
@@ -186,6 +187,7 @@ def _follower(given: dict[str, Any]) -> Follower:
 
 
 def _crank(given: dict[str, Any]) -> Crank:
+    """The crank with its drive. Raises ImpossibleMechanism: nothing gives an initial speed."""
     if "prescribed_speed" in given:
         return Crank(drive=PrescribedSpeed(speed=given.pop("prescribed_speed")), **given)
     torque, damping, speed = given.pop("torque"), given.pop("damping"), given.pop("initial_speed", None)

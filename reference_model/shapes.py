@@ -1,8 +1,7 @@
 """Fixed shape functions of the follower, apart from the mechanics that use them.
 
-Every family is handed over in one form: polynomials on cells. The mechanics (`beam.tables`, `thesis`) evaluate cells and never
-ask where the shapes come from. All shapes are clamped at the base, phi(0) = phi'(0) = 0, so that q2 is the tangent there
-(DERIVATION.md, equation 2.10).
+Every family has one form: polynomials on cells. The mechanics (`beam.tables`, `thesis`) do not know the family. All shapes are clamped
+at the base, phi(0) = phi'(0) = 0, so that q2 is the tangent there (DERIVATION.md, equation 2.10).
 """
 
 import math
@@ -75,7 +74,7 @@ def hermite_between(nodes: NDArray[np.float64]) -> ShapeSet:
 
 
 def clamped_free_modes(length: float, count: int) -> ShapeSet:
-    """The first `count` bending modes of the uniform clamped-free beam, scaled to phi(L) = +-2 (dimensionless coordinate in m).
+    """The first `count` bending modes of the uniform clamped-free beam, scaled to phi(L) = +-2, so that their coordinates are in m.
 
     Args:
         length: L, m.
@@ -113,12 +112,12 @@ def no_shapes(length: float) -> ShapeSet:
     return ShapeSet(np.array([0.0, length]), np.zeros((1, 1, 0)), True)
 
 
-def vibrating(shapes: ShapeSet, mass_per_length: float, bending_stiffness: float) -> tuple[ShapeSet, NDArray[np.float64]]:
-    """The same shapes combined so that mass and stiffness matrices of the clamped beam are diagonal (equation 2.10).
+def decoupled(shapes: ShapeSet, mass_per_length: float, bending_stiffness: float) -> tuple[ShapeSet, NDArray[np.float64]]:
+    """Combinations of shapes for which the mass and stiffness matrices of the clamped beam are diagonal (equation 2.10).
 
     Args:
-        shapes: any.
-        mass_per_length: kg/m; where it is 0 that of another beam, 1 kg/m, scales the shapes.
+        shapes: any clamped shapes.
+        mass_per_length: kg/m; in place of 0 the shapes are scaled with 1 kg/m.
         bending_stiffness: N m^2.
 
     Returns:

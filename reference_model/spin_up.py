@@ -4,13 +4,11 @@ import math
 
 
 def base_motion(speed: float, time: float, t: float) -> tuple[float, float, float]:
-    """Angle (rad), rate (rad/s) and acceleration (rad/s^2) of the base at the instant `t` (s), equation 11.1.
-
-    Compiled by those who compute with it.
+    """Angle (rad), rate (rad/s) and acceleration (rad/s^2) of the base, equation 11.1; each model compiles it.
 
     Args:
-        speed: from `time` on, rad/s.
-        time: of the spin-up, s.
+        speed: steady speed from `time` on, rad/s.
+        time: duration of the spin-up, s.
         t: instant, s, not negative.
     """
     if t >= time:

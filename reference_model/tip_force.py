@@ -1,4 +1,4 @@
-"""When the force on the tip acts: over a part of the crank's turn, coming and going smoothly (DERIVATION.md, equation 4.9)."""
+"""The force on the tip, which acts over a part of the crank's turn and begins and ends smoothly (DERIVATION.md, equation 4.9)."""
 
 import math
 from typing import Final
@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.mechanism import ROUNDING, Tip
 
-#: Angle (rad) from which on a part counts as the whole turn, in which the force never comes or goes.
+#: Smallest part of the turn (rad) that counts as the whole turn, over which the force is constant.
 WHOLE: Final = 2.0 * math.pi - ROUNDING
 
 
-def share(crank_angle: float, begin: float, span: float, ramp: float) -> float:
-    """Share of the force that acts at a crank angle, 0 to 1, twice continuously differentiable; compiled by those who compute with it.
+def share_of_force(crank_angle: float, begin: float, span: float, ramp: float) -> float:
+    """Fraction of the force that acts at a crank angle, 0 to 1, twice continuously differentiable; each model compiles it.
 
     Args:
         crank_angle: rad.
-        begin: angle at which the force begins, rad.
-        span: angle over which it acts, rad.
-        ramp: angle over which it comes, and goes, rad.
+        begin: crank angle at which the force begins, rad.
+        span: crank angle over which it acts, rad.
+        ramp: crank angle over which it rises, and over which it falls, rad.
     """
     if span >= WHOLE:
         return 1.0
@@ -31,7 +31,7 @@ def share(crank_angle: float, begin: float, span: float, ramp: float) -> float:
 
 
 def constants(tip: Tip) -> dict[str, float]:
-    """What the equations of motion need to know of the force."""
+    """The constants of the force for the equations of motion, by their symbols: N and rad."""
     return {
         "force_1": tip.force[0],
         "force_2": tip.force[1],
@@ -42,8 +42,8 @@ def constants(tip: Tip) -> dict[str, float]:
 
 
 def tip_force(tip: Tip, crank_angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The force (N) along n1 and n2 at crank angles (rad) of any shape; shape (2, *that)."""
+    """The force (N) along n1 and n2 at crank angles (rad); shape (2, *that of the angles)."""
     angles = np.asarray(crank_angle, dtype=float)
     span = tip.force_to - tip.force_from
-    acting = np.array([share(angle, tip.force_from, span, tip.force_ramp) for angle in angles.ravel()]).reshape(angles.shape)
+    acting = np.array([share_of_force(angle, tip.force_from, span, tip.force_ramp) for angle in angles.ravel()]).reshape(angles.shape)
     return np.multiply.outer(np.array(tip.force), acting)

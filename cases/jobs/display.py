@@ -198,7 +198,7 @@ def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> Non
 @functools.cache
 def _say_what_is_forgotten() -> None:
     """Print once in a process which notices were lost."""
-    if sentence := machine_code.forgotten():
+    if sentence := machine_code.warning_if_not_kept():
         _say(sentence)
 
 

@@ -151,7 +151,7 @@ class _Way:
                 known[id(cycles)] = MeasuredCycle.of(cycles, mean_measures(list(each)))
             return known[id(cycles)]
 
-        others = [runs.made_of(measured) for runs in self._compared]
+        others = [runs.mapped(measured) for runs in self._compared]
         measures, consensus = with_estimates(measured(self._cycles).measures, others)
         self.know(measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others))
 

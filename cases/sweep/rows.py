@@ -189,7 +189,7 @@ class _Point:
             channels = {name: turn[name] for name in CHANNELS if scale is not None}
             return MeasuredCycle.of([needed], measure_cycle(scale, turn["time"], turn["crank_angle"], channels))
 
-        compared = [pair.made_of(measured) for pair in beside]
+        compared = [pair.mapped(measured) for pair in beside]
         run = Run(
             engine=self._engine.name,
             estimate_of="total",

@@ -17,13 +17,13 @@ Array = NDArray[np.float64]
 class FollowerModel(CableModel):
     """The assembled system, straight and at rest.
 
-    Exudyn's clock restarts at every stretch of steps: where it began last is kept here.
+    Exudyn's clock restarts at every stretch of steps, so that the time of the last restart is kept here.
     """
 
     def __init__(self, scene: FollowerAlone, settings: ExudynSettings) -> None:
         super().__init__(scene, settings)
         assembly, cable = self.assembly, self._cable
-        self._begun = self._stretch = 0.0
+        self._restart_time = self._stretch = 0.0
         self._spin_up = scene.spin_up
         state = at_rest(scene.follower.length)
         self._nodes = nodes = add_nodes(assembly, cable, state)
@@ -46,10 +46,11 @@ class FollowerModel(CableModel):
         self._base_index = index(assembly, base[0]) + 2
 
     def _motion(self, t: float) -> tuple[float, float, float]:
-        return base_motion(self._spin_up.speed, self._spin_up.time, self._begun + t)
+        """Prescribed angle, rate and acceleration of the base at Exudyn's time `t` (s), which counts from the last restart."""
+        return base_motion(self._spin_up.speed, self._spin_up.time, self._restart_time + t)
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        self._begun += self._stretch
+        self._restart_time += self._stretch
         self._stretch = duration
         super().prepare_stretch(coordinates, rates, duration)
 

@@ -1,4 +1,4 @@
-"""An Exudyn system under construction: the parts that the flexible and the rigid follower share, and the list of what was built."""
+"""An Exudyn system under construction: parts that the flexible and the rigid follower share, and the list of what was built."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,19 +9,19 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from quickreturn.engines.base import ModelDescription
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.joint import in_words
+from quickreturn.reference_model.joint import joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
-from quickreturn.reference_model.tip_force import share
+from quickreturn.reference_model.tip_force import share_of_force
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True
 
-#: kg. A pinned body needs some mass to keep the mass matrix regular; the pin carries it, so that it has no influence.
+#: Mass (kg) of a pinned body, which keeps the mass matrix regular; it lies in the pin and has no influence.
 PINNED_MASS = 1.0
 
-#: kg, of a compliant joint's carriage. Without mass the accelerations of the start are undetermined along the tangent, and Exudyn then
-#: begins with none at all and says nothing: in a bent start that leaves 1.5 % in the tip deflection. Its influence is in proportion:
-#: 1e-3 kg move the tip deflection of run 24 by 9e-5 at 2e4 N/m.
+#: Mass (kg) of a compliant joint's carriage. Without it the initial accelerations are undetermined along the tangent, and Exudyn silently
+#: begins with zeros: with a bent start the error of the tip deflection is then 1.5 %. The influence of the mass is in proportion to it:
+#: 1e-3 kg change the tip deflection of run 24 by 9e-5 at 2e4 N/m.
 CARRIAGE_MASS = 1e-9
 CARRIAGE = f"slider: carriage of {CARRIAGE_MASS:g} kg"
 
@@ -33,7 +33,7 @@ class Assembly:
         mbs: Exudyn's system.
         ground: object number of the ground, at O.
         ground_coordinate: marker of a coordinate that stays zero.
-        pins: object numbers of the bearings, by the name of what turns there.
+        pins: object numbers of the bearings, by the name of the body that turns there.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -49,7 +49,7 @@ class Assembly:
 
     @property
     def mechanism(self) -> Mechanism:
-        """The scene of a model with crank and slider."""
+        """The scene, which must have a crank and a slider."""
         assert self.scene.crank is not None
         return self.scene
 
@@ -60,8 +60,8 @@ class Assembly:
 
     @property
     def joint_text(self) -> str:
-        """What the list of joints says of the slider's springs and dampers; nothing of a rigid joint."""
-        return f", beside the crank tip: {in_words(self.scene.slider)}" if self.joint_is_compliant else ""
+        """The end of the slider's line in the list of joints: its springs and dampers; "" for a rigid joint."""
+        return f", beside the crank tip: {joint_in_words(self.scene.slider)}" if self.joint_is_compliant else ""
 
     def listed_body(self, description: str) -> None:
         """Enter a body (or a group of elements) in the list of what was built."""
@@ -109,19 +109,19 @@ class Assembly:
         self.pins[name] = self.add_joint(f"pin of the {name}", joint, 2)
 
     def rotary_damper(self, node: Any, damping: float) -> None:
-        """Viscous torque on the rotation of a rigid body's node; nothing is built where there is no damping."""
+        """Add a viscous torque on the rotation of a rigid body's node, unless `damping` (N m s/rad) is zero."""
         if damping > 0.0:
             markers = [self.ground_coordinate, self.coordinate_marker(node, 2)]
             self.mbs.AddObject(items.ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, damping=damping))
 
     def weight(self, body: Any, x: float, mass: float) -> None:
-        """Gravity on a `mass` at distance `x` along a body's axis; nothing is built without gravity or mass."""
+        """Add the weight of a `mass` (kg) at the distance `x` (m) along a body's axis, unless there is no gravity or no mass."""
         if self.scene.has_gravity and mass > 0.0:
             force = [mass * g for g in self.scene.gravity]
             self.mbs.AddLoad(items.LoadForceVector(markerNumber=self.point_marker(body, x), loadVector=[*force, 0.0]))
 
     def push_tip(self, marker: Any, crank_node: Any) -> None:
-        """Add the force on the tip, at a marker there; nothing is built where there is none."""
+        """Add the force on the tip, at a marker there, unless it is zero."""
         tip = self.scene.tip
         if tip is None or not tip.is_forced:
             return
@@ -132,7 +132,7 @@ class Assembly:
 
         def acting(mbs: Any, _time: float, _load: Any) -> Any:
             angle = mbs.GetNodeOutput(crank_node, exu.OutputVariableType.Rotation)[2]
-            return share(angle, tip.force_from, span, tip.force_ramp) * force
+            return share_of_force(angle, tip.force_from, span, tip.force_ramp) * force
 
         self.mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=list(force), loadVectorUserFunction=acting))
 

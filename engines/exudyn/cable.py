@@ -1,6 +1,6 @@
-"""Mechanics of a chain of planar ANCF cable elements in numpy: what is needed to read observables off recorded coordinates.
+"""Mechanics of a chain of planar ANCF cable elements in numpy, for observables from recorded coordinates.
 
-Nodal coordinates are (x, y, x', y'), place and its derivative with respect to arc length; between nodes the centre line is the cubic
+Nodal coordinates are (x, y, x', y'), the place and its derivative by arc length. Between nodes the centre line is the cubic
 Hermite polynomial (Gerstmayr and Irschik, Journal of Sound and Vibration 318, 2008). All elements have the same length h.
 Arrays of nodal coordinates have shape (rows, nodes, 4), one row per instant.
 """
@@ -19,10 +19,10 @@ _AXIAL_POINTS, _AXIAL_WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 @dataclass(frozen=True)
 class Kink:
-    """Where a point force makes the third derivative of the centre line jump."""
+    """A point force, at which the third derivative of the centre line jumps."""
 
-    place: Array  # arc length of it, m, shape (rows,)
-    jump: Array  # r''' beyond it less r''' before it, 1/m², the force over EI, shape (rows, 2)
+    place: Array  # its arc length, m, shape (rows,)
+    jump: Array  # r''' outboard of it less r''' inboard, 1/m²: the force over EI, shape (rows, 2)
 
 
 @dataclass(frozen=True)
@@ -78,18 +78,18 @@ class Cable:
     def curvatures(self, q: Array, places: Array, kink: Kink | None = None) -> Array:
         """Curvature at arc lengths, 1/m.
 
-        An element's own second derivative jumps at nodes and is only of second order there. r'' at a node is therefore taken from
-        places and slopes of the two neighbours, 2 (r₊ - 2 r + r₋)/h² - (r'₊ - r'₋)/2h, which is of fourth order, and r'' between
-        nodes from the quintic polynomial through places, slopes and these.
+        An element's own second derivative jumps at nodes and is only of second order there. r'' at a node therefore comes from places
+        and slopes of the two neighbours, 2 (r₊ - 2 r + r₋)/h² - (r'₊ - r'₋)/2h, which is of fourth order; r'' between nodes comes from
+        the quintic polynomial through places, slopes and r'' at the nodes.
 
-        That would round a kink off, by up to j h/8 where r''' jumps by j in the gauge's element. Places and slopes at the nodes are
-        those of the kinked line, for under a point force cubic elements have them exactly. So r'' is interpolated on what is left of
-        the line without j (s - x)³/6 inboard of the kink, and the ramp j (s - x) added to it.
+        A kink would be rounded off, with an error of up to j h/8 where r''' jumps by j. The places and slopes at the nodes are those of
+        the kinked line, because cubic elements have them exactly under a point force. So j (s - x)³/6 is subtracted from the line inboard
+        of the kink, r'' of the rest is interpolated, and the ramp j (s - x) is added.
 
         Args:
             q: nodal coordinates, shape (rows, nodes, 4).
             places: arc lengths, m, shape (places, rows).
-            kink: of the line.
+            kink: of the line, or None.
 
         Returns:
             Shape (places, rows).
@@ -98,10 +98,10 @@ class Cable:
         if kink is not None:
             lever = np.maximum(0.0, kink.place[:, None] - self.nodes)[:, :, None]
             smooth = q - np.concatenate([lever**3 / 6.0 * kink.jump[:, None], -(lever**2) / 2.0 * kink.jump[:, None]], axis=2)
-        known = np.concatenate([q, smooth, self._second_derivatives(smooth)], axis=2)
+        nodal = np.concatenate([q, smooth, self._second_derivatives(smooth)], axis=2)
         left = np.clip((places / h * (1.0 + 1e-12)).astype(int), 0, self.elements - 1)
         xi, rows = places / h - left, np.arange(len(q))
-        ends = np.stack([known[rows, left], known[rows, left + 1]], axis=2)  # places, rows, 2, 10
+        ends = np.stack([nodal[rows, left], nodal[rows, left + 1]], axis=2)  # places, rows, 2, 10
         of_line, of_smooth = ends[..., :4].reshape(*xi.shape, 4, 2), ends[..., 4:].reshape(*xi.shape, 6, 2)
         slope = np.einsum("prs,prsc->prc", _hermite(xi, h, 1), of_line)
         bent = np.einsum("prs,prsc->prc", _quintic_second_derivative(xi, h), of_smooth)
@@ -149,7 +149,7 @@ class Cable:
         return 0.5 * (np.einsum("rep,p->r", curvature**2, bending) + np.einsum("rep,p->r", strain**2, stretching))
 
     def bending_loss(self, q: Array, rates: Array) -> Array:
-        """Power that the material's damping takes, W, shape (rows,), with the quadrature rule of the element's forces."""
+        """Power that the material's damping dissipates, W, shape (rows,), with the quadrature rule of the element's forces."""
         h, points = self.element_length, (1.0 + _BENDING_POINTS) / 2.0
         slope, bent = (np.einsum("ps,resc->repc", _hermite(points, h, nu), self._ends(q)) for nu in (1, 2))
         slope_rate, bent_rate = (np.einsum("ps,resc->repc", _hermite(points, h, nu), self._ends(rates)) for nu in (1, 2))
@@ -201,6 +201,7 @@ def _quintic_second_derivative(xi: Array, h: float) -> Array:
 
 
 def _cross(a: Array, b: Array) -> Array:
+    """Vector products along the last axis."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
@@ -213,7 +214,7 @@ def direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tup
 
 
 def turned(a: Array) -> Array:
-    """Quarter turn, counter-clockwise."""
+    """Vectors (..., 2) turned by a quarter turn, counter-clockwise."""
     return np.stack([-a[..., 1], a[..., 0]], axis=-1)
 
 

@@ -21,7 +21,7 @@ from quickreturn.reference_model.natural_modes import clamped_modes
 if TYPE_CHECKING:
     from quickreturn.engines.exudyn.record import Model
 
-#: Hz, the slowest of run 24's motions, on which the ladder was measured.
+#: Lowest frequency (Hz) in run 24, on which the ladder was measured.
 MEASURED_FREQUENCY: Final = 10.9
 
 
@@ -41,25 +41,22 @@ class ExudynEngine(Engine[ExudynSettings]):
         return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
 
     def describe(self, scene: Scene, settings: ExudynSettings) -> ModelDescription:
-        """Bodies, joints and degrees of freedom, read off the assembled system."""
+        """Bodies, joints and degrees of freedom of the assembled system."""
         self.check(scene)
         return self._model(scene, standard_start(scene), settings).assembly.describe()
 
     def settings_for(self, accuracy: float, scene: Scene) -> ExudynSettings:
-        """The measured ladder of run 24, for a follower alone its steps in proportion to the slowest period.
-
-        The run's own estimate decides about other scenes.
-        """
-        found = ladder.LADDER.pick(accuracy)
+        """The rung of the ladder measured in run 24; for a follower alone with its step in proportion to the longest period."""
+        rung = ladder.LADDER.pick(accuracy)
         if scene.crank is not None:
-            return found
+            return rung
         slowest = float(clamped_modes(scene, 1).frequencies[0])
-        return found.replaced(step=min(found.step * MEASURED_FREQUENCY / slowest, ladder.LARGEST_STEP))
+        return rung.replaced(step=min(rung.step * MEASURED_FREQUENCY / slowest, ladder.LARGEST_STEP))
 
     def comparisons(self, settings: ExudynSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
-        """Time, space, stretch and the slider's passing apart: their errors have different signs; a rigid follower has no elements.
+        """Pairs for time, space, stretch and the slider's passing of nodes, whose errors have different signs.
 
-        A follower alone is compared in time and space.
+        A follower alone has those for time and space; a rigid follower, which has no elements, that for time.
         """
         order = ladder.SAFE_WITH_BLOWS if scene.slider.has_corners else ladder.SAFE_IN_TIME
         in_time = ladder.in_time(settings, output_step, order)
@@ -78,8 +75,8 @@ class ExudynEngine(Engine[ExudynSettings]):
         self.check(scene)
         from quickreturn.engines.exudyn.simulation import ExudynSimulation
 
-        begun = time.perf_counter()
-        return ExudynSimulation(self._model(scene, start, settings), settings, begun)
+        began = time.perf_counter()
+        return ExudynSimulation(self._model(scene, start, settings), settings, began)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""

@@ -1,4 +1,4 @@
-"""The law of the slider's joint as Exudyn's connectors ask for it, and what it stores and takes."""
+"""The law of the slider's joint for Exudyn's connectors, with its stored energy and its losses."""
 
 from dataclasses import astuple
 
@@ -12,12 +12,12 @@ Array = NDArray[np.float64]
 
 
 class JointLaw:
-    """Force, energy and loss of a joint that gives way.
+    """Force, energy and loss of a compliant joint.
 
     Attributes:
-        along: stiffness (N/m) of the spring that holds the carriage at the foot of the crank tip, along the follower's tangent. It has no
-            force there, for the carriage has hardly any mass; in free flight between the rollers nothing else would hold the carriage. A
-            hundredth of it changes run 24 with clearance by 2e-10 of the tip deflection, a millionth by 1.8e-6.
+        along: stiffness (N/m) of the spring that holds the carriage at the foot of the crank tip, along the follower's tangent: between
+            the rollers nothing else would hold it. The carriage has hardly any mass, so that the spring has no force. With a hundredth of
+            the stiffness the tip deflection of run 24 with clearance changes by 2e-10, with a millionth by 1.8e-6.
     """
 
     def __init__(self, slider: Slider) -> None:
@@ -26,11 +26,11 @@ class JointLaw:
         self.along = max(slider.sides)
 
     def force(self, gap: float, rate: float) -> float:
-        """Force on the follower along n, N, of a gap (m) and its rate (m/s)."""
+        """Force on the follower along n, N, for a gap (m) and its rate (m/s)."""
         return joint_force(gap, rate, *self._law)
 
     def loss(self, gap: float, rate: float) -> float:
-        """Power that the joint takes, W."""
+        """Power that the joint dissipates, W."""
         return rate * (self.force(gap, rate) - joint_force(gap, 0.0, *self._lossless))
 
     def energy(self, gaps: Array) -> Array:

@@ -1,8 +1,9 @@
 """Frozen-crank natural frequencies.
 
-The ALE joint carries its massless axial coordinate into the eigenvalue problem and is several per cent off; the sliding joint on
-ordinary cable elements, with its point held on the ground, gives the frequencies of the beam supported at the slider. A compliant
-joint is a spring along the normal from the ground to the follower's point at the slider: the follower does not slide in its modes.
+With the ALE joint the frequencies would be several per cent off, because its massless axial coordinate enters the eigenvalue problem.
+The sliding joint on ordinary cable elements, with its point held on the ground, gives the frequencies of the beam supported at the
+slider. A compliant joint is a spring along the normal from the ground to the follower's point at the slider: in its modes the follower
+does not slide.
 """
 
 import math
@@ -20,7 +21,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState, reconstruct
 from quickreturn.reference_model.mechanism import Mechanism
 
-_LOWEST = 1e-3  # Hz; below lies only the round-off of a mechanism's own mobility
+_LOWEST = 1e-3  # Hz; below it lies the round-off of a motion without stiffness
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, elements: int) -> NDArray[np.float64]:
@@ -66,7 +67,7 @@ def _add_support(assembly: Assembly, cable: Cable, state: StartState, crank_angl
 
 
 def _add_spring(assembly: Assembly, state: StartState, point: Any) -> None:
-    """The joint's spring from the ground to a point of the follower, along the follower's normal."""
+    """Add the joint's spring from the ground to a marker on the follower, along the follower's normal."""
     place = state.position(np.array([state.slider_position]))[0]
     ground = assembly.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=assembly.ground, localPosition=[*place, 0.0]))
     c, s = math.cos(state.follower_angle), math.sin(state.follower_angle)

@@ -1,4 +1,4 @@
-"""What is recorded of a run, and the bookkeeping of energy that both followers share."""
+"""The recorded states of a run, and the columns that the models with a rigid and a flexible follower share."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -22,23 +22,23 @@ class Record:
     """The system's state on the output grid, one row per instant."""
 
     time: Array  # s since the start, shape (rows,)
-    coordinates: Array  # total second-order coordinates, shape (rows, coordinates); `rates` and `accelerations` alike
+    coordinates: Array  # all second-order coordinates, shape (rows, coordinates), as `rates` and `accelerations`
     rates: Array
     accelerations: Array
     multipliers: Array  # Lagrange multipliers, shape (rows, equations)
-    impulse: Array  # integral over time of the one that prescribes the crank's speed, N m s, summed from step to step, shape (rows,)
-    lost: Array  # energy that the slider's joint took, J, summed alike: a blow may be over from one row to the next; shape (rows,)
+    impulse: Array  # integral over time of the multiplier that prescribes the crank's speed, N m s, summed over the steps, shape (rows,)
+    lost: Array  # energy that the slider's joint dissipated, J, summed over the steps, as a blow may be shorter than a row; shape (rows,)
 
 
 class Model(Protocol):
-    """An assembled system that knows how to read the observables off its coordinates."""
+    """An assembled system that computes the observables from its coordinates."""
 
-    assembly: Assembly  # what was built
-    # index of the multiplier that prescribes the crank's speed; None where the crank is free, or there is none
+    assembly: Assembly
+    # index of the multiplier that prescribes the crank's speed; None for a free crank or a follower alone
     drive_equation: int | None = None
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """Set what stands still over the next stretch of the simulation, `duration` (s) long, at most `damping.longest_stretch`."""
+        """Set what stays constant over the next stretch of the simulation, `duration` (s) long, at most `damping.longest_stretch`."""
         return
 
     def slider_position(self, coordinates: Array) -> float | None:
@@ -46,25 +46,25 @@ class Model(Protocol):
         return None
 
     def joint_loss(self) -> float:
-        """Power that the slider's joint takes at present, W."""
+        """Power that the slider's joint dissipates at present, W."""
         return 0.0
 
     def columns(self, record: Record) -> dict[str, Array]:
-        """All columns of a trajectory; `dissipated_energy` and `drive_work` counted from the record's first row."""
+        """All columns of a trajectory; `dissipated_energy` and `drive_work` count from the record's first row."""
 
 
 def index(assembly: Assembly, node: Any) -> int:
-    """Place of a node's first coordinate among the system's second-order coordinates."""
+    """Index of a node's first coordinate among the system's second-order coordinates."""
     return int(assembly.mbs.GetNodeODE2Index(node))
 
 
 def equation_of(assembly: Assembly, constraint: Any | None) -> int | None:
-    """Place of a constraint's only multiplier among all; None for none."""
+    """Index of a constraint's only multiplier among all multipliers; None for None."""
     return None if constraint is None else int(assembly.mbs.systemData.GetObjectLTGAE(constraint)[0])
 
 
 def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
-    """∫ power dt from the first row on, by the trapezoidal rule with its end correction (fourth order, additive over pieces)."""
+    """Energy ∫ power dt (J) since the first row, by the trapezoidal rule with end correction (fourth order, additive over pieces)."""
     h = np.diff(time)
     parts = h / 2.0 * (power[1:] + power[:-1]) + h**2 / 12.0 * (power_rate[:-1] - power_rate[1:])
     return np.concatenate([[0.0], np.cumsum(parts)])
@@ -73,7 +73,7 @@ def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
 def drive_columns(
     assembly: Assembly, record: Record, crank: int, equation: int | None, tip_motion: tuple[Array, Array]
 ) -> dict[str, Array]:
-    """Torque of the crank's drive, and the work of it and of the force on the tip.
+    """Columns of the crank's drive: its torque, and its work with that of the force on the tip.
 
     Args:
         assembly: the system.
@@ -84,21 +84,21 @@ def drive_columns(
     """
     angle, drive = record.coordinates[:, crank], assembly.mechanism.crank.drive
     if isinstance(drive, TorqueDrive):
-        taken, work = np.full_like(angle, drive.torque), drive.torque * (angle - angle[0])
+        torque, work = np.full_like(angle, drive.torque), drive.torque * (angle - angle[0])
     else:
-        taken, work = -record.multipliers[:, equation], -drive.speed * (record.impulse - record.impulse[0])
-    return {"crank_torque": taken, "drive_work": work + _work_on_tip(assembly, record, crank, *tip_motion)}
+        torque, work = -record.multipliers[:, equation], -drive.speed * (record.impulse - record.impulse[0])
+    return {"crank_torque": torque, "drive_work": work + _work_on_tip(assembly, record, crank, *tip_motion)}
 
 
 def pin_force(assembly: Assembly, record: Record, name: str) -> Array:
-    """Force (N) of the ground on what turns in a bearing, the joint's multipliers reversed; shape (rows, 2)."""
+    """Force (N) of the ground on the body in a bearing: the joint's multipliers, sign reversed; shape (rows, 2)."""
     return np.asarray(-record.multipliers[:, assembly.mbs.systemData.GetObjectLTGAE(assembly.pins[name])])
 
 
 def swing(moment: float, angle: Array, rate: Array, acceleration: Array) -> Array:
-    """Rate of the momentum (N, (rows, 2)) of a body with a first moment of mass (kg m) about the bearing in which it turns.
+    """Rate of the momentum (N), shape (rows, 2), of a body with a first moment of mass (kg m) about the bearing in which it turns.
 
-    Exudyn's body has its mass in the bearing, so that the force of its pin lacks this.
+    Exudyn's body has its mass in the bearing, so that the force of the pin lacks this part.
     """
     along = np.column_stack([np.cos(angle), np.sin(angle)])
     return moment * (acceleration[:, None] * turned(along) - (rate**2)[:, None] * along)
@@ -110,22 +110,23 @@ def bearing_columns(name: str, force: Array) -> dict[str, Array]:
 
 
 def crank_bearing_columns(assembly: Assembly, record: Record, crank: int) -> dict[str, Array]:
-    """Force in the bearing O; `crank` is the index of the crank's angle."""
+    """The columns of the force in the bearing O; `crank` is the index of the crank's angle."""
     motion = (values[:, crank] for values in (record.coordinates, record.rates, record.accelerations))
     return bearing_columns("crank", pin_force(assembly, record, "crank") + swing(assembly.mechanism.crank_moment, *motion))
 
 
 def shape_columns(cable: Cable, q: Array, across: Array) -> dict[str, Array]:
-    """Deflection at the interior places (m); `q` are nodal coordinates, (rows, nodes, 4), `across` is b2, (rows, 2)."""
+    """The columns `SHAPE` (m), from nodal coordinates `q`, shape (rows, nodes, 4), and b2, `across`, shape (rows, 2)."""
     places = [np.full(len(q), cable.length * k / (PLACES + 1)) for k in range(1, PLACES + 1)]
     return {name: dot(across, cable.evaluate(q, x) - q[:, 0, :2]) for name, x in zip(SHAPE, places, strict=True)}
 
 
 def _work_on_tip(assembly: Assembly, record: Record, crank: int, velocity: Array, acceleration: Array) -> Array:
+    """Work of the force on the tip since the first row, J; arguments as of `drive_columns`."""
     tip = assembly.mechanism.tip_body
     if not tip.is_forced:
         return np.zeros(len(velocity))
-    angle, small = record.coordinates[:, crank], 1e-5  # rad: the force's change with the angle, to ten digits
+    angle, small = record.coordinates[:, crank], 1e-5  # rad: the force's derivative by the angle is good to ten digits
     force = tip_force(tip, angle)
-    change = (tip_force(tip, angle + small) - tip_force(tip, angle - small)) / (2.0 * small) * record.rates[:, crank]
-    return accumulated(record.time, np.sum(force.T * velocity, axis=1), np.sum(force.T * acceleration + change.T * velocity, axis=1))
+    force_rate = (tip_force(tip, angle + small) - tip_force(tip, angle - small)) / (2.0 * small) * record.rates[:, crank]
+    return accumulated(record.time, np.sum(force.T * velocity, axis=1), np.sum(force.T * acceleration + force_rate.T * velocity, axis=1))

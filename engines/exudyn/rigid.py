@@ -67,14 +67,14 @@ class RigidModel(Model):
         self._follower_index = index(assembly, node) + 2
 
     def _add_slider(self, start: Start, state: StartState, crank: Any, follower: Any) -> Any:
-        """The point of the crank tip, or a compliant joint's carriage, on the axis of the follower; returns the joint's number.
+        """Add the joint that keeps the crank tip, or a compliant joint's carriage, on the follower's axis; returns its object number.
 
-        The carriage turns with the follower, so that the joint's force lies along the follower's normal. It is free along the axis and
-        stands where the spring there has no pull on it: at the foot of the crank tip.
+        The carriage turns with the follower, so that the joint's force lies along the follower's normal. It is free along the axis, where
+        a spring without force holds it at the foot of the crank tip.
         """
         assembly, slider = self.assembly, self._mechanism.slider
         crank_tip, axis = assembly.frame_marker(crank, self._mechanism.crank.length), assembly.frame_marker(follower)
-        rider, equations = crank_tip, 1  # the joint's second equation, of the rotation, is idle
+        rider, equations = crank_tip, 1  # the joint's second equation, for the rotation, is switched off
         if assembly.joint_is_compliant:
             place = state.position(np.array([state.slider_position]))[0]
             velocity = start.crank_speed * np.array([-place[1], place[0]])

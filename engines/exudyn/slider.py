@@ -1,13 +1,12 @@
 """The slider on the flexible follower: an ALE joint, and between it and the crank tip the spring and damper of a compliant joint.
 
-The cable does not flow (`movingMassFactor=0`), the axial coordinate of the arbitrary Lagrangian-Eulerian elements only says where on
-the cable the slider stands, and its equation is that the joint passes no force along the tangent.
+The cable does not flow (`movingMassFactor=0`): the axial coordinate of the arbitrary Lagrangian-Eulerian elements is the slider's place on
+the cable, and its equation says that the joint passes no force along the tangent.
 
-A joint that gives way has a carriage, a point that the ALE joint keeps on the centre line; the joint's force acts between it and the
-crank tip. Nothing holds the carriage along the tangent but a spring, so it stands where that has no pull on it: at the foot of the crank
-tip. The gap lies along the normal, and a linear spring may be the same in all directions. Rollers and dampers may not: as the normal
-turns, the crank tip moves along the tangent relative to the carriage, and a damper in all directions would drag the carriage along
-(RIVALS.md, section 2).
+A compliant joint has a carriage, a point that the ALE joint keeps on the centre line; the joint's force acts between it and the crank tip.
+Only a spring holds the carriage along the tangent, so that it stands where that spring has no force: at the foot of the crank tip. The gap
+lies along the normal. A linear spring may act equally in all directions, but not rollers and dampers: as the normal turns, the crank tip
+moves along the tangent relative to the carriage, and a damper in all directions would drag the carriage along (RIVALS.md, section 2).
 """
 
 import math
@@ -34,17 +33,17 @@ def add_slider(
     """Add the joint between the crank tip and the cable.
 
     Args:
-        assembly: under construction.
+        assembly: the system under construction.
         cable: the follower.
-        state: of the start; the gap is closed there.
-        start: crank angle and speed of it.
+        state: state of the follower at the start, without a gap.
+        start: gives the crank's speed.
         crank: object number of the crank.
         elements: object numbers of the cable's elements.
         axial: number of the node that holds the slider's travel along the cable.
 
     Returns:
-        Object number, whose multipliers are the force on the crank tip or carriage, x and y; and the force law that Exudyn calls back,
-        None where the connector's own does.
+        Object number of the joint, whose multipliers are the force on crank tip or carriage along x and y; and the force law that Exudyn
+        calls back, None for a rigid joint or where the connector's own force suffices.
     """
     mbs, h = assembly.mbs, cable.element_length
     rider = assembly.point_marker(crank, assembly.mechanism.crank.length)
@@ -61,14 +60,14 @@ def add_slider(
         slidingOffset=state.slider_position,
         nodeNumbers=[history, axial],
     )
-    # Two equations for travel and normal; of the carriage's two coordinates one is taken by the joint, the other by the balance along
-    # the tangent, which makes it no motion of its own.
+    # Two equations, for travel and normal. The joint takes one of the carriage's two coordinates, the balance of forces along the tangent
+    # the other.
     equations = 3 if assembly.joint_is_compliant else 2
     return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring
 
 
 def _add_carriage(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank_tip: Any) -> tuple[Any, "CarriageSpring | None"]:
-    """Add the carriage with its spring and damper, on the crank tip and moving with it; returns its marker and the force law."""
+    """Add the carriage with its spring and damper, at the crank tip and with its velocity; returns its marker and the force law."""
     mbs, slider = assembly.mbs, assembly.scene.slider
     place = state.position(np.array([state.slider_position]))[0]
     velocity = start.crank_speed * np.array([-place[1], place[0]])  # of the crank tip, which is at the same place
@@ -78,7 +77,7 @@ def _add_carriage(assembly: Assembly, cable: Cable, state: StartState, start: St
     carriage = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
     law = JointLaw(slider)
     connector = items.ObjectConnectorCartesianSpringDamper(markerNumbers=[carriage, crank_tip], stiffness=[law.along, law.along, 0.0])
-    if slider.is_linear and slider.joint_damping == 0.0:  # the connector's own force is that already
+    if slider.is_linear and slider.joint_damping == 0.0:  # the connector's own force suffices
         mbs.AddObject(connector)
         return carriage, None
     spring = CarriageSpring(cable, state.slider_position, law)
@@ -88,13 +87,13 @@ def _add_carriage(assembly: Assembly, cable: Cable, state: StartState, start: St
 
 
 class CarriageSpring:
-    """Force of the joint's law along n, the cable's normal at the slider, and of a spring along its tangent.
+    """Force of the joint's law along the cable's normal n at the slider, and of a spring along its tangent.
 
-    Exudyn calls it some seven times a step, derivatives included, which makes a run a quarter to a third longer; in plain numbers,
-    because arrays of two cost more.
+    Exudyn calls it some seven times a step, derivatives included, so that a run takes a quarter to a third longer. It computes with plain
+    numbers, because arrays of two cost more.
     """
 
-    connector: Any  # object number of what calls it
+    connector: Any  # object number of the connector that calls it
 
     def __init__(self, cable: Cable, slider_start: float, law: JointLaw) -> None:
         self._h, self._last = cable.element_length, cable.elements - 1
@@ -109,25 +108,25 @@ class CarriageSpring:
         self._reference = assembly.mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
 
     def __call__(self, mbs: Any, time: float, item: int, displacement: Any, velocity: Any, *parameters: Any) -> list[float]:
-        """Force on the crank tip, reversed, N; `displacement` and `velocity` of the crank tip from the carriage, m and m/s."""
+        """Force on the crank tip, sign reversed, N, for its displacement (m) and velocity (m/s) relative to the carriage."""
         tx, ty = self._tangent(mbs)
         force = self._law.force(tx * displacement[1] - ty * displacement[0], tx * velocity[1] - ty * velocity[0])
         along = self._law.along * (tx * displacement[0] + ty * displacement[1])
         return [along * tx - force * ty, along * ty + force * tx, 0.0]
 
     def loss(self) -> float:
-        """Power that the joint takes at present, W."""
+        """Power that the joint dissipates at present, W."""
         tx, ty = self._tangent(self._mbs)
-        found = (self._mbs.GetObjectOutput(self.connector, variable) for variable in _APART)
-        return self._law.loss(*(float(tx * vector[1] - ty * vector[0]) for vector in found))
+        apart = (self._mbs.GetObjectOutput(self.connector, variable) for variable in _APART)
+        return self._law.loss(*(float(tx * vector[1] - ty * vector[0]) for vector in apart))
 
     def _tangent(self, mbs: Any) -> tuple[float, float]:
-        """Of the cable at the slider, a unit vector."""
+        """Unit tangent of the cable at the slider."""
         coordinates, h = mbs.systemData.GetODE2Coordinates(), self._h
         s = float(coordinates[self._axial]) + self._slider_start
         element = min(max(int(s / h), 0), self._last)
         xi, first = s / h - element, self._nodes[element]
-        ends = slice(first, first + 8)  # both nodes of an element: they were added one after the other
+        ends = slice(first, first + 8)  # both nodes of the element, which were added one after the other
         x0, y0, tx0, ty0, x1, y1, tx1, ty1 = (coordinates[ends] + self._reference[ends]).tolist()
         rise, left, right = 6.0 * xi * (1.0 - xi) / h, 1.0 + xi * (3.0 * xi - 4.0), xi * (3.0 * xi - 2.0)
         tx = rise * (x1 - x0) + left * tx0 + right * tx1

@@ -1,12 +1,12 @@
 """The smooth centre line of the chain, and where the crank tip meets it.
 
-Points of the plane are complex numbers seen from P; link i = 0 .. N has the direction e_i = exp(i α_i), link 0 is the base.
+Vectors of the plane are complex numbers, places are relative to P; link i = 0 .. N has the direction e_i = exp(i α_i), link 0 is the base.
 
-The centre line is the quadratic B-spline (C1, uniform) whose control points lie beside the hinges V_j,
+The centre line is the quadratic B-spline (C1, uniform) whose control points lie near the hinges V_j,
     Ṽ_j = V_j - h/24 (e_j - e_{j-1}),
     p(x) = Σ c_i(x) e_i, control points mirrored at P and at the end so that the line begins and ends there.
-With Ṽ = V the line would lie h²/24 W'' beside the beam that the chain stands for: hinges of stiffness EI/h and rods of inertia
-ρA h³/12 make angles α(1 + k²h²/24) and link centres W(1 - k²h²/24) of a beam bent with wave number k.
+With Ṽ = V the line would be off the beam that the chain stands for by h²/24 W'': if the beam is bent with wave number k, a chain with
+hinges of stiffness EI/h and rods of inertia ρA h³/12 has the angles α(1 + k²h²/24) and the link centres W(1 - k²h²/24).
 """
 
 import math
@@ -53,7 +53,7 @@ def centre_line_coefficients(x: float, hinges: int, link_length: float, order: i
 
 @compiled
 def link_directions(ctx: Context, qpos: Array) -> Points:
-    """e_0 .. e_N."""
+    """Directions e_0 .. e_N of the links, shape (N + 1,)."""
     e = np.empty(ctx.hinges + 1, np.complex128)
     angle = 0.0
     for i in range(ctx.hinges + 1):
@@ -64,13 +64,13 @@ def link_directions(ctx: Context, qpos: Array) -> Points:
 
 @compiled
 def link_rates(ctx: Context, qvel: Array) -> Array:
-    """Rates of α_0 .. α_N."""
+    """Rates of the links' angles α_0 .. α_N, rad/s, shape (N + 1,)."""
     return np.cumsum(qvel[ctx.coordinates - ctx.hinges - 1 :])
 
 
 @compiled
 def find_slider(ctx: Context, e: Points, crank_arm: complex) -> tuple[Array, Array, Array, complex, float]:
-    """The foot of the crank tip on the centre line: (c, c', c'', tangent, gap) there; moves `ctx.slider_position`."""
+    """The foot of the crank tip on the centre line: c, c', c'', tangent and gap (m) there; sets `ctx.slider_position` to it."""
     place = crank_arm - ctx.pivot_distance
     x = ctx.slider_position
     for _ in range(20):
@@ -89,7 +89,7 @@ def find_slider(ctx: Context, e: Points, crank_arm: complex) -> tuple[Array, Arr
 
 @compiled
 def row_of_gap(ctx: Context, e: Points, c0: Array, tangent: complex, crank_arm: complex) -> tuple[Array, float]:
-    """(G, G_crank): rate of the gap is G q̇ + G_crank q̇1; in G, too, if the crank is free. G has shape (coordinates,)."""
+    """G and G_crank: the rate of the gap is G q̇, plus G_crank q̇1 if the crank's speed is prescribed. G has shape (coordinates,)."""
     crank = dot(1j * tangent, 1j * crank_arm)
     row = np.empty(ctx.coordinates)
     if ctx.crank_is_free:
@@ -103,13 +103,13 @@ def row_of_gap(ctx: Context, e: Points, c0: Array, tangent: complex, crank_arm: 
 
 @compiled
 def row_of_sliding(ctx: Context, e: Points, at: tuple[Array, Array, Array, complex], crank_arm: complex) -> tuple[Array, float, float]:
-    """(S, S_crank, 1/(1 - gap curvature)): rate of the foot's arc length is S q̇ + S_crank q̇1, as with `row_of_gap`.
+    """S, S_crank and 1/(1 - gap curvature): the rate of the foot's arc length is S q̇, plus S_crank q̇1 as in `row_of_gap`.
 
     Args:
         ctx: the simulation, with its gap.
         e: directions of the links.
-        at: c, c', c'' and the tangent there, see `find_slider`.
-        crank_arm: from O to the crank tip.
+        at: c, c', c'' and the tangent at the foot, see `find_slider`.
+        crank_arm: from O to the crank tip, m.
     """
     c0, c1, c2, tangent = at
     normal, slope = 1j * tangent, abs((c1 * e).sum())
@@ -127,7 +127,7 @@ def row_of_sliding(ctx: Context, e: Points, at: tuple[Array, Array, Array, compl
 
 @compiled
 def crank_of(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[complex, float, float]:
-    """(arm from O to the slider, angle, speed)."""
+    """The crank's arm from O to the slider (m), angle (rad) and speed (rad/s)."""
     if ctx.crank_is_free:
         angle, speed = qpos[0], qvel[0]
     else:
@@ -137,6 +137,6 @@ def crank_of(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[compl
 
 @compiled
 def rate_of(ctx: Context, row: Array, qvel: Array, crank_row: float, crank_speed: float) -> float:
-    """Rate that a row of the coordinates' rates, and of the crank's, describes."""
-    along = np.dot(row, qvel)
-    return along if ctx.crank_is_free else along + crank_row * crank_speed
+    """Rate that a row, such as `row_of_gap`, gives for the rates of the coordinates and the crank's speed."""
+    rate = np.dot(row, qvel)
+    return rate if ctx.crank_is_free else rate + crank_row * crank_speed

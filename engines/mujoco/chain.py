@@ -1,8 +1,8 @@
-"""The follower as a chain of rigid links: MuJoCo's model of a scene, and what is in it.
+"""MuJoCo's model of a scene, with the follower as a chain of rigid links, and its description.
 
-N hinges stand at (j - 1/2) h, h = L/N; between them N - 1 links of length h, half a link on the base and half a link with the tip body
-at the end. Links are uniform rods and hinges have the stiffness EI/h: with both, the errors of order h² of the inertia and of the
-stiffness cancel in the interior, what is left is of order h⁴ (see centre_line.py for the last term of order h²).
+N hinges are at (j - 1/2) h, h = L/N. Between them are N - 1 links of length h, half a link is on the base, and half a link with the tip
+body at the end. Links are uniform rods and hinges have the stiffness EI/h, so that the errors of order h² of inertia and stiffness cancel
+in the interior. The rest is of order h⁴ (see centre_line.py for the last term of order h²).
 """
 
 import mujoco
@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import ModelDescription
-from quickreturn.reference_model.joint import friction_in_words, in_words
+from quickreturn.reference_model.joint import friction_in_words, joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
-# kg and kg m^2: MuJoCo accepts no body with 1e-15 or less. A small machine's link has some 1e-13 kg m^2: with 1e-12 here, 60 links of an
-# arm of 7 cm were 5 % off, 33 links 2.5 %.
+#: Smallest mass (kg) and inertia (kg m^2) of a body: MuJoCo refuses 1e-15 and less. A link of a small machine has some 1e-13 kg m^2; with
+#: 1e-12 here the error was 5 % with 60 links of an arm of 7 cm, 2.5 % with 33 links.
 _LEAST = 2e-15
 _AXIS = (0.0, 0.0, 1.0)
 
 
 def hinge_count(mechanism: Scene, links: int) -> int:
-    """N, or none if the follower is rigid."""
+    """Number of hinges N: that of the links, or 0 for a rigid follower."""
     return 0 if mechanism.follower.is_rigid else links
 
 
@@ -30,14 +30,14 @@ def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
     Args:
         scene: with or without crank.
         hinges: N, 0 for a rigid follower.
-        armature: inertia added to the rate of every hinge, kg m^2.
+        armature: inertia added to every hinge's own motion, kg m^2.
     """
     spec = mujoco.MjSpec()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.gravity = (*scene.gravity, 0.0)
-    # A reset after a bad acceleration would carry on from the start without a word.
+    # After a bad acceleration MuJoCo would reset the state and silently continue from the start.
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-    spec.nuserdata = 1  # where the control hook finds its simulation
+    spec.nuserdata = 1  # holds the address of the control hook's context
     if scene.crank is not None and isinstance(scene.crank.drive, TorqueDrive):
         _add_crank(spec, scene, scene.crank.drive)
     _add_follower(spec, scene, hinges, armature)
@@ -92,11 +92,12 @@ def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, cent
 
 
 def _polynomial(linear: float) -> tuple[float, float, float]:
+    """Coefficients of MuJoCo's cubic law of stiffness or damping, for a linear one."""
     return (linear, 0.0, 0.0)
 
 
 def describe(scene: Scene, hinges: int) -> ModelDescription:
-    """What `build` makes of the scene, and what the hook adds: the slider's constraint, or the drive of the base."""
+    """Bodies and joints that `build` makes, with the slider's constraint or the drive of the base, which the control hook adds."""
     slider, spring = scene.slider, "spring EI/h" if scene.follower.material_damping == 0.0 else "spring EI/h and damper"
     links = [f"hinge {j}: {spring}" for j in range(1, hinges + 1)]
     if scene.crank is None:
@@ -104,7 +105,7 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
     else:
         crank = ["crank hinge at O, driven by a torque against viscous damping"] if scene.crank_is_free else []
         moving = "crank tip" if scene.crank_is_free else "crank tip, moved at the prescribed speed,"
-        how = f"beside the follower's smooth centre line: {in_words(slider)}"
+        how = f"beside the follower's smooth centre line: {joint_in_words(slider)}"
         if slider.is_rigid:
             how = "on the follower's smooth centre line: one constraint, exact multiplier"
         joints = [*crank, "base hinge at P", *links, f"{moving} {how}{friction_in_words(slider)}"]
@@ -135,7 +136,7 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> t
 
 
 def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
-    """Damping matrix (N m s) that goes with `follower_matrices`: of a straight chain, on link centres and in hinges."""
+    """Damping matrix (N m s) that goes with `follower_matrices`: damping of the link centres and in the hinges."""
     lengths = np.full(hinges, scene.follower.length / max(hinges, 1))
     lengths[-1:] *= 0.5
     every_hinge = np.tril(np.ones((hinges, hinges)))  # turns its own link and every one beyond

@@ -1,4 +1,4 @@
-"""One simulation as compiled code sees it, and how that code is compiled."""
+"""The record of a simulation that compiled code works on, and the decorators that compile it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.mujoco.native import pointer
 from quickreturn.reference_model.machine.compilation import Function
 
-#: One simulation as compiled code sees it. Lengths in m, angles in rad.
+#: Record of a simulation. Lengths in m, angles in rad.
 CONTEXT = np.dtype(
     [
         # addresses of arrays of MjData, and the number of its coordinates
@@ -44,13 +44,13 @@ CONTEXT = np.dtype(
         ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
         ("prescribed_weight_2", "f8"),
         ("crank_mass", "f8"),  # kg, with the slider
-        ("crank_moment", "f8"),  # kg m, the same times its distance from O
+        ("crank_moment", "f8"),  # kg m, first moment of that mass about O
         ("mass_per_length", "f8"),  # kg/m
         ("tip_mass", "f8"),
         ("tip_offset", "f8"),  # of its centre beyond the end
         ("gravity", "c16"),  # m/s^2, along n1 + i n2
         ("tip_force", "c16"),  # N
-        ("force_begin", "f8"),  # of the crank's turn
+        ("force_begin", "f8"),  # crank angle
         ("force_span", "f8"),
         ("force_ramp", "f8"),
         ("base_is_prescribed", "i8"),  # then there is neither crank nor slider
@@ -66,14 +66,14 @@ CONTEXT = np.dtype(
         ("friction", "f8"),  # 1
         ("friction_force", "f8"),  # N
         ("friction_speed", "f8"),  # m/s
-        # the slider now
+        # the slider at present
         ("slider_position", "f8"),
         ("slider_speed", "f8"),
         ("slider_force", "f8"),  # N, on the follower
-        ("tangential_force", "f8"),  # N, the same
-        ("slider_couple", "f8"),  # N m, the same: friction acts at the crank tip, which is beside the line
+        ("tangential_force", "f8"),  # N, on the follower
+        ("slider_couple", "f8"),  # N m, on the follower: friction acts at the crank tip, which is off the line by the gap
         ("gap", "f8"),
-        # the crank's motor and the dampings: now, and integrated with the weights of the Runge-Kutta stages
+        # the drive and the dampings: at present, and integrated with the weights of the Runge-Kutta stages
         ("drive_torque", "f8"),
         ("stage", "i8"),
         ("mean_drive_power", "f8"),
@@ -92,18 +92,18 @@ TIME_AND_USERDATA = (1 << 0) | (1 << 12)  # mjSTATE_TIME | mjSTATE_USERDATA
 
 
 def compiled(function: Function) -> Function:
-    """Compile into callers."""
+    """Compile for callers that are compiled themselves."""
     return njit(function)
 
 
 def entry(signature: Any) -> Callable[[Function], Function]:
-    """Compile at import, or load what an earlier process compiled: no first call is slower than the next."""
+    """Compile at import, or load what an earlier process compiled, so that no first call is slower than the next."""
     return njit(signature, cache=True)
 
 
 @compiled
 def numbers(address: int, length: int) -> Array:
-    """MuJoCo's numbers in place."""
+    """The `length` numbers at an address of MuJoCo's, as an array without a copy."""
     return carray(pointer(address), length, np.float64)
 
 

@@ -16,17 +16,18 @@ from quickreturn.reference_model.natural_modes import stiffness_ratio
 _DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
 _OLDEST = (4, 0, 1)
 
-#: Where the first bending frequency is more than this many times the crank's, the follower's fast modes follow its load nearly at rest. The
-#: hinges then bear an armature that grows with the square of the ratio for the same error, and the step with the ratio.
+#: `stiffness_ratio` above which the follower's fast modes respond to its load statically. For the same error the armature of the hinges may
+#: then grow with the square of the ratio, and the step with the ratio.
 STIFF: Final = 20.0
 
-#: Parts of the links with which a chain is compared, and the order that is counted on. The slider, as it passes from link to link, shakes
-#: each chain in its own way, so that one difference alone may vanish by accident; where it passes them at the rate of a natural frequency
-#: the error does not fall with their number.
+#: Links of the two coarser chains for the estimate, over those of the chain; and the order of the error that is relied on. The slider
+#: shakes each chain differently as it passes from link to link, so that one difference alone may vanish by accident. Where it passes links
+#: at a natural frequency, the error does not fall with their number.
 COARSER: Final = (2.0 / 3.0, 3.0 / 4.0)
 SAFE_ORDER: Final = 2.0
 
-#: Fewer links than these have no order yet. They are compared with a finer chain, whose error is taken to be a third.
+#: Smallest number of links whose error has an order. A chain with fewer is compared with one of `FINER` links, whose error is assumed to be
+#: a third.
 FEWEST_WITH_ORDER: Final = 12
 FINER: Final = (18, 1.0 / 3.0)
 
@@ -45,11 +46,11 @@ class MujocoEngine(Engine[ChainSettings]):
         return f"mujoco {installed(*_DISTRIBUTIONS) or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        found = installed(*_DISTRIBUTIONS)
-        if found is None or find_spec("mujoco") is None:
+        present = installed(*_DISTRIBUTIONS)
+        if present is None or find_spec("mujoco") is None:
             return "the package mujoco is not installed (distribution mujoco-core)"
-        if tuple(int(part) for part in found.split(".")[:3] if part.isdigit()) < _OLDEST:
-            return f"mujoco {found} is installed, {'.'.join(map(str, _OLDEST))} or later is needed"
+        if tuple(int(part) for part in present.split(".")[:3] if part.isdigit()) < _OLDEST:
+            return f"mujoco {present} is installed, {'.'.join(map(str, _OLDEST))} or later is needed"
         return None
 
     def check(self, scene: Scene) -> None:
@@ -63,16 +64,16 @@ class MujocoEngine(Engine[ChainSettings]):
         return chain.describe(scene, chain.hinge_count(scene, settings.links))
 
     def settings_for(self, accuracy: float, scene: Scene) -> ChainSettings:
-        """The cheapest rung whose claim in run 24 is within `accuracy`; larger steps where the follower is stiff."""
+        """The coarsest rung whose claim in run 24 is within `accuracy`; with more armature, and so larger steps, for a stiff follower."""
         ratio = stiffness_ratio(scene)
         return LADDER.pick(accuracy).replaced(armature=min(ARMATURE * max(1.0, ratio / STIFF) ** 2, STIFFEST_ARMATURE))
 
     def comparisons(self, settings: ChainSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
-        """Two coarser chains, or a finer one for a chain too coarse. The step, bound to stability, leaves no error of its own."""
+        """Two coarser chains, or a finer one for a chain too coarse. The error of the step is negligible, because stability bounds it."""
         if settings.links < FEWEST_WITH_ORDER:
             links, factor = FINER
             return (Comparison(settings, settings.replaced(links=links), factor),)
-        return tuple(Comparison(settings, settings.replaced(links=round(part * settings.links)), part**-SAFE_ORDER) for part in COARSER)
+        return tuple(Comparison(settings, settings.replaced(links=round(ratio * settings.links)), ratio**-SAFE_ORDER) for ratio in COARSER)
 
     def finer(self, settings: ChainSettings, excess: tuple[float, ...], output_step: float) -> ChainSettings | None:
         return LADDER.finer(settings, excess)

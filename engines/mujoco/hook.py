@@ -1,6 +1,6 @@
-"""MuJoCo's control hook: drive, dampings, and the slider's force, which is a multiplier or the law of the joint's rollers.
+"""MuJoCo's control hook: drive, dampings, and the slider's force, which is a multiplier or follows from the law of the joint's rollers.
 
-A follower alone has a torque on its base in place of the slider's force.
+For a follower alone it has the torque on the base instead of the slider's force.
 """
 
 import math
@@ -22,7 +22,7 @@ from quickreturn.engines.mujoco.context import CONTEXT, TIME_AND_USERDATA, Array
 from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, pointer
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
-from quickreturn.reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model.tip_force import share_of_force
 
 _STAGE_WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
 
@@ -32,9 +32,9 @@ joint_force, friction_share = compiled(joint.joint_force), compiled(joint.fricti
 
 @compiled
 def damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
-    """Add the forces of the distributed damping to the hinges' share of `force`; returns the power taken, W.
+    """Add the forces of the distributed damping to the hinges' entries in `force`; returns the power dissipated, W.
 
-    It acts on the link centres' velocity relative to the base frame, so it does no work on a turn of the whole follower.
+    The damping opposes the link centres' velocities relative to the base frame, so that turning the whole follower costs no work.
     """
     n, h = ctx.hinges, ctx.link_length
     first = ctx.coordinates - n - 1
@@ -58,7 +58,7 @@ def damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
 
 @compiled
 def _damp_hinges(ctx: Context, qvel: Array) -> float:
-    """Power that the material takes in the hinges, W; MuJoCo's joints have the moments of it."""
+    """Power that the material's damping dissipates in the hinges, W; its moments belong to MuJoCo's joints."""
     if ctx.material_damping == 0.0:
         return 0.0
     rates = qvel[ctx.coordinates - ctx.hinges :]
@@ -67,7 +67,7 @@ def _damp_hinges(ctx: Context, qvel: Array) -> float:
 
 @compiled
 def _rub_pivot(ctx: Context, rate: float, force: Array) -> float:
-    """Add the friction of the pivot to the base's share of `force`; returns the power taken, W."""
+    """Add the friction of the pivot to the base's entry in `force`; returns the power dissipated, W."""
     if ctx.base_friction == 0.0:
         return 0.0
     moment = ctx.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
@@ -76,37 +76,37 @@ def _rub_pivot(ctx: Context, rate: float, force: Array) -> float:
 
 
 @compiled
-def _hold(model: int, data: int, ctx: Context, rows: tuple[Array, Array], remaining: float, sliding: float, applied: Array) -> float:
-    """Multiplier of a rigid joint: the gap's acceleration vanishes. The slider's friction is in proportion to it, and so found with it.
+def _hold(model: int, data: int, ctx: Context, rows: tuple[Array, Array], bias: float, sliding: float, applied: Array) -> float:
+    """Multiplier of a rigid joint (N): with it, and the friction in proportion to it, the gap's acceleration vanishes; nan if that jams.
 
     Args:
-        model: by address; `data` alike.
-        data: see `model`.
+        model: address of MuJoCo's model.
+        data: address of its data.
         ctx: the simulation.
-        rows: of `row_of_gap` and `row_of_sliding`.
-        remaining: the gap's acceleration without that of the coordinates, m/s^2.
-        sliding: share of the friction that acts, with its sign.
-        applied: forces without the joint's.
+        rows: the rows of `row_of_gap` and `row_of_sliding`.
+        bias: the gap's acceleration with constant rates of the coordinates, m/s^2.
+        sliding: fraction of the friction that acts, with the sign of the sliding speed.
+        applied: generalised forces without the joint's.
     """
     n, row = ctx.coordinates, rows[0]
     count = 2 if ctx.friction == 0.0 else 3
-    known, solved = np.empty((count, n)), np.empty((count, n))
-    known[0] = numbers(ctx.force_passive, n) - numbers(ctx.force_bias, n) + applied
-    known[1] = row
+    forces, accelerations = np.empty((count, n)), np.empty((count, n))
+    forces[0] = numbers(ctx.force_passive, n) - numbers(ctx.force_bias, n) + applied
+    forces[1] = row
     if ctx.friction > 0.0:
-        known[2] = rows[1]
-    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, count)
-    asked, held = -(np.dot(row, solved[0]) + remaining), np.dot(row, solved[1])
+        forces[2] = rows[1]
+    mj_solve_mass(model, data, accelerations.ctypes.data, forces.ctypes.data, count)
+    needed, per_unit = -(np.dot(row, accelerations[0]) + bias), np.dot(row, accelerations[1])
     if ctx.friction > 0.0:
-        held -= math.copysign(ctx.friction, asked) * sliding * np.dot(row, solved[2])
-        if not held > 0.0:  # the friction jams the slider
+        per_unit -= math.copysign(ctx.friction, needed) * sliding * np.dot(row, accelerations[2])
+        if not per_unit > 0.0:
             return math.nan
-    return asked / held
+    return needed / per_unit
 
 
 @compiled
-def pushes(ctx: Context, crank_angle: float) -> complex:
-    """The force on the tip, N, along n1 + i n2."""
+def force_on_tip(ctx: Context, crank_angle: float) -> complex:
+    """The force on the tip at a crank angle, N, along n1 + i n2."""
     if ctx.tip_force == 0.0:
         return 0j
     return ctx.tip_force * share(crank_angle, ctx.force_begin, ctx.force_span, ctx.force_ramp)
@@ -114,8 +114,8 @@ def pushes(ctx: Context, crank_angle: float) -> complex:
 
 @compiled
 def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: Array) -> float:
-    """Add the force on the tip, the centre line's end; returns its power, W."""
-    pushed = pushes(ctx, crank_angle)
+    """Add the force on the tip, at the centre line's end, to `force`; returns its power, W."""
+    pushed = force_on_tip(ctx, crank_angle)
     if pushed == 0.0:
         return 0.0
     first = ctx.coordinates - ctx.hinges - 1
@@ -131,9 +131,9 @@ def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: 
 
 @compiled
 def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
-    """The hook's work: drive and damping, and the slider force, into `force_applied`.
+    """To `force_applied`: drive, dampings, and the slider's force.
 
-    A rigid joint's force keeps the gap's acceleration zero, a compliant one's follows from gap and gap rate.
+    The force of a rigid joint keeps the gap's acceleration zero, that of a compliant joint follows from the gap and its rate.
     """
     n = ctx.coordinates
     qpos, qvel, applied = numbers(ctx.qpos, n), numbers(ctx.qvel, n), numbers(ctx.force_applied, n)
@@ -148,7 +148,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     slope = (c1 * e).sum()
     ctx.slider_speed = dot(tangent, 1j * crank_arm * crank_speed - (c0 * turning).sum()) / abs(slope)
     follower = -(c0 * rates**2 * e).sum() + 2.0 * ctx.slider_speed * (c1 * turning).sum() + ctx.slider_speed**2 * (c2 * e).sum()
-    remaining = dot(normal, -crank_arm * crank_speed**2 - follower)
+    bias = dot(normal, -crank_arm * crank_speed**2 - follower)
 
     applied[:] = 0.0
     if ctx.crank_is_free:
@@ -170,7 +170,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         multiplier = -joint_force(ctx.gap, gap_rate, *law, ctx.contact_loss, ctx.joint_damping)
         dissipation -= gap_rate * (multiplier + joint_force(ctx.gap, 0.0, *law, 0.0, 0.0))
     else:
-        multiplier = _hold(model, data, ctx, (row, sliding_row), remaining, sliding, applied)
+        multiplier = _hold(model, data, ctx, (row, sliding_row), bias, sliding, applied)
     applied += multiplier * row
     ctx.slider_force = -multiplier
     ctx.drive_torque = ctx.crank_torque
@@ -178,9 +178,9 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         weight = ctx.prescribed_weight_2 * math.cos(angle) - ctx.prescribed_weight_1 * math.sin(angle)
         ctx.drive_torque = weight - multiplier * crank_row
     if rubs:
-        with_force = ctx.friction * abs(multiplier) * sliding
-        applied -= with_force * sliding_row
-        along = ctx.friction_force * sliding + with_force
+        coulomb = ctx.friction * abs(multiplier) * sliding
+        applied -= coulomb * sliding_row
+        along = ctx.friction_force * sliding + coulomb
         dissipation += along * sliding_speed
         ctx.tangential_force = along * share_at_foot
         ctx.slider_couple = -ctx.gap * ctx.tangential_force
@@ -194,18 +194,18 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
 
 @compiled
 def _turn_base(model: int, data: int, ctx: Context, time: float) -> None:
-    """The hook's work without crank and slider: the damping, and the torque on the base that gives it the prescribed acceleration."""
+    """To `force_applied`, for a follower alone: dampings, and the torque that gives the base its prescribed acceleration."""
     n = ctx.coordinates
     qpos, qvel, applied = numbers(ctx.qpos, n), numbers(ctx.qvel, n), numbers(ctx.force_applied, n)
     rates = link_rates(ctx, qvel)
     applied[:] = 0.0
     dissipation = ctx.base_damping * rates[0] ** 2 + damp_beam(ctx, link_directions(ctx, qpos), rates, applied)
     dissipation += _damp_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
-    known, solved = np.zeros((2, n)), np.empty((2, n))
-    known[0] = numbers(ctx.force_passive, n) - numbers(ctx.force_bias, n) + applied
-    known[1, 0] = 1.0
-    mj_solve_mass(model, data, solved.ctypes.data, known.ctypes.data, 2)
-    ctx.drive_torque = (base_motion(ctx.spin_up_speed, ctx.spin_up_time, time)[2] - solved[0, 0]) / solved[1, 0]
+    forces, accelerations = np.zeros((2, n)), np.empty((2, n))
+    forces[0] = numbers(ctx.force_passive, n) - numbers(ctx.force_bias, n) + applied
+    forces[1, 0] = 1.0
+    mj_solve_mass(model, data, accelerations.ctypes.data, forces.ctypes.data, 2)
+    ctx.drive_torque = (base_motion(ctx.spin_up_speed, ctx.spin_up_time, time)[2] - accelerations[0, 0]) / accelerations[1, 0]
     applied[0] += ctx.drive_torque
     if ctx.stage < 4:
         ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation

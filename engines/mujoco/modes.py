@@ -1,4 +1,4 @@
-"""Natural frequencies of the straight follower with the crank held, and the fastest rate that an integrator meets."""
+"""Natural frequencies of the straight follower with the crank held, and the fastest rate that an integrator must follow."""
 
 import math
 
@@ -13,9 +13,9 @@ from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Sc
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
-    """Lowest `count` frequencies, Hz, of the chain that the slider supports at the straight follower's |PC|; none if it is rigid.
+    """Lowest `count` frequencies, Hz, of the straight chain supported at the slider; none for a rigid follower on a rigid joint.
 
-    The hinges have no armature here: it is an aid of the time integration.
+    The hinges have no armature here, which serves the time integration only.
     """
     hinges = chain.hinge_count(mechanism, links)
     held = changed(mechanism, {"crank.drive": PrescribedSpeed(speed=0.0)})
@@ -31,7 +31,7 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
 
 
 def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArray[np.float64]:
-    """Transverse motion of the straight follower's point at the slider per rate of base and hinge angles, m, shape (N + 1,)."""
+    """Transverse displacement of the straight follower at the slider per base and hinge angle, m, shape (N + 1,)."""
     arm = mechanism.crank.length
     slider = math.hypot(mechanism.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle))
     coefficients = centre_line_coefficients(slider, hinges, mechanism.follower.length / max(hinges, 1), 0)
@@ -39,11 +39,11 @@ def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArra
 
 
 def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
-    """Largest modulus of the straight chain's roots, 1/s: what an explicit integrator must keep up with, vibration or decay.
+    """Largest modulus of the straight chain's roots, 1/s, of a vibration or of a decay, which an explicit integrator must follow.
 
-    A rigid joint lowers it; a compliant one raises it, by what depends on the slider's place. A base that turns as prescribed does not
-    give way. A light base does. Damping acts on velocities relative to the base, and then makes one motion decay very fast, in which the
-    first links turn against the rest, although the same damping hardly slows the vibrations.
+    A rigid joint lowers it and is left out. A compliant joint raises it, depending on the slider's place. A base that turns as prescribed
+    stays at rest. With a light base the damping, which opposes velocities relative to the base, makes one motion decay very fast, in which
+    the first links turn against the others; it hardly slows the vibrations.
     """
     mass, stiffness = chain.follower_matrices(model, scene, hinges)
     damping = chain.follower_damping(scene, hinges)
@@ -58,13 +58,14 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     for crank_angle in np.linspace(0.0, math.pi, 13):
         row = support_row(scene, hinges, crank_angle)
         place = np.outer(row, row)
-        # a blow at the speed v has a force v sqrt(k m), m the mass that gives way, and the damping is in proportion to it
+        # a blow at the speed v has the force v sqrt(k m), with m the mass at the slider, and the damping is in proportion to the force
         blow = slider.contact_damping * blow_speed * math.sqrt(joint / float(row @ np.linalg.solve(mass, row)))
         rates.append(_fastest(mass, damping + (slider.joint_damping + blow) * place, stiffness + joint * place))
     return max(rates)
 
 
 def _fastest(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:
+    """Largest modulus of the roots of a linear system, 1/s."""
     if not damping.any():
         return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))
     zero = np.zeros_like(mass)

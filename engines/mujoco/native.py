@@ -1,7 +1,7 @@
 """MuJoCo's C functions for compiled Python, without a C compiler.
 
-The bundled library is loaded into numba's linker, so that compiled code calls `mj_step` and its kin by name. Names survive numba's
-cache on disk, addresses would not. All pointers are whole numbers here (`intp`); `address` arguments are those of `MjModel._address`
+The bundled library is loaded into numba's linker, so that compiled code calls `mj_step` and other functions by name. Names stay valid in
+numba's cache on disk, addresses would not. All pointers are whole numbers here (`intp`); those of model and data are `MjModel._address`
 and `MjData._address`.
 """
 
@@ -16,12 +16,13 @@ from numba.extending import intrinsic
 
 
 def _library() -> str:
+    """Path of MuJoCo's library on Linux, macOS or Windows."""
     folder = Path(mujoco.__file__).parent
     names = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
-    found = [path for name in names for path in sorted(folder.glob(name))]
-    if not found:
+    libraries = [path for name in names for path in sorted(folder.glob(name))]
+    if not libraries:
         raise ImportError(f"MuJoCo's library is not in {folder}")
-    return str(found[0])
+    return str(libraries[0])
 
 
 llvmlite.binding.load_library_permanently(_library())

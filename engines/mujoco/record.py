@@ -1,4 +1,4 @@
-"""A row of observables from MuJoCo's present state."""
+"""Fills a row of observables from MuJoCo's present state."""
 
 import math
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients, crank_of, link_directions, link_rates
 from quickreturn.engines.mujoco.context import TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
-from quickreturn.engines.mujoco.hook import pushes
+from quickreturn.engines.mujoco.hook import force_on_tip
 from quickreturn.engines.mujoco.native import mj_energy_position, mj_energy_velocity, mj_forward, mj_get_state
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.columns import PLACES
@@ -17,10 +17,10 @@ joint_energy = compiled(joint.joint_energy)
 
 @compiled
 def _smooth_moments(ctx: Context, qpos: Array, qvel: Array) -> Array:
-    """Bending moment over EI at the hinges, 1/m, without the kink and the jump that the slider makes; shape (N,).
+    """Bending moment over EI at the hinges, 1/m, without the kink and the jump at the slider; shape (N,).
 
-    The slider force F bends hinge j by F b_j, b_j = Σ_{i >= j} c_i; the beam by the ramp F (s - x) inboard of the slider. Its couple acts
-    with the derivatives of the c_i.
+    The moment of the slider force F in hinge j is F b_j, b_j = Σ_{i >= j} c_i; in the beam it is the ramp F (s - x) inboard of the slider.
+    The moment of its couple has the derivatives of the c_i in their place.
     """
     smooth = np.empty(ctx.hinges)
     if ctx.hinges == 0:
@@ -28,19 +28,19 @@ def _smooth_moments(ctx: Context, qpos: Array, qvel: Array) -> Array:
     kink, jump = ctx.slider_force / ctx.bending_stiffness, ctx.slider_couple / ctx.bending_stiffness
     c0 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 0)
     c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
-    lever = turned = 0.0
+    lever = lever_by_s = 0.0
     for j in range(ctx.hinges, 0, -1):
         lever += c0[j]
-        turned += c1[j]
+        lever_by_s += c1[j]
         k = ctx.coordinates - ctx.hinges - 1 + j
         bent = qpos[k] + ctx.material_damping * qvel[k]
-        smooth[j - 1] = bent / ctx.link_length - kink * lever - jump * turned
+        smooth[j - 1] = bent / ctx.link_length - kink * lever - jump * lever_by_s
     return smooth
 
 
 @compiled
 def _at_place(ctx: Context, smooth: Array, x: float) -> float:
-    """A field at the arc length x by the cubic through the four nearest hinges; 0 where there is no hinge."""
+    """A field given at the hinges, at the arc length x by the cubic through the four nearest hinges; 0 for a rigid follower."""
     if ctx.hinges == 0:
         return 0.0
     if not math.isfinite(x):
@@ -60,7 +60,7 @@ def _at_place(ctx: Context, smooth: Array, x: float) -> float:
 
 @compiled
 def _moment(ctx: Context, smooth: Array, x: float) -> float:
-    """Bending moment over EI at the arc length x, 1/m, kink and jump included; at the slider the outboard one."""
+    """Bending moment over EI at the arc length x, 1/m, with kink and jump; at the slider that on the outboard side."""
     if ctx.hinges == 0:
         return 0.0
     jump = ctx.slider_couple / ctx.bending_stiffness if x < ctx.slider_position else 0.0
@@ -96,18 +96,18 @@ def _bearing_forces(
     slope = (c1 * e).sum()
     on_follower = complex(ctx.tangential_force, ctx.slider_force) * slope / abs(slope)
     angle, speed, acceleration = motion
-    pivot = _follower_inertia(ctx, e, rates, accelerations) - pushes(ctx, angle) - on_follower
+    pivot = _follower_inertia(ctx, e, rates, accelerations) - force_on_tip(ctx, angle) - on_follower
     swing = (1j * acceleration - speed**2) * complex(math.cos(angle), math.sin(angle))
     return pivot, ctx.crank_moment * swing - ctx.crank_mass * ctx.gravity + on_follower
 
 
 @compiled
 def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None:
-    """Fill a `columns.ROW` from the present state. Gauges: arc lengths, (3,)."""
+    """Fill a `columns.ROW` from the present state. `gauges`: arc lengths of the strain gauges, m, shape (3,)."""
     n, hinges = ctx.coordinates, ctx.hinges
     qpos, qvel = numbers(ctx.qpos, n), numbers(ctx.qvel, n)
     qacc, energy = numbers(ctx.qacc, n), numbers(ctx.energy, 2)
-    ctx.stage = 4  # no stage of a step
+    ctx.stage = 4  # this evaluation is no stage of a step
     mj_forward(model, data)
     mj_energy_position(model, data)
     mj_energy_velocity(model, data)
@@ -122,7 +122,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     tip_acceleration = (at_tip * (1j * accelerations - rates**2) * e).sum()
     base_angle = qpos[first]
     if hinges >= 2:
-        base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent, h²/24 dκ/dx beside the link's
+        base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent differs from the link's by h²/24 dκ/dx
     strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
     smooth, bending_rates = _smooth_moments(ctx, qpos, qvel), qvel[first + 1 :] / ctx.link_length
     gravity = energy[0] - strain_energy

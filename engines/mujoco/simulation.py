@@ -24,24 +24,27 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 
-_STABILITY_LIMIT = 2.0 * math.sqrt(2.0)  # step x rate of an undamped vibration, classical Runge-Kutta method; a decay has 2.79
-_SAFETY = 0.9  # a bent chain and a moving constraint shift the highest frequency
-_RESOLVED = 0.1  # step x rate of the joint's vibration, all that a rigid follower has: it leaves 1e-6 of the energy in each
-_STEPS_PER_TURN = 400  # of the crank, where stability asks for less
-_ROWS_AT_ONCE = 250  # so that an interrupt from the keyboard is heard between
+#: Largest step x rate of an undamped vibration for which the classical Runge-Kutta method is stable; for a decay it is 2.79.
+_STABILITY_LIMIT = 2.0 * math.sqrt(2.0)
+#: Step over the stable one of the straight chain: a bent chain and a moving constraint shift the highest frequency.
+_SAFETY = 0.9
+#: Step x rate of the joint's vibration with a rigid follower: the error of the energy is then 1e-6 in each vibration.
+_RESOLVED = 0.1
+_STEPS_PER_TURN = 400  # of the crank, at least
+_ROWS_AT_ONCE = 250  # from one call of compiled code, after which Python answers an interrupt from the keyboard
 
 
 class ChainSimulation(Simulation):
-    """See `Simulation`. The state is MuJoCo's; `CONTEXT` holds the constraint's.
+    """See `Simulation`. MuJoCo's data hold the state, a `CONTEXT` that of the constraint.
 
     Args:
         scene: the mechanism, or the follower alone.
-        start: of the mechanism; None: straight and at rest.
-        settings: of the chain.
+        start: start of the mechanism; None for the follower alone, straight and at rest.
+        settings: settings of the chain.
     """
 
     def __init__(self, scene: Scene, start: Start | None, settings: ChainSettings) -> None:
-        begun = time.perf_counter()
+        began = time.perf_counter()
         self.time = 0.0
         self._scene = scene
         self._hinges = chain.hinge_count(scene, settings.links)
@@ -54,22 +57,19 @@ class ChainSimulation(Simulation):
         self._largest_step = settings.step or _largest_step(self._model, scene, self._hinges)
         if start is not None:
             self._place(start)
-        self.setup_seconds = time.perf_counter() - begun
+        self.setup_seconds = time.perf_counter() - began
 
     def _step_over(self, duration: float) -> float:
-        """Small enough for the chain's fastest rate and for what drives it in the next `duration` (s), s."""
+        """Step (s) for the next `duration` (s): small enough for the chain's fastest rate, and for the motion that drives it."""
         if self._step_is_set:
             return self._largest_step
         if self._scene.crank is None:
             return min(self._largest_step, self._scene.spin_up.time / _STEPS_PER_TURN)
-        speed = self._fastest(self._scene, duration)
+        speed = self._largest_crank_speed(self._scene, duration)
         return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
 
-    def _fastest(self, mechanism: Mechanism, duration: float) -> float:
-        """Speed of the crank, rad/s, that its drive alone could bring about from the present one.
-
-        No faster than where the damping balances the torque: with little damping that is a speed which no run lasts long enough for.
-        """
+    def _largest_crank_speed(self, mechanism: Mechanism, duration: float) -> float:
+        """Largest crank speed, rad/s, that the drive alone can reach within `duration` (s), or at all against its damping."""
         drive = mechanism.crank.drive
         if not isinstance(drive, TorqueDrive):
             return abs(drive.speed)
@@ -79,7 +79,7 @@ class ChainSimulation(Simulation):
         return max(present, min(reached, balanced))
 
     def _place(self, start: Start) -> None:
-        """Bend the chain into the start's shape; the base turns until the slider lies on its centre line, and moves accordingly."""
+        """Set the chain's state: the hinges have the start's shape, the base such angle and rate that the slider is on the centre line."""
         assert self._scene.crank is not None
         state, length = reconstruct(self._scene, start), self._scene.follower.length
         qpos, qvel = self._data.qpos, self._data.qvel
@@ -97,7 +97,7 @@ class ChainSimulation(Simulation):
             raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
-        begun = time.perf_counter()
+        began = time.perf_counter()
         table = np.zeros(round(duration / output_step) + 1, ROW)
         times = self.time + output_step * np.arange(len(table), dtype=np.float64)
         steps = max(1, math.ceil(output_step / self._step_over(duration) * (1.0 - 1e-9)))
@@ -106,7 +106,7 @@ class ChainSimulation(Simulation):
         rows = 1
         with _hooks():
             while True:
-                first = rows - 1  # a piece begins with the last row of the one before
+                first = rows - 1  # a piece begins with the last row of the previous one
                 piece = table[first : first + _ROWS_AT_ONCE + 1]
                 filled, state = time_loop.advance(
                     self._model._address,
@@ -123,7 +123,7 @@ class ChainSimulation(Simulation):
         columns = recorded_columns(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
-        trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - begun, statistics)
+        trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - began, statistics)
         if state != time_loop.GOOD:
             good = times[max(rows - 1, 0)]
             raise EngineFailure(float(good), *self._reason(state), trajectory if rows else None)
@@ -131,7 +131,7 @@ class ChainSimulation(Simulation):
         return trajectory
 
     def _reason(self, state: int) -> tuple[str, str]:
-        """Cause and advice."""
+        """Cause of a failure, and advice, see `EngineFailure`."""
         if state == time_loop.SLIDER_LEFT:
             place, length = float(self._context["slider_position"][0]), self._scene.follower.length
             return (
@@ -151,16 +151,16 @@ def _largest_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
 
 
 def _armature(mechanism: Scene, settings: ChainSettings) -> float:
-    """Inertia added to a hinge's rate, kg m^2. The power 1.5 lets its error fall with the links as fast as the chain's own."""
+    """Inertia added to a hinge, kg m^2. With the power 1.5 its error falls with the number of links as fast as the chain's own."""
     follower = mechanism.follower
     return settings.armature * follower.mass_per_length * (follower.length**2 / settings.links) ** 1.5
 
 
 def _hinge_angles(tangents: Array) -> Array:
-    """Hinge angles of the chain whose beam has these tangent angles at the link centres; shape (N + 1,) to (N,).
+    """Hinge angles (N,) of the chain for a beam with these tangent angles (N + 1,) at the link centres, rad.
 
-    A hinge's angle stands for h times the beam's curvature *at* the hinge: the tangents' difference less its own second
-    difference / 24, up to order h⁴.
+    A hinge's angle is h times the beam's curvature at the hinge: up to order h⁴ the difference of the tangents' angles, less the second
+    difference of that / 24.
     """
     angles = np.diff(tangents)
     angles[1:-1] -= np.diff(angles, 2) / 24.0
@@ -168,7 +168,7 @@ def _hinge_angles(tangents: Array) -> Array:
 
 
 def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
-    """What compiled code needs to know, `CONTEXT`, shape (1,)."""
+    """The `CONTEXT` of a scene, shape (1,)."""
     follower, context = scene.follower, np.zeros(1, CONTEXT)
     values: dict[str, complex] = {
         "qpos": data.qpos.ctypes.data,
@@ -203,6 +203,7 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
 
 
 def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
+    """Fields of the `CONTEXT` for crank, slider and the force on the tip."""
     crank, slider, drive = mechanism.crank, mechanism.slider, mechanism.crank.drive
     values: dict[str, complex] = {
         "pivot_distance": mechanism.pivot_distance,
@@ -233,7 +234,7 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
 
 @contextmanager
 def _hooks() -> Iterator[None]:
-    """Install the constraint for one call of `advance`; MuJoCo's callbacks are global. Its warnings would go to a file of their own."""
+    """Installs the control hook for one call of `advance`, because MuJoCo's callbacks are global; keeps its warnings from a log file."""
     previous = mujoco.get_mjcb_control(), mujoco.get_mju_user_warning()
     mujoco.set_mjcb_control(control_hook.ctypes)
     mujoco.set_mju_user_warning(lambda message: None)

@@ -1,4 +1,4 @@
-"""The time loop: steps of MuJoCo, the gap closed after each, and a row of the table after every few."""
+"""The time loop: MuJoCo's steps, the correction that closes the gap after each, and the rows of the table."""
 
 import math
 from typing import Any
@@ -16,18 +16,18 @@ from quickreturn.reference_model.columns import ROW
 
 GOOD, SLIDER_LEFT, NOT_FINITE = 0, 1, 2
 
-_LARGEST_RATE = 1e7  # rad/s: beyond, nothing is a motion any more; MuJoCo itself warns at 1e10
+_LARGEST_RATE = 1e7  # rad/s: above, a run has diverged; MuJoCo itself warns at 1e10
 _ROWS = numba.from_dtype(ROW)[::1]
 
 
 @compiled
 def _project(model: int, data: int, ctx: Context) -> None:
-    """Close the gap that the step left, and its rate, along M⁻¹Gᵀ (M of the last stage)."""
+    """Remove the gap and its rate after a step, along M⁻¹Gᵀ (M of the last stage); for a follower alone set the base's motion."""
     n = ctx.coordinates
     qpos, qvel = numbers(ctx.qpos, n), numbers(ctx.qvel, n)
     time_and_context = np.empty(2)
     mj_get_state(model, data, time_and_context.ctypes.data, TIME_AND_USERDATA)
-    if ctx.base_is_prescribed:  # what the step left is its own error
+    if ctx.base_is_prescribed:  # the difference is the error of the step
         qpos[0], qvel[0], _ = base_motion(ctx.spin_up_speed, ctx.spin_up_time, time_and_context[0])
         return
     direction = np.empty(n)
@@ -46,7 +46,7 @@ def _project(model: int, data: int, ctx: Context) -> None:
 
 @compiled
 def _state(ctx: Context) -> int:
-    """GOOD, or what is wrong with the present state."""
+    """GOOD, SLIDER_LEFT or NOT_FINITE for the present state."""
     qvel = numbers(ctx.qvel, ctx.coordinates)
     if not np.max(np.abs(qvel)) < _LARGEST_RATE or not math.isfinite(ctx.slider_position):
         return NOT_FINITE
@@ -60,7 +60,7 @@ def advance(model: int, data: int, context: Any, step: float, steps: int, gauges
     """Fill `table` (`columns.ROW`, shape (rows,)): the present state, then one row after every `steps` steps of `step` (s).
 
     Returns:
-        (rows filled, GOOD or why it ended early). Good rows only.
+        Number of rows filled, all good ones; and `GOOD`, or the state that ended the run.
     """
     ctx = context[0]
     for k in range(len(table)):
@@ -75,17 +75,19 @@ def advance(model: int, data: int, context: Any, step: float, steps: int, gauges
             if state != GOOD:
                 return k, state
         record(model, data, ctx, gauges, table[k])
-        if not math.isfinite(table[k].slider_position + table[k].tip_acceleration):  # strains of a scene without gauges are no numbers
+        if not math.isfinite(
+            table[k].slider_position + table[k].tip_acceleration
+        ):  # not the strains, which are nan in a scene without gauges
             return k, NOT_FINITE
     return len(table), GOOD
 
 
 @entry(types.float64(CONTEXTS, VECTOR, VECTOR, types.float64, types.float64))
 def assemble(context: Any, qpos: Array, qvel: Array, crank_angle: float, crank_speed: float) -> float:
-    """Turn the base until the slider lies on the centre line, and set its rate likewise; hinges and crank stay as they are.
+    """Turn the base until the slider lies on the centre line, and set its rate to match; hinges and crank keep their angles and rates.
 
     Returns:
-        The gap that is left, m.
+        The remaining gap, m.
     """
     ctx = context[0]
     base = ctx.coordinates - ctx.hinges - 1

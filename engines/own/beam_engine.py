@@ -1,4 +1,4 @@
-"""What the engines on the one beam share: description, start, preparation. An engine chooses shapes and slider constraint.
+"""Base of the engines whose model is one beam (`BeamModel`): description, start, preparation. An engine adds shapes and constraint.
 
 The compiled equations are loaded when the first model is built, not when engines are listed.
 """
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class BeamSettings(Settings, ABC):
-    """Settings that all engines on the one beam share."""
+    """Settings that all these engines share."""
 
     tolerance: float = setting(1e-9, "local error of the integration, relative to fixed sizes of the states", low=1e-12, high=1e-4)
 
@@ -38,10 +38,10 @@ class BeamSettings(Settings, ABC):
 
 S = TypeVar("S", bound=BeamSettings)
 
-#: First bending frequency over the crank's in run 24, on which ladders were measured.
+#: `stiffness_ratio` of run 24, on which the ladders were measured.
 RATIO_OF_RUN_24: Final = 4.1
 
-#: The slider's joint where the follower's angle follows from the crank's.
+#: Description of the slider's joint where the closed loop gives the follower's angle.
 ELIMINATED_SLIDER: Final = "slider on the centre line (eliminated)"
 
 
@@ -49,14 +49,13 @@ class BeamEngine(Engine[S]):
     """An engine whose model is a `BeamModel`."""
 
     compiles = True
-    #: Words for the shapes in the description, after their number.
+    #: Words for the shapes in the description, after their number; and for those of the follower alone.
     kind_of_shapes = "shapes"
-    #: The same for the follower alone.
     kind_of_clamped_shapes = "shapes"
 
     @abstractmethod
     def model(self, scene: ModelledScene, settings: S) -> "BeamModel":
-        """The model of a scene. Refusal: the scene has what this model cannot carry."""
+        """The model of a scene. Raises Refusal: it cannot describe a part of the scene."""
 
     def joint_line(self, scene: Scene, settings: S) -> str:
         """The slider's joint in one line, for the description."""
@@ -67,7 +66,7 @@ class BeamEngine(Engine[S]):
         return True
 
     def version(self) -> str:
-        """The libraries that it computes with; equations and integrator are this project's own."""
+        """The libraries that it uses; equations and integrator are this project's own."""
         return f"numpy {np.__version__}, scipy {scipy.__version__}"
 
     def describe(self, scene: Scene, settings: S) -> ModelDescription:
@@ -90,23 +89,23 @@ class BeamEngine(Engine[S]):
         return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began + model.made_before)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
-        """Of the discretized model."""
+        """See `Engine.natural_frequencies`; those of the discretized model."""
         self.check(mechanism)
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
 
 
 def gain_of(scene: Scene) -> float:
-    """Error of few shapes over that in run 24.
+    """Estimated error of few shapes in a scene over that in run 24, at most 1.
 
-    Equilibrium recovers what the shapes left out hold nearly at rest; what is missing is their inertia, which falls with the square of
-    the ratio of the first bending frequency to the crank's.
+    The recovery from equilibrium has the static deflection of the shapes left out. It lacks their inertia forces, which are smaller the
+    stiffer the follower is: inversely proportional to the square of `stiffness_ratio`.
     """
     ratio = stiffness_ratio(scene)
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
 
 
 def description(scene: Scene, beam: str, joint: str, coordinates: int) -> ModelDescription:
-    """What has terms in the equations: beam in a word or two, the slider's joint in a line, coordinates besides the crank's angle."""
+    """Bodies and joints with terms in the equations: `beam` in two words, `joint` in a line, `coordinates` besides the crank's angle."""
     bodies = {
         "crank": scene.crank is not None,
         f"follower beam ({beam})": True,
@@ -122,7 +121,7 @@ def description(scene: Scene, beam: str, joint: str, coordinates: int) -> ModelD
 
 
 def state_of(model: "BeamModel", scene: Scene, start: Start | None) -> NDArray[np.float64]:
-    """The model's state closest to a start; of a follower alone straight and at rest."""
+    """The model's state closest to a start; for a follower alone straight and at rest."""
     if start is None or scene.crank is None:
         return model.state_at_rest()
     straight = start.deflection is None and start.deflection_rate is None

@@ -1,4 +1,4 @@
-"""The engine `fixed-shapes`: the thesis' method with more fixed shapes, the slider eliminated: what shapes that follow are worth."""
+"""The engine `fixed-shapes`: the thesis' method with more fixed shapes, to compare with shapes that follow the slider."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -29,7 +29,7 @@ class FixedShapesSettings(ShapeSettings):
 
 
 class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
-    """How the thesis would have gone on (section 5.5): more fixed shapes, exact planar geometry, equilibrium recovery."""
+    """The thesis' method as its section 5.5 would continue it: more fixed shapes, exact planar geometry, equilibrium recovery."""
 
     name = "fixed-shapes"
     method = "pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853"
@@ -38,7 +38,7 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
     quantities = (*USUAL, "slider.inertia", SPIN_UP)
 
     def opens_loop(self, scene: Scene) -> bool:
-        """The slider's place is eliminated."""
+        """Never: the closed loop gives the follower's angle."""
         return False
 
     def model(self, scene: Scene, settings: FixedShapesSettings) -> "BeamModel":
@@ -61,15 +61,15 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         elements, last = max(8, count), np.full(count, np.inf)
         while True:
             shapes = hermite_between(_nodes(mechanism.follower.length, support, elements))
-            found = shape_frequencies(mechanism, shapes, support, count)
+            frequencies = shape_frequencies(mechanism, shapes, support, count)
             # elements of third degree: the error falls 16-fold at each doubling
-            if elements > 16 * count or np.all(np.abs(found - last) < 1e-6 * found):
-                return found
-            elements, last = 2 * elements, found
+            if elements > 16 * count or np.all(np.abs(frequencies - last) < 1e-6 * frequencies):
+                return frequencies
+            elements, last = 2 * elements, frequencies
 
 
 def _nodes(length: float, support: float, elements: int) -> NDArray[np.float64]:
-    """Nodes of about `elements` elements, one node at the support, where the moment has a kink."""
+    """Nodes (m) of about `elements` elements, one of them at the support, where the moment has a kink."""
     inboard = max(1, round(elements * support / length))
     outboard = max(1, elements - inboard) if length - support > 1e-6 * length else 0
     if not outboard:

@@ -15,11 +15,11 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes
 if TYPE_CHECKING:
     from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 
-#: Tolerance for an error of the tip deflection against the model's own equations (`reference_model/RIVALS.md`, section 4).
+#: Tolerance over the integration error of the tip deflection (`reference_model/RIVALS.md`, section 4).
 TOLERANCE_PER_ERROR: Final = 1e-4
 #: Ratio of the tolerances of two runs that are compared.
 TIGHTER: Final = 0.01
-#: Error of the run with the tighter tolerance over that of the other one, at most.
+#: Largest error of the run with the tighter tolerance over that of the other run.
 PART_OF_TIGHTER: Final = 0.3
 LOOSEST: Final = 1e-5
 TIGHTEST: Final = 1e-12
@@ -39,7 +39,7 @@ class MovingBoundariesSettings(BeamSettings):
 
 
 class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
-    """Few modes on domains that move are the model: accuracy asked and error estimate are the integration's."""
+    """Modes on two domains that move with the slider. They are the model, so that accuracy and error estimate are the integration's."""
 
     name = "moving-boundaries"
     method = "linear beam across the line from pivot to slider, modes on domains that move with it, crank at known speed, DOP853"
@@ -50,7 +50,7 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
     quantities = tuple(name for name in USUAL if name != "crank.torque")
 
     def opens_loop(self, scene: Scene) -> bool:
-        """The slider's place is known from the crank's angle."""
+        """Never: the crank's angle gives the slider's place."""
         return False
 
     def joint_line(self, scene: Scene, settings: MovingBoundariesSettings) -> str:
@@ -62,15 +62,15 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         return MovingBoundariesModel(mechanism, settings.modes, settings.foreshortening)
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> MovingBoundariesSettings:
-        """Integration tolerance for an error against the model's own equations."""
+        """Integration tolerance for an integration error."""
         return MovingBoundariesSettings(tolerance=min(max(accuracy * TOLERANCE_PER_ERROR, TIGHTEST), LOOSEST))
 
     def ladder(self, mechanism: Mechanism) -> tuple[MovingBoundariesSettings, ...]:
-        """Numbers of modes: what is wrong with this model is not its integration. One rung where the crank is refused anyway."""
+        """Numbers of modes, because the model's error exceeds that of its integration; one rung for a free crank, which is refused."""
         return tuple(MovingBoundariesSettings(modes=modes) for modes in ((2,) if mechanism.crank_is_free else (1, 2, 3, 4, 6)))
 
     def comparisons(self, settings: MovingBoundariesSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """A hundredth of the tolerance, or a hundred times one that is too tight for that."""
+        """A run with a hundredth of the tolerance, or with a hundred times one that is too tight for that."""
         times, factor = TIGHTER, PART_OF_TIGHTER
         if settings.tolerance * TIGHTER < TIGHTEST:
             times, factor = 1.0 / TIGHTER, 1.0 / PART_OF_TIGHTER

@@ -19,7 +19,7 @@ class MultiplierSettings(ShapeSettings):
 
 
 class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[MultiplierSettings]):
-    """Index-1 form with stabilization: the beam of `fixed-shapes`, one coordinate and one multiplier more."""
+    """The beam of `fixed-shapes` with one more coordinate and a multiplier: index-1 form with stabilization."""
 
     name = "multiplier"
     method = "Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, DOP853"

@@ -14,12 +14,13 @@ from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPL
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
 
-#: Parts of the elements, and the factor by which the error is taken to grow. The error of the lever rule changes its sign from one number
-#: of elements to the next and hardly its size, so that a difference is about as large as it. Where a coarser run loses its hold on the
-#: slider, or is too coarse to have any, a finer one takes its place.
+#: Numbers of elements over that of the run with which the two coarser runs are compared, and the assumed error of a coarser run over that
+#: of the run. With the lever rule the error changes its sign from one number of elements to the next but hardly its size, so that the
+#: difference is about as large as the error.
 COARSER: Final = (2.0 / 3.0, 0.8)
-FINER: Final = (1.5, 1.25)
 FACTOR: Final = 2.0
+#: The same for finer runs, which take the place of coarser ones that break down or would have too few elements.
+FINER: Final = (1.5, 1.25)
 PART_OF_FINER: Final = 0.25
 FEWEST_WITH_COARSER: Final = 6
 _MOST_ELEMENTS: Final = 64
@@ -29,8 +30,8 @@ _MOST_ELEMENTS: Final = 64
 class NodalLoadSettings(BeamSettings):
     """Settings of `nodal-load`.
 
-    Elements ring at tens of kHz. What the integration leaves of that at a tolerance of 1e-7 is a third of a machine's slider force, at
-    1e-9 a percent.
+    Elements vibrate at tens of kHz. The integration's error in that makes a third of a machine's slider force at a tolerance of 1e-7, and
+    a percent at 1e-9.
     """
 
     elements: int = setting(12, "cubic Hermite elements of equal length", low=1, high=64)
@@ -42,7 +43,7 @@ class NodalLoadSettings(BeamSettings):
     stabilization: float = setting(100.0, "rate at which a gap decays (Baumgarte, critically damped)", unit="1/s", low=0.0, high=1e4)
     bending_damping: float = setting(
         3e-6,
-        "damping moment over elastic moment per curvature rate, with the lever rule alone, which flutters without",
+        "damping moment over EI, per rate of curvature; only with the lever rule, which flutters without it",
         unit="s",
         low=0.0,
         high=1e-2,
@@ -61,7 +62,7 @@ LADDER: Final = Ladder(
 
 
 class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
-    """The textbook way: with the lever rule the slider's constraint is not workless, its force on the nodes makes spurious power."""
+    """The textbook's way. With the lever rule the constraint does work: the slider's force on the nodes has a spurious power."""
 
     name = "nodal-load"
     method = "Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853"
@@ -73,13 +74,13 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
         return no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
 
     def constraint(self, scene: Scene, settings: NodalLoadSettings) -> SliderConstraint:
-        """Workless distributions need no damping; a rigid follower has no nodes but one multiplier."""
+        """The distribution, with damping for the lever rule, whose constraint does work; for a rigid follower a multiplier."""
         kind = MULTIPLIER if scene.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
         damping = settings.bending_damping if settings.distribution == "lever" else 0.0
         return SliderConstraint(kind=kind, stabilization=settings.stabilization, bending_damping=damping)
 
     def joint_line(self, scene: Scene, settings: NodalLoadSettings) -> str:
-        """Which distribution."""
+        """Names the distribution."""
         return f"slider on the elements (force on two nodes, {settings.distribution})"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> NodalLoadSettings:
@@ -87,18 +88,18 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
         return LADDER.pick(accuracy, gain_of(mechanism))
 
     def comparisons(self, settings: NodalLoadSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Two numbers of elements, coarser ones where they run."""
+        """Runs with two other numbers of elements, coarser ones where they run."""
 
-        def with_part(part: float, factor: float, instead: Comparison | None = None) -> Comparison:
-            other = settings.elements + (1 if part > 1.0 else -1) * max(1, round(abs(part - 1.0) * settings.elements))
+        def with_elements(ratio: float, factor: float, instead: Comparison | None = None) -> Comparison:
+            other = settings.elements + (1 if ratio > 1.0 else -1) * max(1, round(abs(ratio - 1.0) * settings.elements))
             return Comparison(settings, settings.replaced(elements=other), factor, instead=instead)
 
         if 2 * settings.elements > _MOST_ELEMENTS:
-            return tuple(with_part(part, FACTOR) for part in COARSER)
-        finer = [with_part(part, PART_OF_FINER) for part in FINER]
+            return tuple(with_elements(ratio, FACTOR) for ratio in COARSER)
+        finer = [with_elements(ratio, PART_OF_FINER) for ratio in FINER]
         if settings.elements < FEWEST_WITH_COARSER:
             return tuple(finer)
-        return tuple(with_part(part, FACTOR, instead) for part, instead in zip(COARSER, finer, strict=True))
+        return tuple(with_elements(ratio, FACTOR, instead) for ratio, instead in zip(COARSER, finer, strict=True))
 
     def finer(self, settings: NodalLoadSettings, excess: tuple[float, ...], output_step: float) -> NodalLoadSettings | None:
         """The next rung of the ladder."""

@@ -1,6 +1,6 @@
 """The engine `reference`: pseudo-coordinates with shapes that follow the slider, converged.
 
-What its numbers were measured from stands in `engines/LADDERS.md`, section 1.
+`engines/LADDERS.md`, section 1, has the measurements behind its numbers.
 """
 
 import math
@@ -16,10 +16,10 @@ from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparis
 from quickreturn.engines.ladder import Ladder, S
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
-from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.constants import unslowed
-from quickreturn.reference_model.joint import friction_in_words, in_words, rollers
+from quickreturn.reference_model.joint import friction_in_words, joint_in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider, changed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
@@ -29,42 +29,42 @@ if TYPE_CHECKING:
     from quickreturn.engines.own.simulation import OwnSimulation
     from quickreturn.reference_model.model import BeamModel
 
-#: Tolerance for an accuracy where so few modes do.
+#: Tolerance over the accuracy, where a scene needs fewer modes than run 24.
 TOLERANCE_PER_ACCURACY: Final = 1e-4
 
-#: Modes -> modes of the finer run that the error is estimated with, and the ratio of their errors.
+#: Modes -> modes of the finer run for the error estimate, and its error over that of the run.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: Relative change of the lowest frequency's square by a compliant joint, above which the joint's own vibration is not slowed.
 SOFT: Final = 5e-4
-#: Part of the modes' error that slowing it may cost.
+#: Error by slowing the joint's vibration, over the error of the modes.
 UNSEEN: Final = 5e-3
-#: Modes at least where rollers are hit: blows set more of them ringing than the crank does.
+#: Smallest number of modes if rollers strike the follower: blows excite more modes than the crank does.
 MODES_OF_BLOWS: Final = 7
-#: Part of the slider force from which on a roller that meets the follower hits it (`blow`): measured are 0.07, which needs no more modes
-#: than a rigid joint, and 0.6, which does (`engines/LADDERS.md`, section 5).
+#: Value of `blow` above which a roller strikes the follower: 0.07 was measured to need no more modes than a rigid joint, 0.6 needs more
+#: (`engines/LADDERS.md`, section 5).
 HIT: Final = 0.1
-#: Angular frequency over that of a blow, below which no mode is slowed where rollers are hit (`engines/LADDERS.md`, section 1).
+#: Smallest frequency of a slowed mode over that of a blow (`engines/LADDERS.md`, section 1).
 BLOW_RESOLVED: Final = 5.0
-#: Largest tolerance of a finer run over that of the run itself: a tenth shows the integration's error. Where rollers touch and part more
-#: modes need no smaller one.
+#: Largest tolerance of a finer run over that of the run: a tenth shows the integration's error. Where rollers touch and part it is the
+#: ratio itself, because there more modes need no smaller tolerance.
 TENTH: Final = 0.1
 LEAST_TOLERANCE: Final = 1e-12
-#: Rate (1/s) at which the gap of a rigid joint with friction decays.
+#: Rate (1/s) at which numerical errors of the gap decay in a rigid joint with friction.
 STABILIZATION: Final = 100.0
-#: Error with two modes more over that without.
+#: Error with two more modes over the error without.
 RATIO: Final = 0.25
-#: The most modes that are accepted; a run with so many is compared with one of two fewer.
+#: Largest number of modes; a run with as many is compared with one of two fewer.
 MOST_MODES: Final = 16
-#: From so many modes on the error falls smoothly, and two modes more must leave no more than this part of it; below, `RATIO` of it.
+#: Number of modes from which on the error falls smoothly, and the largest ratio of errors then stated for two more modes; below, `RATIO`.
 SMOOTH: Final = 4
 SLOWEST: Final = 0.5
-#: First bending frequency over the crank's, below which no mode is slowed: the motion itself needs the higher ones. Run 24 has 4.1, in
-#: which slowing costs nothing; with a tenth of its stiffness (1.3) it costs ten times the error (`engines/LADDERS.md`, section 1).
+#: `stiffness_ratio` below which no mode is slowed, because the motion needs the higher modes. In run 24 (4.1) slowing costs nothing; with a
+#: tenth of its stiffness (1.3) the error is ten times as large (`engines/LADDERS.md`, section 1).
 SOFT_FOLLOWER: Final = 3.0
-#: Modes -> `Comparison.alike` of a run with so many; 0 for other numbers.
+#: Modes -> `Comparison.alike`; 0 for other numbers of modes.
 ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
-#: Relative distance from a periodic motion at which the search for it makes its last step. The step leaves a tenth of it or less, which
-#: counts as settled when marching.
+#: Length of the last step of the search for a periodic motion, relative to the motion. A tenth of it or less is left, which counts as
+#: settled in a simulation from cycle to cycle.
 ORBIT_TOLERANCE: Final = 1e-3
 
 
@@ -83,8 +83,7 @@ class ReferenceSettings(BeamSettings):
         return self.modes
 
 
-#: Modes, integration tolerance where an added inertia slows the higher half of them and where nothing does, and error of the tip
-#: deflection in run 24 over 2 s.
+#: Modes, integration tolerance with and without added inertia, and error of the tip deflection in run 24 over 2 s.
 _RUNGS: Final = (
     (1, 1e-5, 1e-5, 2.7e-2),
     (2, 1e-5, 1e-5, 1.5e-3),
@@ -99,21 +98,22 @@ _RUNGS: Final = (
 
 
 def _ladder(column: int, added_inertia: bool) -> Ladder[ReferenceSettings]:
+    """The rungs, with the tolerance in a column of `_RUNGS`."""
     rungs = ((ReferenceSettings(modes=rung[0], tolerance=rung[column], added_inertia=added_inertia), rung[-1]) for rung in _RUNGS)
     return Ladder(tuple(rungs), "modes", "tolerance")
 
 
-#: Where runs begin, and where they climb.
+#: Ladders with and without added inertia: runs begin on the first and climb to the second.
 SLOWED, AS_THEY_ARE = _ladder(1, True), _ladder(2, False)
 
 
 def fitted(ladder: Ladder[S], accuracy: float, scene: Scene) -> S:
-    """The coarsest rung for a scene; where fewer modes do than in run 24, their tolerance fits the accuracy."""
-    found = ladder.pick(accuracy, gain_of(scene))
-    if found == ladder.pick(accuracy):
-        return found
+    """The coarsest rung for a scene; if that has fewer modes than run 24 needs, with a tolerance that fits the accuracy."""
+    rung = ladder.pick(accuracy, gain_of(scene))
+    if rung == ladder.pick(accuracy):
+        return rung
     fit = 10.0 ** math.floor(math.log10(TOLERANCE_PER_ACCURACY * accuracy) + 1e-9)
-    return found.replaced(tolerance=min(found.as_dict()["tolerance"], fit))
+    return rung.replaced(tolerance=min(rung.as_dict()["tolerance"], fit))
 
 
 class ReferenceEngine(BeamEngine[ReferenceSettings]):
@@ -128,55 +128,56 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     quantities = (*USUAL, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
     def check(self, scene: Scene) -> None:
-        """Refuse also, with a joint that gives way or rubs, parts that the open loop leaves without inertia."""
+        """Refuse also parts without mass, if the slider's joint is compliant or has friction."""
         super().check(scene)
         if self.opens_loop(scene):
             refusals.of_massless_parts(self.name, scene, " with a joint that gives way or rubs, which leaves the follower to itself")
 
     def opens_loop(self, scene: Scene) -> bool:
-        """A joint that gives way leaves the follower's angle free; friction needs the normal force, which an open loop knows."""
+        """With a compliant joint, which leaves the follower's angle free, or with friction, which needs the normal force."""
         return not scene.slider.is_rigid or scene.slider.has_friction
 
     def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
-        """See `BeamEngine.model`; the slider is eliminated only where it neither leaves the centre line nor rubs.
+        """See `BeamEngine.model`; the slider is eliminated unless its joint is compliant or has friction.
 
-        The follower alone has modes of the beam clamped at its base: five leave 6e-5 in the library's spin-up.
+        The follower alone has modes of the beam clamped at its base: with five the error in the library's spin-up is 6e-5.
         """
         from quickreturn.reference_model.model import BeamModel
 
-        held = CLOSED
+        constraint = CLOSED
         if not scene.slider.is_rigid:
             inertia = joint_inertia(scene, settings.modes) if scene.slider.is_linear else 0.0
-            held = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
+            constraint = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
         elif scene.slider.has_friction:
-            held = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
+            constraint = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
         slowed_to = BLOW_RESOLVED * rate_of_blow(scene) if scene.slider.has_corners else 0.0
-        return BeamModel.following(scene, settings.modes, held, slowed_to if settings.added_inertia else None)
+        return BeamModel.following(scene, settings.modes, constraint, slowed_to if settings.added_inertia else None)
 
     def joint_line(self, scene: Scene, settings: ReferenceSettings) -> str:
-        """Rigid or compliant."""
+        """Rigid, compliant or with friction."""
         slider = scene.slider
         if not slider.is_rigid:
-            line = f"slider beside the centre line ({in_words(slider)})"
+            line = f"slider beside the centre line ({joint_in_words(slider)})"
         else:
             line = "slider on the centre line (Lagrange multiplier)" if slider.has_friction else super().joint_line(scene, settings)
         return line + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer where the follower is stiffer than run 24's, more where rollers are hit."""
+        """Number of modes from the measured table; fewer for a stiffer follower than run 24's, more where rollers strike it."""
         ladder = AS_THEY_ARE if scene.crank is None or 0.0 < stiffness_ratio(scene) < SOFT_FOLLOWER else SLOWED
         if not scene.slider.has_corners:
             return fitted(ladder, accuracy, scene)
-        hit, usual = blow(scene) > HIT, AS_THEY_ARE.pick(accuracy)
-        found = usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS)) if hit else fitted(AS_THEY_ARE, accuracy, scene)
-        return found.replaced(added_inertia=True)
+        if blow(scene) <= HIT:
+            return fitted(AS_THEY_ARE, accuracy, scene).replaced(added_inertia=True)
+        usual = AS_THEY_ARE.pick(accuracy)
+        return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS), added_inertia=True)
 
     def comparisons(self, settings: ReferenceSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
-        """A run with more modes and a tolerance fit for them: it shows truncation and integration at once.
+        """A run with more modes and a tolerance to match, which shows the errors of truncation and integration together.
 
-        Of clamped modes the error of more is a smaller part, which makes the estimate a little too large. Another with still more tells
-        whether the error falls as it should: after a blow it does not, for that sets all modes ringing. It shows in accelerations, which
-        then differ by a larger part than the deflection.
+        A run with still more modes checks whether the error falls as stated. It does not after a blow, which excites all modes; the
+        relative difference is then larger in accelerations than in the deflection. With clamped modes the error falls faster than stated,
+        so that the estimate is a little too large.
         """
         ladder = SLOWED if settings.added_inertia else AS_THEY_ARE
         if settings.modes + 2 > MOST_MODES:
@@ -191,12 +192,11 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         finer, further = sized(settings, more), None
         if more + 2 <= MOST_MODES:
-            rest = RATIO if settings.modes < SMOOTH else SLOWEST
-            further = Comparison(finer, sized(finer, more + 2), rest)
+            further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST)
         return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
-        """The same modes as they are, if some were slowed: after a blow these ring too slowly. Else the next rung of the ladder."""
+        """The same modes without added inertia, if it slowed any, for they may ring too slowly; else the next rung of the ladder."""
         plain = settings.replaced(added_inertia=False)
         if settings.added_inertia and unslowed(settings.modes) < settings.modes:
             return AS_THEY_ARE.sized(plain, settings.modes)
@@ -205,14 +205,14 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def steady_state(
         self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "OwnSimulation | None" = None, patient: bool = False
     ) -> SteadyState | None:
-        """See `Engine.steady_state`; a rigid follower, or a slider joint that gives way or rubs, is marched.
+        """See `Engine.steady_state`; None for a rigid follower, a compliant joint or friction.
 
         Args:
             mechanism: the scene.
-            start: where the search begins.
-            settings: of it.
-            near: in the periodic state of a neighbouring scene, or with other settings, where the search begins instead.
-            patient: whether more turns are made before Newton's method, as where a search failed.
+            start: start of the search.
+            settings: settings of the model.
+            near: a simulation in the periodic state of a neighbouring scene or of other settings: the search begins there instead.
+            patient: whether to simulate more cycles before Newton's method, for a second attempt.
         """
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
@@ -224,9 +224,13 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         begin = self.prepare(mechanism, start, settings)
         model = begin.model
         assert isinstance(model, BeamModel)
-        turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that no time counts its compiling
+        turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that the time of the search does not count its compilation
         began = time.perf_counter()
-        guess = begin.state if near is None else _guess(near, begin.state[model.parameters.speeds + 1], mechanism)
+        guess = begin.state
+        if near is not None:
+            guess, speed = near.state.copy(), (len(near.state) - 5) // 2 + 2
+            if not mechanism.crank_is_free:
+                guess[speed] = begin.state[model.parameters.speeds + 1]
         try:
             orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance, PATIENT if patient else MARCHED)
         except NoPeriodicOrbit as reason:
@@ -242,39 +246,18 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             solve_seconds=time.perf_counter() - began,
         )
 
-    def periodic_start(self, mechanism: Mechanism, settings: ReferenceSettings) -> Start:
-        """The periodic steady state at the slider's farthest place, as a start for any engine.
-
-        Raises:
-            NoSteadyState: there is none, it was not found, or it is not stable.
-        """
-        found = self.steady_state(mechanism, standard_start(mechanism), settings)
-        if found is None or not found.stable:
-            raise NoSteadyState("a rigid follower or an open loop is marched" if found is None else "the periodic state is not stable")
-        from quickreturn.engines.own.simulation import OwnSimulation
-
-        assert isinstance(found.simulation, OwnSimulation)
-        return found.simulation.present_start()
-
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> NDArray[np.float64]:
-        """Converged, whatever the number of modes kept in simulations."""
+        """Converged, whatever the number of modes in simulations."""
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, count).frequencies
 
 
-def _guess(near: "OwnSimulation", crank_speed: float, mechanism: Mechanism) -> NDArray[np.float64]:
-    """The state of a neighbour's orbit, with the crank speed (rad/s) that is prescribed."""
-    state = near.state.copy()
-    if not mechanism.crank_is_free:
-        state[(len(state) - 5) // 2 + 2] = crank_speed
-    return state
-
-
 def blow(scene: Scene) -> float:
-    """Force with which a roller meets the follower as the slider force changes its sign, over that force; infinite across a clearance.
+    """Estimated force of a blow over the slider force, when that changes its sign; infinite with clearance, 0 for a smooth joint.
 
-    The softer roller lets go of the follower at the rate of the force over its stiffness, and a mass m that meets the stiffer one at a
-    speed v is stopped by v sqrt(k m). The force changes at the crank's pace, and m is the follower's mass, each in order of magnitude.
+    The softer roller lets the follower go at a speed v, the rate of the force over its stiffness, and the stiffer one (stiffness k) stops
+    a mass m of that speed with the force v sqrt(k m). In order of magnitude the rate of the force is the force times `crank_pace`, and m
+    is the follower's mass.
     """
     if scene.crank is None or not scene.slider.has_corners:
         return 0.0
@@ -285,26 +268,27 @@ def blow(scene: Scene) -> float:
 
 
 def rate_of_blow(scene: Scene) -> float:
-    """Angular frequency (rad/s) of the follower's mass on the stiffer roller; infinite without a mass."""
+    """Angular frequency (rad/s) of the follower's mass on the stiffer roller; infinite for a massless follower."""
     return math.sqrt(max(scene.slider.sides) / scene.follower.mass) if scene.follower.mass > 0.0 else math.inf
 
 
 def joint_inertia(scene: Scene, modes: int) -> float:
-    """Inertia (kg) beside a compliant joint's spring, which slows the gap's own vibration by as much as does not show.
+    """Inertia (kg) parallel to a compliant joint's spring, which slows the gap's own vibration without a visible error.
 
-    A motion of the angular frequency omega finds the joint softer by (omega / Omega)^2 where the inertia is stiffness / Omega^2, and the
-    joint changes the lowest frequency by a part E: the product is kept at a hundredth of the error of the modes, for the lowest frequency
-    with the slider at its farthest place. Above 1e6 N/m a step of the explicit integration would else have to follow that vibration.
+    Without it the steps of the explicit integration would have to follow that vibration above 1e6 N/m. With the inertia
+    stiffness / Omega^2 a motion of the angular frequency omega meets a joint that is softer by the fraction (omega / Omega)^2. The joint
+    changes the square of the lowest frequency by a fraction E. The product of both is kept at `UNSEEN` times the error of the modes, for
+    the lowest frequency with the slider at its farthest place. 0 where the joint is too soft to need it (`SOFT`).
     """
     stiffness = scene.slider.closed_stiffness
     if scene.crank is None or scene.follower.is_rigid or stiffness <= 0.0:
         return 0.0
     held = changed(scene, {"slider": Slider(inertia=scene.slider.inertia)})
-    rigid, own_one = (float(frozen_crank_modes(each, math.pi, 1).frequencies[0]) for each in (held, scene))
-    part = 2.0 * abs(1.0 - own_one / rigid)  # of the frequency's square, which a motion's amplitude follows
-    if part > SOFT:
+    rigid, compliant = (float(frozen_crank_modes(machine, math.pi, 1).frequencies[0]) for machine in (held, scene))
+    change = 2.0 * abs(1.0 - compliant / rigid)  # of the frequency's square, with which a motion's amplitude changes
+    if change > SOFT:
         return 0.0
     highest = float(frozen_crank_modes(held, math.pi, modes).frequencies[-1])
-    # no slower than the modes themselves, which bound the step anyway
-    slowed = 2.0 * math.pi * max(rigid * math.sqrt(part / (UNSEEN * AS_THEY_ARE.claim(modes))), highest)
+    # not slower than the modes, which bound the step anyway
+    slowed = 2.0 * math.pi * max(rigid * math.sqrt(change / (UNSEEN * AS_THEY_ARE.claim(modes))), highest)
     return stiffness / slowed**2

@@ -1,4 +1,4 @@
-"""A running simulation of one of the own models."""
+"""A running simulation of one of this project's models."""
 
 import time
 from typing import TYPE_CHECKING, Final
@@ -38,9 +38,9 @@ _LOST_HOLD: Final = (
 class OwnSimulation(Simulation):
     """Advances the state vector of a model.
 
-    Statistics of a trajectory: `right_hand_side_calls`, `integration_seconds`; of an open loop also `degrees_of_freedom` (coordinates
-    integrated), `largest_gap_rate` (m/s), and with the lever rule, whose constraint is not workless, `spurious_energy` (J, its work on
-    crank and follower together), `spurious_energy_moved` (J, the same without regard to its sign) and `largest_spurious_power` (W).
+    Statistics of a trajectory: `right_hand_side_calls` and `integration_seconds`; with an open loop also `degrees_of_freedom` and
+    `largest_gap_rate` (m/s); with the lever rule, whose constraint does work, also `spurious_energy` (J, its work on crank and follower
+    together), `spurious_energy_moved` (J, the integral of the absolute power) and `largest_spurious_power` (W).
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class OwnSimulation(Simulation):
         self._step = 0.0
 
     def present_start(self) -> Start:
-        """The present state as a start for any engine; not of the thesis' model, whose shapes are too few for that."""
+        """The present state as a start for any engine; only for a `BeamModel`, because the other models have too few shapes for that."""
         assert isinstance(self.model, BeamModel)
         deflection, rate = self.model.deflection(self.state)
         return Start(float(self.state[0]), float(self.state[self.model.parameters.speeds + 1]), deflection, rate)
@@ -64,11 +64,11 @@ class OwnSimulation(Simulation):
         began = time.perf_counter()
         result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)
         integrated = time.perf_counter()
-        states, known = result.states, result.end_time
+        states, good = result.states, result.end_time
         try:
             columns = self.model.observe(states)
         except ObservationFailed as failure:
-            states, known = states[: failure.row], output_step * max(failure.row - 1, 0)
+            states, good = states[: failure.row], output_step * max(failure.row - 1, 0)
             columns = self.model.observe(states)
         statistics = {"right_hand_side_calls": float(result.calls), "integration_seconds": integrated - began}
         statistics |= self._of_joint({name: columns.pop(name) for name in JOINT_COLUMNS if name in columns}, states, output_step)
@@ -78,7 +78,7 @@ class OwnSimulation(Simulation):
             cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
             if self._is_lever and result.status != integrate.LEFT_FOLLOWER:
                 cause, advice = _LOST_HOLD
-            raise EngineFailure(self.time + known, cause, advice, trajectory if len(trajectory) else None)
+            raise EngineFailure(self.time + good, cause, advice, trajectory if len(trajectory) else None)
         self.state, self._step = result.states[-1], result.next_step
         self.time += duration
         return trajectory
@@ -88,6 +88,7 @@ class OwnSimulation(Simulation):
         return isinstance(self.model, BeamModel) and self.model.parameters.constraint == LEVER
 
     def _of_joint(self, joint: dict[str, Array], states: Array, output_step: float) -> dict[str, float]:
+        """Statistics of an open loop from its `JOINT_COLUMNS`; none for a closed one."""
         if not joint:
             return {}
         assert isinstance(self.model, BeamModel)

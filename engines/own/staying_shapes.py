@@ -1,4 +1,4 @@
-"""What the engines with shapes that stay where they are have in common: settings, number of shapes, runs to compare."""
+"""Base of the engines with fixed shapes: settings, number of shapes, runs to compare."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -19,21 +19,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class ShapeSettings(BeamSettings):
-    """Settings of the engines that take any shapes."""
+    """Settings of the engines that accept any fixed shapes."""
 
     shapes: int = setting(12, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
     family: str = setting("clamped-free", "shapes that stay where they are", choices=("clamped-free", "hermite"))
 
     @property
     def shape_count(self) -> int:
-        """Elements bring two each."""
+        """See `BeamSettings.shape_count`; an element has two."""
         return 2 * max(1, self.shapes // 2) if self.family == "hermite" else self.shapes
 
 
 AnyShapes = TypeVar("AnyShapes", bound=ShapeSettings)
 
-#: Number of clamped-free modes, integration tolerance and what they claim of the tip deflection in run 24 over 2 s, with the slider
-#: eliminated or held by a multiplier (`reference_model/RIVALS.md`, section 3).
+#: Number of clamped-free modes, integration tolerance, and the error of the tip deflection that they claim in run 24 over 2 s, with the
+#: slider eliminated or held by a multiplier (`reference_model/RIVALS.md`, section 3).
 _RUNGS: Final = (
     (1, 1e-8, 1.3),
     (2, 1e-8, 4.6e-1),
@@ -56,23 +56,24 @@ LADDER: Final = Ladder(
     order=3.0,
 )
 
-#: Parts of the shapes, and the factors by which the error is taken to grow where there are no more than those. Shapes that stay err more
-#: or less as their waves fit the kink at the slider, so that one difference alone may vanish by accident.
+#: Two coarser runs for the estimate: number of shapes over that of the run, and assumed error over that of the run. The error of fixed
+#: shapes depends on how their waves fit the kink at the slider, so that one difference alone may vanish by accident.
 COARSER: Final = ((0.5, 3.0), (0.75, 2.0))
-#: Fewer shapes than these have no order yet and are compared with more than twice as many, whose error is taken to be this part.
+#: Smallest number of shapes whose error has an order. Fewer are compared with more than twice as many, and the assumed error of those over
+#: that of the run.
 FEWEST_WITH_ORDER: Final = 8
 PART_OF_FINER: Final = 2.0 / 7.0
 
 
 class StayingEngine(BeamEngine[S]):
-    """An engine whose shapes stay where they are."""
+    """An engine with fixed shapes."""
 
     @abstractmethod
     def shapes(self, follower: Follower, settings: S) -> ShapeSet:
         """The shapes of a follower; none for a rigid one."""
 
     def constraint(self, scene: Scene, settings: S) -> SliderConstraint:
-        """What happens to the gap at the slider; unless overridden the follower's angle closes it."""
+        """The slider constraint; unless overridden the follower's angle closes the gap."""
         return CLOSED
 
     def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
@@ -92,12 +93,12 @@ class StayingShapesEngine(StayingEngine[AnyShapes]):
         return clamped_free_modes(follower.length, settings.shapes)
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnyShapes:
-        """Number of shapes from the measured table; fewer where the follower is stiffer than run 24's."""
+        """Number of shapes from the measured table; fewer for a stiffer follower than run 24's."""
         rung = LADDER.pick(accuracy, gain_of(mechanism))
         return self.settings_type(shapes=rung.shapes, tolerance=rung.tolerance)
 
     def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        return of_shapes(settings)
+        return compared_shapes(settings)
 
     def finer(self, settings: AnyShapes, excess: tuple[float, ...], output_step: float) -> AnyShapes | None:
         """The first rung of the ladder with as many shapes as the estimate asks for."""
@@ -105,21 +106,20 @@ class StayingShapesEngine(StayingEngine[AnyShapes]):
 
 
 class RivalEngine(StayingEngine[S]):
-    """An engine whose loop is open: the follower's angle is a coordinate of its own, the slider's constraint a force."""
+    """An engine with an open loop: the follower's angle is a coordinate of its own, and the slider's constraint a force."""
 
     quantities = USUAL
 
     def check(self, scene: Scene) -> None:
-        """Refuse also parts that the open loop leaves without inertia."""
+        """Refuse also parts without mass."""
         super().check(scene)
         refusals.of_massless_parts(self.name, scene, ", whose shapes need mass of their own")
 
 
-def of_shapes(chosen: ShapeSettings) -> tuple[Comparison, ...]:
-    """Two runs with fewer shapes, or one with more where there are too few for that, with the tolerance fit for them."""
-    elements = chosen.family == "hermite"  # two shapes each: an odd number is not there
-    taken = max(2, chosen.shapes - chosen.shapes % 2) if elements else chosen.shapes
-    if taken < FEWEST_WITH_ORDER:
-        return (Comparison(chosen, LADDER.sized(chosen, 2 * taken + 2), PART_OF_FINER),)
-    fewer = ((round(part * taken), factor) for part, factor in COARSER)
-    return tuple(Comparison(chosen, chosen.replaced(shapes=n + n % 2 if elements else n), factor) for n, factor in fewer)
+def compared_shapes(settings: ShapeSettings) -> tuple[Comparison, ...]:
+    """Comparisons with two runs of fewer shapes; or with one of more shapes and a tolerance to match, where there are too few for that."""
+    if (count := settings.shape_count) < FEWEST_WITH_ORDER:
+        return (Comparison(settings, LADDER.sized(settings, 2 * count + 2), PART_OF_FINER),)
+    even = settings.family == "hermite"  # an element has two shapes
+    fewer = ((round(ratio * count), factor) for ratio, factor in COARSER)
+    return tuple(Comparison(settings, settings.replaced(shapes=n + n % 2 if even else n), factor) for n, factor in fewer)

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from quickreturn.engines.own.simulation import OwnSimulation
     from quickreturn.reference_model.thesis.model import ThesisModel
 
-#: LSODA's tolerance for an error of the tip deflection (`engines/LADDERS.md`, section 2).
+#: LSODA's tolerance over the integration error of the tip deflection (`engines/LADDERS.md`, section 2).
 THESIS_TOLERANCE_PER_ERROR: Final = 1e-4
-#: Ratio of the errors of runs whose tolerances are a decade apart.
+#: Ratio of the errors of two runs whose tolerances differ by a factor of ten.
 THESIS_ERROR_PER_DECADE: Final = 6.0
 #: The loosest tolerance accepted.
 LOOSEST: Final = 1e-2
@@ -43,7 +43,7 @@ class ThesisSettings(Settings):
 
 
 class ThesisEngine(Engine[ThesisSettings]):
-    """The thesis' model as published. Its discretization is the model: accuracy asked and error estimate are the integration's."""
+    """The thesis' model as published. Its discretization is the model, so that accuracy and error estimate are the integration's."""
 
     name = "thesis"
     method = "pseudo-coordinate at the coupler, one cubic, second-order foreshortening, LSODA (the thesis as published)"
@@ -58,7 +58,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         return f"scipy {scipy.__version__}"
 
     def model(self, scene: Scene, settings: ThesisSettings) -> "ThesisModel":
-        """The thesis' model of a scene. Refusal: the scene has what this model or these shapes cannot carry."""
+        """The thesis' model of a scene. Raises Refusal: it cannot describe a part of the scene."""
         from quickreturn.reference_model.thesis.model import ThesisModel
 
         self.check(scene)
@@ -71,7 +71,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         return description(scene, f"{n} shapes" if n else "rigid", ELIMINATED_SLIDER, n)
 
     def _shapes(self, scene: Scene, settings: ThesisSettings) -> ShapeSet:
-        """Cubic elements, none for a rigid follower; refused where they cannot carry the slider."""
+        """Cubic elements; no shapes for a rigid follower. Raises Refusal: a slider with rotary inertia on more than one element."""
         length = scene.follower.length
         shapes = no_shapes(length) if scene.follower.is_rigid else hermite_elements(length, settings.elements)
         refusals.of_kinks(scene, shapes, "one Hermite element")
@@ -95,15 +95,15 @@ class ThesisEngine(Engine[ThesisSettings]):
         return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began)
 
     def settings_for(self, accuracy: float, mechanism: Scene) -> ThesisSettings:
-        """Integration tolerance for an error against the model's own equations."""
+        """Integration tolerance for an integration error."""
         return ThesisSettings(tolerance=accuracy * THESIS_TOLERANCE_PER_ERROR)
 
     def ladder(self, mechanism: Mechanism) -> tuple[ThesisSettings, ...]:
-        """A coarse and a fine tolerance: what is wrong with this model is not its integration."""
+        """A coarse and a fine tolerance: the model's error exceeds that of its integration by far."""
         return tuple(self.settings_for(accuracy, mechanism) for accuracy in (1e-2, 1e-3))
 
     def comparisons(self, settings: ThesisSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
-        """Ten times the tolerance, or a tenth of one that leaves no more; the error factor is measured."""
+        """A run with ten times the tolerance, or with a tenth of one that is too loose for that; the ratio of errors is measured."""
         times, factor = 10.0, THESIS_ERROR_PER_DECADE
         if settings.tolerance > 0.1 * LOOSEST:
             times, factor = 0.1, 1.0 / THESIS_ERROR_PER_DECADE
@@ -114,7 +114,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 1e-11 else None
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ThesisSettings) -> NDArray[np.float64]:
-        """Of the cubic elements: two per element."""
+        """See `Engine.natural_frequencies`; those of the cubic elements, two per element."""
         if mechanism.follower.is_rigid:
             return np.zeros(0)
         self.check(mechanism)

@@ -49,7 +49,7 @@ class DerivedSimulation(Simulation):
     def model(self) -> "Model":
         """The compiled equations with the shapes of this scene."""
         mechanism = self.mechanism
-        return model(self.shapes.placed.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
+        return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
@@ -63,7 +63,7 @@ class DerivedSimulation(Simulation):
         )  # fmt: skip
         place = equations.system.tables[0].index
         states = found.y.T if len(found.t) else self.state[None]
-        left = states[:, place] > self.shapes.placed.reach
+        left = states[:, place] > self.shapes.reach
         states = states[: max(int(np.argmax(left)), 1)] if left.any() else states
         rows = equations.observe(times[: len(states)], states, self.values)
         shown = {str(name): values.to_numpy(dtype=np.float64) for name, values in rows.items()}
@@ -71,7 +71,7 @@ class DerivedSimulation(Simulation):
         trajectory = Trajectory(table, time.perf_counter() - began, {"right_hand_side_calls": float(found.nfev)})
         self.state, self.time = states[-1], float(times[len(states) - 1])
         if len(states) < len(times):
-            gone = left.any() or states[-1, place] > NEARLY * self.shapes.placed.reach
+            gone = left.any() or states[-1, place] > NEARLY * self.shapes.reach
             cause = "the slider has left the follower's end" if gone else "the integration does not get on"
             raise EngineFailure(self.time, cause, "try a slower crank, a stiffer or longer follower", trajectory)
         return trajectory
@@ -117,7 +117,7 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
     from quickreturn.derive import natural_frequencies
     from quickreturn.witness.description import constants
 
-    still = model(following(mechanism, modes).placed.tables, modes, mechanism.slider.is_rigid, False)
+    still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False)
     at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "torque"), 0.0)
     at = {"crank_angle": crank_angle} | _rigid_place(mechanism, crank_angle)
     return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest))

@@ -26,8 +26,8 @@ class ModeFamily:
     Attributes:
         low, high: range of s, m.
         length: L, m.
-        squares: Chebyshev coefficients of omega_i^2, shape (terms, n).
-        coefficients: Chebyshev coefficients of the Legendre coefficients, shape (terms, 2, degree, n).
+        squares: Chebyshev coefficients of omega_i^2, rad^2/s^2, shape (terms, n).
+        coefficients: Chebyshev coefficients of the Legendre coefficients of psi_i, rad, shape (terms, 2, degree, n).
     """
 
     low: float
@@ -41,80 +41,78 @@ class ModeFamily:
         return dataclasses.replace(self, squares=self.squares[:, :count], coefficients=self.coefficients[..., :count])
 
     def squares_at(self, s: Array, derivative: int = 0) -> Array:
-        """omega_i^2 or its derivative by s at places s (k,), shape (k, n)."""
+        """omega_i^2 (rad^2/s^2) or its derivative by s at support places s (m), shape (k,); returns shape (k, n)."""
         return self._series(self.squares, s, derivative)
 
     def shapes_at(self, s: Array, u: Array, span: int) -> tuple[Array, Array, Array, Array]:
-        """psi, its derivatives by s (twice, at fixed x, equation 2.9) and by x, at the fractions u (p,) of a span; each (k, p, n).
+        """Psi, its first and second derivative by s at fixed x (equation 2.9), and its derivative by x; each of shape (k, p, n).
 
         Args:
             s: support places, m, shape (k,).
-            u: fractions of the span's length, 0 to 1.
+            u: fractions of the span's length at which they are evaluated, 0 to 1, shape (p,).
             span: 0 from the base to the support, 1 from there to the end.
         """
         h = (s if span == 0 else self.length - s)[:, None, None]
-        slope_of_h = 1.0 if span == 0 else -1.0
-        a = (u if span == 0 else 1.0 - u)[None, :, None]  # derivative of x by s at fixed u
-        legendre_of = [self._series(self.coefficients[:, span], s, order) for order in range(3)]
-        vander = [
-            legendre.legvander(2.0 * u - 1.0, self.coefficients.shape[2] - 1) @ _derivative_matrix(self.coefficients.shape[2], m) * 2.0**m
+        h_by_s = 1.0 if span == 0 else -1.0
+        x_by_s = (u if span == 0 else 1.0 - u)[None, :, None]  # at fixed u
+        legendre_by_s = [self._series(self.coefficients[:, span], s, order) for order in range(3)]
+        degree = self.coefficients.shape[2]
+        legendre_by_u = [
+            legendre.legvander(2.0 * u - 1.0, degree - 1) @ np.pad(legendre.legder(np.eye(degree), m), ((0, m), (0, 0))) * 2.0**m
             for m in range(3)
         ]
 
         def field(by_s: int, by_u: int) -> Array:
-            return np.asarray(vander[by_u] @ legendre_of[by_s])
+            return np.asarray(legendre_by_u[by_u] @ legendre_by_s[by_s])
 
         psi_x = field(0, 1) / h
-        psi_s = field(1, 0) - a * psi_x
-        psi_x_by_s = field(1, 1) / h - field(0, 1) * slope_of_h / h**2
-        psi_s_by_u = field(1, 1) - slope_of_h * psi_x - a * field(0, 2) / h
-        psi_ss = field(2, 0) - a * psi_x_by_s - a * psi_s_by_u / h
+        psi_s = field(1, 0) - x_by_s * psi_x
+        psi_x_by_s = field(1, 1) / h - field(0, 1) * h_by_s / h**2
+        psi_s_by_u = field(1, 1) - h_by_s * psi_x - x_by_s * field(0, 2) / h
+        psi_ss = field(2, 0) - x_by_s * psi_x_by_s - x_by_s * psi_s_by_u / h
         return field(0, 0), psi_s, psi_ss, psi_x
 
     def angles(self, s: float, x: Array) -> tuple[Array, Array]:
-        """psi_i and its derivative by s, for one place s (m), at arc lengths x (k,), each (k, n)."""
-        found = np.empty((2, len(x), self.squares.shape[1]))
+        """psi_i and its derivative by s, for one support place s (m), at arc lengths x (m), shape (k,); each of shape (k, n)."""
+        angle, angle_s = np.empty((2, len(x), self.squares.shape[1]))
         place = np.array([s])
         for span, inside in enumerate((x <= s, x > s)):
             u = x[inside] / s if span == 0 else (x[inside] - s) / (self.length - s)
             psi, psi_s, _, _ = self.shapes_at(place, u, span)
-            found[0, inside], found[1, inside] = psi[0], psi_s[0]
-        return found[0], found[1]
+            angle[inside], angle_s[inside] = psi[0], psi_s[0]
+        return angle, angle_s
 
     def series_at(self, s: Array) -> Array:
-        """Legendre coefficients of psi on both spans, each mapped to -1 .. 1, for places s (k,), shape (k, 2, degree, n)."""
+        """Legendre coefficients of psi, each span mapped to -1 .. 1, at support places s (m), shape (k,); returns (k, 2, degree, n)."""
         return self._series(self.coefficients, s, 0)
 
     def at_slider(self, s: Array, derivative: int) -> Array:
-        """psi_i(s; s) or its derivative along the moving slider, shape (k, n): the first span's series at its end, all terms 1."""
+        """psi_i(s; s) or its derivative along the moving slider, shape (k, n), for slider places s (m), shape (k,).
+
+        It is the first span's series at the span's end, where every Legendre polynomial is 1.
+        """
         return self._series(self.coefficients[:, 0].sum(axis=1), s, derivative)
 
     def _series(self, coefficients: Array, s: Array, derivative: int) -> Array:
+        """A Chebyshev series in s (terms, ...), or its derivative of that order by s, at places s (k,); returns (k, ...)."""
         scaled = (2.0 * s - self.low - self.high) / (self.high - self.low)
         series = chebyshev.chebder(coefficients, derivative) * (2.0 / (self.high - self.low)) ** derivative if derivative else coefficients
         return np.tensordot(chebyshev.chebvander(scaled, len(series) - 1), series, axes=1)
 
 
-def _derivative_matrix(degree: int, order: int) -> Array:
-    """Matrix that differentiates Legendre coefficients `order` times, acting on columns."""
-    matrix = np.eye(degree)
-    for _ in range(order):
-        matrix = np.pad(legendre.legder(matrix), ((0, 1), (0, 0)))
-    return matrix
-
-
 def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms: int) -> ModeFamily:
-    """The family over low <= s <= high (m), interpolated at `terms` Chebyshev points; signs are continued from one to the next.
+    """The first `modes` modes for low <= s <= high (m), interpolated at `terms` Chebyshev points.
 
-    The modes are those without the slider's own inertia and with a rigid joint, so that curvature is continuous at the slider.
+    A mode keeps its sign from one point to the next. The slider has no inertia and a rigid joint, so that the curvature is continuous
+    there.
     """
     bare = dataclasses.replace(mechanism, slider=Slider())
     nodes = chebyshev.chebpts1(terms)
     places = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-    found = [supported_modes(bare, float(s), modes) for s in places]
+    modes_at_places = [supported_modes(bare, float(s), modes) for s in places]
     angles = []
-    for mode in found:
-        series = np.stack(mode.slope_series())
+    for modes_at_place in modes_at_places:
+        series = np.stack(modes_at_place.slope_series())
         series[:, 0, :] -= (-1.0) ** np.arange(series.shape[1]) @ series[0]  # the slope at P
         angles.append(series)
     for before, after in itertools.pairwise(angles):
@@ -122,5 +120,5 @@ def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms
     # discrete orthogonality of the Chebyshev polynomials at these points
     transform = chebyshev.chebvander(nodes, terms - 1).T * (2.0 / terms)
     transform[0] *= 0.5
-    squares = transform @ np.array([(2.0 * np.pi * mode.frequencies) ** 2 for mode in found])
+    squares = transform @ np.array([(2.0 * np.pi * at_place.frequencies) ** 2 for at_place in modes_at_places])
     return ModeFamily(low, high, mechanism.follower.length, squares, np.tensordot(transform, np.array(angles), axes=1))

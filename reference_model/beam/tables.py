@@ -22,13 +22,13 @@ Array = NDArray[np.float64]
 
 
 class _Reach(NamedTuple):
-    """How near to the follower's end the tables go, and how fine they are; lengths in parts of the follower's.
+    """How near to the follower's end the tables go, and how fine they are; lengths as fractions of the follower's.
 
     Attributes:
-        end: what the second span keeps: its stiffness grows without bound as it vanishes.
-        leaving: the follower counts as left so much before the tables end, so that a step can end between and be seen to.
-        terms: factor on the terms of the modes' series in s, whose errors the derivatives by s divide by the span's length, twice.
-        intervals: factor on the pieces of the tables.
+        end: shortest second span in the tables: the stiffness of its modes grows without bound as its length vanishes.
+        leaving: distance before the end of the tables at which the slider counts as off the follower, so that a step can end in between.
+        terms: factor on the number of terms of the modes' series in s, whose error each derivative by s divides by the span's length.
+        intervals: factor on the number of pieces of the tables.
     """
 
     end: float
@@ -37,15 +37,15 @@ class _Reach(NamedTuple):
     intervals: int
 
 
-#: Where the rigid mechanism keeps the slider away from the end: left at 0.06 % of the length before it, which takes violent bending.
+#: For a slider that stays away from the follower's end in the rigid mechanism: off the follower 0.06 % of the length before the end.
 _USUAL: Final = _Reach(1e-4, 5e-4, 1, 1)
-#: Where it does not; coarser tables would lose 5e-2 of the strain energy there.
+#: For a slider that comes near the end, where coarser tables would lose 5e-2 of the strain energy.
 _TO_THE_END: Final = _Reach(1e-6, 1e-5, 3, 8)
-#: Up to so many modes come from one family: a run and the finer ones of its error estimate share it.
+#: Models with up to this many modes share one family: a run, and the finer runs of its error estimate.
 _SHARED: Final = 7
-#: The part of the follower's length from which on the slider counts as near the end.
+#: Fraction of the follower's length beyond which the slider counts as near the end.
 _NEAR: Final = 0.95
-#: How far beyond the follower's end the tables of shapes that stay go, in parts of its length: a step that passes it is seen to.
+#: Distance beyond the follower's end to which tables of fixed shapes go, as a fraction of its length, so that a step may pass the end.
 _BEYOND: Final = 0.02
 
 
@@ -55,7 +55,7 @@ def _reach(mechanism: Mechanism) -> _Reach:
 
 
 def slider_range(mechanism: Mechanism) -> tuple[float, float]:
-    """Arc lengths that tables of shapes that follow cover, m: from a twentieth less than the rigid mechanism's to almost the end."""
+    """Slider positions (m) that tables of following shapes cover: from 5 % below the rigid mechanism's to just short of the end."""
     return _nearest(mechanism), (1.0 - _reach(mechanism).end) * mechanism.follower.length
 
 
@@ -63,46 +63,48 @@ def _nearest(mechanism: Mechanism) -> float:
     return max(0.95 * (mechanism.pivot_distance - mechanism.crank.length), 0.02 * mechanism.follower.length)
 
 
-class Placed(NamedTuple):
-    """Tables, and the slider's place (m) at which it counts as leaving the follower."""
+class BoundedTables(NamedTuple):
+    """Tables, and the slider position `reach` (m) beyond which the slider counts as off the follower."""
 
     tables: Tables
     reach: float
 
 
 class Following(NamedTuple):
-    """Natural modes of the follower supported at the slider, following it.
+    """Natural modes of the follower supported at the slider, for every slider position.
 
     Attributes:
-        placed: their tables.
+        tables: their tables.
+        reach: slider position beyond which the slider counts as off the follower, m.
         family: the modes as functions of the slider's place and of arc length.
-        seconds: wall time that making them took earlier, where they were kept.
+        seconds: wall time (s) that an earlier call spent on them; 0 where this call made them.
     """
 
-    placed: Placed
+    tables: Tables
+    reach: float
     family: ModeFamily
     seconds: float
 
 
 def following(mechanism: Mechanism, modes: int) -> Following:
-    """The first `modes` modes. The last few are kept: a run, its rungs and its settled cycles ask for the same again."""
+    """The first `modes` modes. Those of the last few mechanisms are kept: a run, its error estimate and its settled cycles share them."""
     tip, crank = mechanism.tip, mechanism.crank
     tip = None if tip is None else Tip(mass=tip.mass, inertia=tip.inertia, center_of_mass=tip.center_of_mass)
     at_rest = Crank(length=crank.length, drive=PrescribedSpeed(speed=0.0))
     began = time.perf_counter()
-    found = _following(replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0)), modes)
-    return found._replace(seconds=max(0.0, found.seconds - (time.perf_counter() - began)))
+    kept = _following(replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0)), modes)
+    return kept._replace(seconds=max(0.0, kept.seconds - (time.perf_counter() - began)))
 
 
 @lru_cache(maxsize=16)
 def _following(bare: Mechanism, modes: int) -> Following:
-    """Of a mechanism without what its modes do not depend on."""
+    """The modes of a mechanism `bare` of everything on which they do not depend; `seconds` is the wall time of making them."""
     reach, high = _reach(bare), slider_range(bare)[1]
     shared, seconds = _family(bare, max(modes, _SHARED))
     began, family = time.perf_counter(), shared.first(modes)
     tables = span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1))
     seconds += time.perf_counter() - began
-    return Following(Placed(tables, high - reach.leaving * bare.follower.length), family, seconds)
+    return Following(tables, high - reach.leaving * bare.follower.length, family, seconds)
 
 
 @lru_cache(maxsize=8)
@@ -116,9 +118,9 @@ def _family(bare: Mechanism, modes: int) -> tuple[ModeFamily, float]:
 def gauss_points(modes: int) -> int:
     """Gauss points on each span for shapes that follow the slider.
 
-    One less than a multiple of four, which with the span's end fills the places; fewer cost the same. Run 24 needs seven for five modes;
-    a crank of 6 in, which brings the slider nearer to the end, has 2e-3 of the tip acceleration left with seven and 2e-4 with eleven. With
-    four modes it has 1.2e-2 with seven and 4e-3 with eleven (`engines/LADDERS.md`, section 1).
+    One less than a multiple of four: with the span's end they fill whole registers of four numbers, and fewer cost the same. Run 24 needs
+    seven for five modes. With a crank of 6 in, which brings the slider nearer to the end, the error of the tip acceleration is 2e-3 with
+    seven and 2e-4 with eleven; with four modes it is 1.2e-2 and 4e-3 (`engines/LADDERS.md`, section 1).
     """
     return 7 if modes <= 3 else 11 if modes <= 9 else 15
 
@@ -140,13 +142,13 @@ def span_tables(family: ModeFamily, points: int, intervals: int) -> Tables:
     return _tables(nodes[0], nodes[-1], coefficients, True, points, np.zeros(intervals), 2)
 
 
-def staying(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
-    """Smooth shapes that stay where they are: slopes of `shapes`, with cells that follow the slider.
+def staying(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> BoundedTables:
+    """Smooth shapes that do not change with the slider's place: slopes of `shapes`, with cells that follow the slider.
 
     Args:
         mechanism: the scene.
         shapes: deflections, whose coordinates are those of the equations; none for a rigid follower.
-        squares: stiffness of each shape, shape (n,).
+        squares: modal stiffness of each shape, rad^2/s^2, shape (n,).
     """
     length, n = mechanism.follower.length, shapes.count
     cells = 2 * max(2, math.ceil(1.3 * n / 7.0)) if n else 2
@@ -159,10 +161,10 @@ def staying(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
 
     rows = _fixed_rows(shapes, squares, nodes, edges(nodes), 7)
     coefficients = spline_coefficients(nodes, rows)
-    return Placed(_tables(nodes[0], nodes[-1], coefficients, False, 7, np.full(len(nodes) - 1, inboard - 1.0), cells), length)
+    return BoundedTables(_tables(nodes[0], nodes[-1], coefficients, False, 7, np.full(len(nodes) - 1, inboard - 1.0), cells), length)
 
 
-def elements(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
+def elements(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> BoundedTables:
     """Shapes on elements of equal length: the slider divides its own, so that there is one cell more than elements.
 
     The slope of a cubic is a quadratic, and on a cell that the slider moves a cubic in s at most: the tables are exact.
@@ -180,21 +182,21 @@ def elements(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> Placed:
         pieces.append(np.linalg.solve(powers, _fixed_rows(shapes, squares, s, edges, points)))
     slider_cell = np.arange(count, dtype=np.float64)
     tables = _tables(0.0, (1.0 + _BEYOND) * length, np.array(pieces), False, points, slider_cell, count + 1)
-    return Placed(tables._replace(step=step), length)
+    return BoundedTables(tables._replace(step=step), length)
 
 
 def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Array, nodes: Array | None) -> Tables:
-    """Shapes of the follower alone, for one place of a slider that is not there.
+    """Shapes of the follower alone. The tables have one interval, at an arc length that stands in for the slider's place.
 
     Args:
         scene: the follower alone.
         angles: tangent angles (k, n) of the shapes at arc lengths (k,).
-        squares: stiffness of each shape, shape (n,).
-        nodes: of elements, m; None where the shapes are smooth.
+        squares: modal stiffness of each shape, rad^2/s^2, shape (n,).
+        nodes: element boundaries, m; None where the shapes are smooth.
     """
     n, length, points = len(squares), scene.follower.length, 7
     edges = np.linspace(0.0, length, 2 * math.ceil((3 * n + 12) / 14.0) + 1) if nodes is None else nodes
-    if len(edges) == 2:  # there is a cell to either side of where the slider would be
+    if len(edges) == 2:  # the equations expect a cell on either side of the slider's place
         edges = np.array([0.0, 0.5 * length, length])
     cells = len(edges) - 1
     gauss, _ = np.polynomial.legendre.leggauss(points)
@@ -209,16 +211,16 @@ def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Arr
 
 
 def spline_coefficients(nodes: Array, values: Array) -> Array:
-    """Cubic spline through values at nodes whose first two and last two pieces are one cubic each ("not a knot").
+    """Coefficients of the cubic spline through values at nodes; its first two pieces are one cubic, and so are its last two ("not a knot").
 
-    As scipy's `CubicSpline` to the last digit, whose module takes 0.3 s to import.
+    It equals scipy's `CubicSpline` to the last digit, whose module takes 0.3 s to import.
 
     Args:
         nodes: increasing, shape (k,), at least four.
         values: shape (k, m).
 
     Returns:
-        Coefficients of each piece by powers of the distance from its left node, the third power first, shape (k - 1, 4, m).
+        Coefficients of each piece in powers of the distance from its left node, the third power first, shape (k - 1, 4, m).
     """
     steps = np.diff(nodes)
     h = steps[:, None]
@@ -238,7 +240,7 @@ def spline_coefficients(nodes: Array, values: Array) -> Array:
 
 
 def _fixed_rows(shapes: ShapeSet, squares: Array, s: Array, edges: Array, points: int) -> Array:
-    """Rows of tables whose shapes stay, for places s (k,) and edges of the cells (k, cells + 1)."""
+    """Table rows of fixed shapes, for slider positions s (m), shape (k,), and cell edges (m), shape (k, cells + 1)."""
     gauss, _ = np.polynomial.legendre.leggauss(points)
     x = _places(edges, np.append(0.5 * (gauss + 1.0), 1.0))
     psi = shapes.evaluate(x.ravel(), 1).reshape(*x.shape, shapes.count)
@@ -248,15 +250,15 @@ def _fixed_rows(shapes: ShapeSet, squares: Array, s: Array, edges: Array, points
 
 
 def _places(edges: Array, u: Array) -> Array:
-    """Arc lengths (k, cells, points) of the fractions u of every cell."""
+    """Arc lengths (m), shape (k, cells, points), at the fractions u (points,) of every cell."""
     return edges[:, :-1, None] + np.diff(edges)[:, :, None] * u
 
 
 def _rows(psi: list[Array], extras: list[Array], lengths: Array) -> Array:
-    """Rows (k, row length) of blocks (k, cells, Gauss points and end, n), extras (k, n) and lengths of cells (k, cells)."""
-    places, taken = len(psi[0]), psi[0].shape[2]
-    rest = 4 * ((taken - 1) // 4 + 1) - taken
-    blocks = [np.pad(block, ((0, 0), (0, 0), (0, rest), (0, 0))).transpose(0, 3, 1, 2).reshape(places, -1) for block in psi]
+    """Rows (k, row length), see `ShapeRow`, from blocks `psi` (k, cells, points, n), `extras` (k, n) and cell `lengths` (k, cells), m."""
+    places, points = len(psi[0]), psi[0].shape[2]
+    padding = 4 * math.ceil(points / 4) - points
+    blocks = [np.pad(block, ((0, 0), (0, 0), (0, padding), (0, 0))).transpose(0, 3, 1, 2).reshape(places, -1) for block in psi]
     return np.concatenate([*blocks, *extras, lengths], axis=1)
 
 
@@ -265,8 +267,8 @@ def _tables(low: float, high: float, coefficients: Array, moves: bool, points: i
     places = 4 * (points // 4 + 1)
     to_points = on_lines((points, places))
     to_points[:, : points + 1] = 0.5 * integrals_to_points(gauss, weights)
-    of_cell = on_lines((places,))
-    of_cell[:points] = 0.5 * weights
+    cell_weights = on_lines((places,))
+    cell_weights[:points] = 0.5 * weights
     return Tables(
         low=float(low),
         high=float(high),
@@ -281,14 +283,14 @@ def _tables(low: float, high: float, coefficients: Array, moves: bool, points: i
         tip=(cells - 1) * places + points,
         u=0.5 * (gauss + 1.0),
         lagrange=lagrange_weights(0.5 * (gauss + 1.0)),
-        weights=of_cell,
+        weights=cell_weights,
         to_points=to_points.ravel(),
     )
 
 
 def padded_to_lines(coefficients: Array) -> Array:
-    """The same (intervals, powers, row length), every row a whole number of the memory's lines."""
-    intervals, powers, taken = coefficients.shape
-    rows = on_lines((intervals, powers, 8 * math.ceil(taken / 8)))
-    rows[:, :, :taken] = coefficients
+    """Coefficients (intervals, powers, row length) with every row padded to whole cache lines of eight numbers."""
+    intervals, powers, used = coefficients.shape
+    rows = on_lines((intervals, powers, 8 * math.ceil(used / 8)))
+    rows[:, :, :used] = coefficients
     return rows

@@ -1,1 +1,1 @@
-"""How equations become machine code: numba's options and cache, tuples by their address, four numbers in one register."""
+"""How equations become machine code: numba's options and cache, tuples passed by address, four numbers in one register."""

@@ -1,4 +1,4 @@
-"""How the explicit model is compiled: cached on disk, reductions vectorised, not-a-number kept meaningful."""
+"""Decorators that compile the explicit model with numba: cached on disk, sums vectorised, not-a-number and infinity respected."""
 
 import os
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from quickreturn.reference_model.machine.machine_code import VARIABLE
 # numba reads its environment once; it may have been imported before this package
 numba.config.CACHE_DIR = os.environ.get(VARIABLE, numba.config.CACHE_DIR)  # type: ignore[attr-defined]
 
-#: Reordering of sums and fused multiply-add, but no assumption that nan and infinity are absent: they mark states that cannot be.
+#: LLVM's flags for reordered sums and fused multiply-add. None assumes that nan and infinity are absent: they mark impossible states.
 FASTMATH: Final = {"reassoc", "contract", "nsz", "arcp"}
 
 _njit: Any = njit  # its type hints lack some of its options
@@ -21,7 +21,7 @@ _OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "fastmath": FASTMATH,
 #: For code that compiled code alone calls: without the entry from Python, which unpacks tuples of 200 numbers.
 _INSIDE: Final[dict[str, Any]] = {**_OPTIONS, "no_cpython_wrapper": True}
 
-#: For the one function whose address is handed around.
+#: For the equations of motion, which are called by address.
 KERNEL: Final[dict[str, Any]] = {"error_model": "numpy", "fastmath": FASTMATH, "_nrt": False}
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -38,10 +38,10 @@ def compiled(function: Function) -> Function:
 
 
 def without_references(function: Function) -> Function:
-    """Like `compiled`, for functions that neither make nor keep arrays: without numba's reference counts (and refused with any array)."""
+    """Like `compiled`, but without numba's reference counts: for functions that create no array, which numba refuses here."""
     return cast(Function, _njit(cache=True, **_OPTIONS, _nrt=False)(function))
 
 
 def inlined(function: Function) -> Function:
-    """Compile into each caller: passing the tuples of arrays between functions would cost more than most of these do."""
+    """Compile into each caller: for functions that cost less than the call."""
     return cast(Function, _njit(cache=True, **_OPTIONS, inline="always")(function))

@@ -2,7 +2,7 @@
 
 Numba recompiles a cached function when the function's own file changes, but not when a file that it calls into does. With a folder
 named by the hash of all sources, code compiled from other sources is never taken. It is beside the sources; where these cannot be
-written it is in the user's cache, and where there is none in a temporary folder that goes with the process.
+written it is in the user's cache, and where there is none in a temporary folder that is removed when the process ends.
 """
 
 import atexit
@@ -15,27 +15,28 @@ from typing import Final
 
 VARIABLE: Final = "NUMBA_CACHE_DIR"
 _PACKAGE: Final = Path(__file__).resolve().parents[1]
+#: How the name of a cache folder of this package begins, and what follows the hash in that of a temporary one.
 _OURS: Final = "quickreturn-"
-_PASSING: Final = "-passing-"
+_TEMPORARY: Final = "-temporary-"
 
 
-def keep_apart_by_source() -> None:
-    """Name the folder by the environment variable that numba reads at its import, unless the user has named one that can be written."""
+def choose_cache_folder() -> None:
+    """Set the environment variable that numba reads at its import, unless the user has set it to a folder that can be written."""
     given, name = os.environ.get(VARIABLE), f"{_OURS}{_source_hash()}"
-    if given and (not Path(given).name.startswith(_OURS) or Path(given).name.startswith(f"{name}{_PASSING}")) and _writable(Path(given)):
+    if given and (not Path(given).name.startswith(_OURS) or Path(given).name.startswith(f"{name}{_TEMPORARY}")) and _writable(Path(given)):
         return
     for home in (_PACKAGE / "__pycache__", Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "quickreturn"):
         if home.is_absolute() and _writable(home):
             os.environ[VARIABLE] = str(home / name)
             return
-    passing = tempfile.mkdtemp(prefix=f"{name}{_PASSING}")
-    atexit.register(shutil.rmtree, passing, ignore_errors=True)
-    os.environ[VARIABLE] = passing
+    temporary = tempfile.mkdtemp(prefix=f"{name}{_TEMPORARY}")
+    atexit.register(shutil.rmtree, temporary, ignore_errors=True)
+    os.environ[VARIABLE] = temporary
 
 
-def forgotten() -> str:
-    """That what is compiled is not kept, and what to do about it (a sentence); "" if it is."""
-    if _PASSING not in os.environ.get(VARIABLE, ""):
+def warning_if_not_kept() -> str:
+    """A sentence that compiled code is not kept, and what to do about it; "" if it is kept."""
+    if _TEMPORARY not in os.environ.get(VARIABLE, ""):
         return ""
     return (
         "compiled code cannot be kept here, so every call begins with up to a minute of compiling;"
@@ -51,7 +52,7 @@ def _writable(folder: Path) -> bool:
 
 
 def _source_hash() -> str:
-    """Of this package and of the engines beside it, which compile code that calls into it."""
+    """Hash of the sources of this package and of the engines beside it, which compile code that calls into it."""
     digest = hashlib.sha256()
     for folder in (_PACKAGE, _PACKAGE.parent / "engines"):
         for file in sorted(folder.rglob("*.py")):

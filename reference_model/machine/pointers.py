@@ -1,8 +1,8 @@
-"""Tuples of constants and arrays by their address, and compiled functions too.
+"""Passes tuples of constants and arrays, and compiled functions, to compiled code by their address.
 
-Numba hands a tuple over member by member, some two hundred numbers for the models here, and makes a callee's machine code part of every
-caller's, to be optimised there again. The equations of motion therefore know parameters and workspace by address alone, and their
-callers know the equations by address: they are compiled once, whoever calls them.
+Numba passes a tuple member by member, some two hundred numbers for the models here, and compiles a callee again into every caller. The
+equations of motion therefore receive parameters and workspace by address, and their callers have the address of the equations, which are
+compiled only once.
 """
 
 import math
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 intrinsic: Any = extending.intrinsic  # its type hints count the compiler's own argument
 
-#: What a member of a tuple may be annotated with, and its compiled type.
+#: Annotation of a tuple's member -> its compiled type.
 MEMBERS: Final[dict[str, Any]] = {
     "float": types.float64,
     "int": types.int64,
@@ -32,7 +32,7 @@ MEMBERS: Final[dict[str, Any]] = {
     "Cube": types.Array(types.float64, 3, "C"),
 }
 
-#: Arrays by their number of dimensions, C-contiguous: the names that `MEMBERS` knows.
+#: Names of `MEMBERS` for C-contiguous arrays of one, two and three dimensions.
 Vector = NDArray[np.float64]
 ComplexVector = NDArray[np.complex128]
 Matrix = NDArray[np.float64]
@@ -76,15 +76,15 @@ class _AtAttributes(AttributeTemplate):
 
 
 def _words(kind: Any) -> int:
-    """Words of eight bytes that a member takes: of an array its place and its shape, of a record its place, of a tuple its members."""
+    """Words of eight bytes for a member: an array takes its address and its shape, a record its address, a tuple what its members take."""
     if isinstance(kind, types.NamedTuple):
-        return sum(_words(each) for each in kind.types)
+        return sum(map(_words, kind.types))
     return 1 + kind.ndim if isinstance(kind, types.Array) else 1
 
 
 @lower_getattr_generic(At)
 def _load_member(context: Any, builder: Any, at: At, address: Any, name: str) -> Any:
-    """Load a member, word by word, each as one that does not change."""
+    """Code that loads a member word by word; the compiler may assume that no word changes."""
     index = at.pointee.fields.index(name)
     kind, first = at.pointee.types[index], sum(map(_words, at.pointee.types[:index]))
 
@@ -113,7 +113,7 @@ def _load_member(context: Any, builder: Any, at: At, address: Any, name: str) ->
 
 
 def reader(pointee: types.NamedTuple) -> Any:
-    """A compiled function from the address (an integer) of a tuple of this type to what its members are read from."""
+    """A compiled function that takes the address (an integer) of a tuple of this type, and returns an `At` to read its members from."""
 
     @intrinsic
     def at(typing: Any, address: Any) -> Any:
@@ -127,7 +127,7 @@ def reader(pointee: types.NamedTuple) -> Any:
 
 @intrinsic
 def numbers_at(typing: Any, address: Any, size: Any) -> Any:
-    """The `size` numbers at an address, as an array."""
+    """The `size` numbers at an address, as an array without a copy."""
     kind = MEMBERS["Vector"]
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -141,8 +141,8 @@ def numbers_at(typing: Any, address: Any, size: Any) -> Any:
 
 
 @intrinsic
-def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, state: Any, rate: Any, row: Any) -> Any:
-    """Call the equations of motion (`equations.kernel`), with all arguments by address; a `row` of 0 asks for no observables."""
+def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, state: Any, rate: Any, with_forces: Any) -> Any:
+    """Call the equations of motion (`motion.equations.kernel`); all but `with_forces` are addresses."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = context.get_value_type(types.uintp)
@@ -153,9 +153,9 @@ def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, 
 
 
 def on_lines(shape: tuple[int, ...]) -> Array:
-    """Zeros that begin with a line (64 bytes) of the memory's cache: four numbers of one register then lie in one line.
+    """An array of zeros that begins at a cache line (64 bytes), so that the four numbers of one register lie in one line.
 
-    Elsewhere half of all fours lie across two, which costs integrals a third to a half of their time.
+    Otherwise half of all groups of four lie across two lines, which costs the integrals a third to a half of their time.
     """
     memory = np.zeros(math.prod(shape) + 7)
     first = -memory.ctypes.data % 64 // 8
@@ -163,14 +163,14 @@ def on_lines(shape: tuple[int, ...]) -> Array:
 
 
 class Placed:
-    """A tuple of constants and arrays where compiled code finds it; its arrays stay alive with it.
+    """A tuple of constants and arrays laid out in memory for compiled code; the object keeps the arrays alive.
 
     Args:
         value: the tuple.
         kind: its compiled type.
 
     Attributes:
-        address: of its members in memory.
+        address: of its memory.
 
     Raises:
         TypeError: a member is not what its annotation says.
@@ -184,7 +184,7 @@ class Placed:
 
 
 def _lay(value: Any, kind: Any, words: Array) -> None:
-    """Lay the members of a tuple down in its words."""
+    """Write the members of a tuple into its words."""
     if value._fields != kind.fields:
         raise TypeError(f"{type(value).__name__} has not the members of {kind.name}")
     whole, first = words.view(np.int64), 0

@@ -1,4 +1,4 @@
-"""Four numbers in one register: the compiler does not find by itself that the integrals along the beam can be done so."""
+"""Arithmetic on four numbers in one register, for the integrals along the beam, which the compiler does not vectorise by itself."""
 
 from typing import Any
 
@@ -27,12 +27,13 @@ class _FourModel(models.PrimitiveModel):
 
 
 def _place(context: Any, builder: Any, kind: Any, array: Any, index: Any) -> Any:
-    """Pointer to four numbers of a one-dimensional array from an index on."""
+    """Pointer to the four numbers of a one-dimensional array that begin at an index."""
     data = context.make_array(kind)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
 
 
 def _spread(builder: Any, number: Any) -> Any:
+    """Code that puts one number into all four places of a register."""
     vector = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(vector, ir.Constant(_VECTOR, ir.Undefined), ir.Constant(ir.VectorType(ir.IntType(32), 4), [0] * 4))
 
@@ -49,7 +50,7 @@ def spread(typing: Any, number: Any) -> Any:
 
 @intrinsic
 def load(typing: Any, array: Any, index: Any) -> Any:
-    """The four numbers of an array from an index on."""
+    """The four numbers of an array that begin at an index."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load(_place(context, builder, signature.args[0], *arguments), align=8)
@@ -59,7 +60,7 @@ def load(typing: Any, array: Any, index: Any) -> Any:
 
 @intrinsic
 def store(typing: Any, array: Any, index: Any, four: Any) -> Any:
-    """Put four numbers to an array from an index on."""
+    """Write four numbers into an array, beginning at an index."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         builder.store(arguments[2], _place(context, builder, signature.args[0], *arguments[:2]), align=8)

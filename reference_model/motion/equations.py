@@ -2,8 +2,8 @@
 
 State vector (equation 5.8): the coordinates q1, eta (n) and with an open loop q2; the slider's arc length s; the speeds in the same
 order; dissipated energy, work of the drive, and with an open loop the work that the slider's force does on crank and follower together.
-The slider's arc length is carried along as a state of its own, which spares an iteration in every evaluation; a weak feedback keeps it
-on the loop. Where the base's motion is prescribed, time takes the place of q1 (equation 11.4).
+The slider's arc length is a state of its own, which saves an iteration in every evaluation; a weak feedback keeps the loop closed. Where
+the base's motion is prescribed, time takes the place of q1 (equation 11.4).
 """
 
 import math
@@ -40,19 +40,19 @@ from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLL
 
 Array = NDArray[np.float64]
 
-#: Rate (1/s) at which a slider that has left the foot of the crank tip comes back to it.
+#: Rate (1/s) at which errors of the slider's arc length decay.
 FEEDBACK: Final = 100.0
 
 
 @inlined
 def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
-    """Partial velocities, bias accelerations, and the accelerations of the speeds: equations 2.1 to 5.3, everything left in `w`.
+    """To `w`: partial velocities, bias accelerations, and the accelerations of the speeds (equations 2.1 to 5.3).
 
     Returns:
-        Number of the point at which the slider is; -1 where the state cannot be: outside the tables, bent too far, or a singular loop.
+        Index of the slider's point; -1 for an impossible state: outside the tables, bent too far, or with a singular loop.
     """
     s = y[p.speeds]
-    if p.n == 0 and p.constraint == ELIMINATED:  # of a straight follower the place is known exactly
+    if p.n == 0 and p.constraint == ELIMINATED:  # on a straight follower the slider's place is known exactly
         s = math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
     if not (t.low <= s <= t.high and abs(y[0]) < 1e9):
         return -1
@@ -97,7 +97,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> bool:
         _substitute(w.factor, w.acceleration, first, m)
         return True
     share_force(p, t, w, slider_point)
-    sliding = 0.0  # share of the friction that acts, with the sign of the slider's way
+    sliding = 0.0  # fraction of the friction that acts, with the sign of the sliding speed
     if p.friction > 0.0 or p.friction_force > 0.0:
         sliding = friction_share(f.s_rate, p.friction_speed)
         for k in range(first, m):
@@ -112,7 +112,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> bool:
         asked = rollers + p.joint_inertia * free
     else:
         asked = free + p.stabilization * (2.0 * f.gap_rate + p.stabilization * f.gap)
-    # what a unit of the slider's force takes off, its friction with it: the force has the sign of what is asked of it
+    # response to a unit of the slider's force and the friction with it; the force will have the sign of `asked`
     rubbing = math.copysign(p.friction, asked) * sliding
     for k in range(m):
         w.response[k] = w.spread[k] + rubbing * w.sigma[k]
@@ -120,7 +120,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> bool:
     compliance = 0.0
     for k in range(first, m):
         compliance += w.row_of_gap[k] * w.response[k]
-    # a force on the nodes may lose its hold on the gap, or friction jam; where B = G this is a sum of squares
+    # not positive where a force on the nodes cannot move the gap, or friction jams; where B = G this is a sum of squares
     hold = 1.0 + p.joint_inertia * compliance if p.constraint == ROLLERS else compliance
     if not hold > 0.0:
         return False
@@ -133,9 +133,9 @@ def _solve(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> bool:
 
 @stage
 def _factor(M: Array, A: Array, first: int, size: int) -> bool:
-    """To `A`: M = L D L^T without roots, for rows and columns from `first` on; False if M (lower triangle) is not positive definite.
+    """To `A`: the factors of M = L D L^T for rows and columns from `first` on; False if M (lower triangle) is not positive definite.
 
-    The reciprocals of D are the diagonal of `A`, L D the rest.
+    The diagonal of `A` holds the reciprocals of D, the rest L D.
     """
     for i in range(first, size):
         for j in range(first, i):
@@ -154,7 +154,7 @@ def _factor(M: Array, A: Array, first: int, size: int) -> bool:
 
 @stage
 def _substitute(A: Array, b: Array, first: int, size: int) -> None:
-    """Solve with the factor of `_factor`, in place."""
+    """Solve M x = b in place of `b`, with the factors `A` of `_factor`."""
     for i in range(first, size):
         for m in range(first, i):
             b[i] -= A[i, m] * b[m]
@@ -167,10 +167,10 @@ def _substitute(A: Array, b: Array, first: int, size: int) -> None:
 
 
 def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
-    """dy/dt of a state, written to `rate`, all by address; `with_forces` 1 leaves the slider's force and the torque in the workspace too.
+    """Write dy/dt of a state to `rate`, and if `with_forces` is 1, forces to the workspace; the other arguments are addresses.
 
     Returns:
-        1; or 0, and `rate` all nan, where the state cannot be (a rejected step).
+        1; or 0, and nan in `rate`, for an impossible state, so that the integrator rejects the step.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
     t, n, m = p.tables, p.n, p.speeds
@@ -210,13 +210,13 @@ def kernel() -> int:
 
 @compiled
 def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Array) -> bool:
-    """dy/dt of a state, written to `rate`; False and all nan where it cannot be. The first three are addresses."""
+    """Write dy/dt of a state to `rate`; False, and nan, for an impossible state. The first three arguments are addresses."""
     return call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 0) == 1
 
 
 @compiled
 def observe_states(equations: int, parameters: int, workspace: int, states: Array, rows: Rows) -> int:
-    """Fill `rows` (k,) of `columns.ROW` from `states` (k, size); the number of rows filled before a state that cannot be."""
+    """Fill `rows` (k,) of `columns.ROW` from `states` (k, size); returns the number of rows filled before an impossible state."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     rate = np.empty(states.shape[1])
     for k in range(len(states)):

@@ -20,7 +20,7 @@ SMALL_ANGLE = 0.25 * math.pi
 
 @stage
 def interpolate_row(t: Tables, s: float, row: Array) -> int:
-    """The table's row at s, cubic in s; the number of cells before the slider, less one."""
+    """To `row`: the table's row at s. Returns the number of the cell that ends at the slider."""
     k = min(max(int((s - t.low) / t.step), 0), t.coefficients.shape[0] - 1)
     ds = s - t.low - k * t.step
     for m in range(len(row)):
@@ -30,7 +30,7 @@ def interpolate_row(t: Tables, s: float, row: Array) -> int:
 
 @stage
 def directions(psi: Array, e: Array) -> bool:
-    """exp(i psi) by Taylor's series, of large angles that of an eighth, doubled three times; good to 1e-15 and vectorised."""
+    """To `e`: exp(i psi) to 1e-15, by Taylor's series, of an eighth of large angles, doubled three times; False for too large an angle."""
     N = len(psi)
     largest = 0.0
     for j in range(N):
@@ -39,7 +39,7 @@ def directions(psi: Array, e: Array) -> bool:
         return False
     halvings = 0 if largest <= SMALL_ANGLE else 3
     part = 1.0 if halvings == 0 else 0.125
-    for j in range(N):  # sines and cosines in a loop each: of both in one the compiler makes no vectors
+    for j in range(N):  # the compiler vectorises sines and cosines only in separate loops
         x = part * psi[j]
         q = x * x
         odd = q * (-1 / 5040 + q * (1 / 362880 + q * (-1 / 39916800 + q * (1 / 6227020800 - q / 1307674368000))))
@@ -56,9 +56,9 @@ def directions(psi: Array, e: Array) -> bool:
 
 @stage
 def cumulate(t: Tables, length: Array, f: Array, out: Array) -> None:
-    """Integrals from 0 to every point of a complex function f given at the points of all cells.
+    """To `out`: integrals of a complex function f, given at the points of all cells, from x = 0 to every point.
 
-    Real and imaginary parts side by side, twelve points at a time, which share what is loaded, or four.
+    The loops treat real and imaginary parts together, and twelve points at a time, or four, so that these share what is loaded.
     """
     G, S, cells = t.gauss_points, t.cell_size, t.cells
     N = cells * S
@@ -92,7 +92,7 @@ def cumulate(t: Tables, length: Array, f: Array, out: Array) -> None:
 
 @inlined
 def turned(rate: Array, e: Array, f: Array) -> None:
-    """To `f`: i rate e, for N real rates."""
+    """To `f`: i rate e, for N real rates and N complex e."""
     N = len(e) // 2
     for j in range(N):
         f[j] = -rate[j] * e[N + j]
@@ -115,7 +115,7 @@ def place(p: Parameters, t: Tables, w: Workspace, y: Array, s: float) -> int:
     """Angles, places and the integrals U_i and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
 
     Returns:
-        Number of the point at which the slider is; -1 where the follower is bent too far.
+        Index of the slider's point; -1 if the follower is bent too far.
     """
     n, N = p.n, t.points
     slider_cell = interpolate_row(t, s, w.row)

@@ -21,7 +21,7 @@ from quickreturn.reference_model.motion.layout import (
 )
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
-from quickreturn.reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model.tip_force import share_of_force
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ share, friction_share, joint_force = stage(share_of_force), stage(joint.friction
 
 @stage
 def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """Velocities of the points relative to the base frame, which the beam damping opposes."""
+    """To `relative`: velocities of the points relative to the base frame, which the beam damping opposes."""
     n, m = p.n, p.speeds
     size = len(w.relative)
     s_rate = w.facts.s_rate if t.moves else 0.0
@@ -43,13 +43,13 @@ def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: Array) -> Non
 
 @stage
 def partial_velocities(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
-    """Rows of V: partial velocities of the beam's points and of all bodies for every speed (equations 4.1 and 4.2)."""
+    """To `V`: partial velocities of the beam's points and of all bodies for every speed (equations 4.1 and 4.2)."""
     n, N = p.n, t.points
     end, bodies, arm = t.tip, 2 * N, w.facts.tip_arm
     for k in range(p.speeds):
         c, sigma = w.c[k], w.sigma[k]
         row = w.V[k]
-        for j in range(0, N, 4):  # Y is zero where the shapes stay
+        for j in range(0, N, 4):  # Y is zero for shapes that do not move
             real = imaginary = spread(0.0)
             if 0 < k <= n:
                 real, imaginary = load(w.U[k - 1], j), load(w.U[k - 1], N + j)
@@ -69,7 +69,7 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, slider_point: int
 
 @stage
 def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """Accelerations of points and bodies when no speed changes, less gravity (4.3 and 4.4); the force on the tip (4.9)."""
+    """To `bias`: accelerations of points and bodies at constant speeds, less gravity (4.3 and 4.4). Also the force on the tip (4.9)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
     acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y[0], p.force_begin, p.force_span, p.force_ramp)
     f.tip_force = acting * f.frame.conjugate() * complex(p.force_1, p.force_2)
@@ -108,7 +108,7 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
         w.force[j] = w.mass[j] * w.bias[j]
     moment = 0.0
     if p.beam_damping > 0.0:
-        # against the velocities relative to the base frame: the follower's turning with it does no work
+        # it opposes the velocities relative to the base frame, so that turning with the base costs no work
         along = p.beam_damping * p.damps_along
         for j in range(N):
             w.force[j] += along * w.dx[j] * w.relative[j]
@@ -149,9 +149,9 @@ def pivot_torque(p: Parameters, w: Workspace) -> float:
 
 @stage
 def _damp_bending(p: Parameters, t: Tables, w: Workspace) -> None:
-    """Rates of the curvature at fixed arc length, and what the material's damping does to the angles at the points (equation 4.10).
+    """To `curvature_rate` and `bending_load`: rates of the curvature, and forces of the material's damping (equation 4.10).
 
-    Both are derivatives of the polynomial through the Gauss points of a cell.
+    Angles are differentiated as the polynomial through their values at a cell's Gauss points.
     """
     for cell in range(t.cells):
         first = cell * t.cell_size
@@ -172,13 +172,13 @@ def _damp_bending(p: Parameters, t: Tables, w: Workspace) -> None:
 
 @inlined
 def _slope_weight(t: Tables, i: int, j: int) -> float:
-    """Weight of the value at Gauss point j in the slope at point i, another one, of a cell of unit length."""
+    """Weight of the value at Gauss point j in the slope at another point i, for a cell of unit length."""
     return t.lagrange[j] / (t.lagrange[i] * (t.u[i] - t.u[j]))
 
 
 @inlined
 def _bending_force(t: Tables, w: Workspace, k: int, n: int) -> float:
-    """What the material's damping takes off the force of the speed k (equation 4.10)."""
+    """Generalised force of the material's damping for the speed k, sign reversed (equation 4.10)."""
     N = t.points
     force = 0.0
     for j in range(N):
@@ -206,7 +206,7 @@ def _dot(a: Array, b: Array, size: int) -> float:
 
 @stage
 def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
-    """Bound of the highest angular frequency (rad/s) of small vibrations about the present state; 0 if unknown (equation 5.9)."""
+    """Upper bound of the highest angular frequency (rad/s) of small vibrations about the present state; 0 if unknown (equation 5.9)."""
     n = p.n
     if p.knows_frequency == 0:
         return 0.0
@@ -223,7 +223,7 @@ def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
 
 @stage
 def dissipation(p: Parameters, t: Tables, w: Workspace, y: Array) -> float:
-    """Power taken by all dampings, W (equation 4.7)."""
+    """Power that all dampings and frictions dissipate, W (equation 4.7)."""
     m, N = p.speeds, t.points
     total = 0.0
     for j in range(N):
@@ -240,16 +240,16 @@ def dissipation(p: Parameters, t: Tables, w: Workspace, y: Array) -> float:
 
 @inlined
 def _loss_of_rollers(p: Parameters, gap: float, rate: float) -> float:
-    """Power that the joint takes, W: of its force less that of the same rollers without loss."""
+    """Power that the joint dissipates, W: that of its force, less that of the same rollers without loss."""
     force = joint_force(gap, rate, p.plus, p.minus, p.plus_from, p.minus_from, p.contact_loss, p.joint_damping)
     return rate * (force - joint_force(gap, 0.0, p.plus, p.minus, p.plus_from, p.minus_from, 0.0, 0.0))
 
 
 @stage
 def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
-    """Moment about P (N m) that moves everything that turns there as it does (equation 5.4).
+    """Moment about P (N m) that the motion of follower, base and tip body requires (equation 5.4).
 
-    The beam damping acts between beam and base and drops out. Leaves the accelerations of points and bodies, less gravity, in `w.a`.
+    The beam damping acts between beam and base and drops out. Also, to `a`: accelerations of points and bodies, less gravity.
     """
     N, f = t.points, w.facts
     bodies, end = 2 * N, t.tip
@@ -274,7 +274,7 @@ def power_of_tool(p: Parameters, t: Tables, w: Workspace) -> float:
 
 @stage
 def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
-    """Force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
+    """To the facts: force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
     f = w.facts
     f.slider_moment = -p.slider_inertia * w.a[2 * t.points + SLIDER_TURN] / (1.0 - f.gap * f.curvature)
     f.tangential = -f.slider_moment * f.curvature
@@ -292,5 +292,5 @@ def drive_torque(p: Parameters, w: Workspace) -> float:
     """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
     if p.first == 0:
         return p.torque
-    # the crank tip carries the opposite of the slider's force; the slider's moment turns with the follower
+    # the opposite of the slider's force acts on the crank tip, and no moment: the slider turns freely on it
     return p.LA * cross(w.facts.arm, w.facts.slider_force) - crank_weight(p, w)

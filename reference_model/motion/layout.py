@@ -20,7 +20,7 @@ BODIES: Final = 8
 
 
 class Facts:
-    """Quantities of one state. Vectors are in frame B; bias is what is left of an acceleration with all speeds held."""
+    """Quantities of one state. Vectors are in frame B. The bias of an acceleration is its value while all speeds are constant."""
 
     frame: complex  # exp(i q2), which turns from frame B to frame N
     q2_rate: float
@@ -33,20 +33,20 @@ class Facts:
     curvature: float  # 1/m, at the slider
     angle_by_s: float  # change of the tangent's angle at the slider with s, amplitudes held, 1/m
     foot: complex  # m, place of the slider on the follower
-    foot_by_s: complex  # b_1 + i b_2, change of the foot with s, along and across the tangent
+    foot_by_s: complex  # b_1 + i b_2, derivative of the foot by s, along and across the tangent
     closing_by_q2: complex  # m, right sides of the loop's rates for the speed of q2, along and across the tangent
-    missed: float  # m, how far s is from where the loop closes
+    missed: float  # m, error of s: the place where the loop closes, less s
     gap: float  # m, from the foot to the crank tip along the normal
     gap_rate: float
     gap_bias: float
-    unclosed: float  # m, how far the loop is open
+    unclosed: float  # m, distance by which the loop is open
     tip_arm: complex  # m, from x = L to the tip's centre of mass
     gravity: complex  # m/s^2
     tip_force: complex  # N, prescribed
-    slider_point: int  # number of the point at which the slider is
+    slider_point: int  # index of the slider's point
     force: float  # N, of the slider along the normal where the loop is open
-    friction: float  # N, opposes the slider's way along the follower
-    normal: float  # N, parts of the slider's force on the follower
+    friction: float  # N, opposes the slider's motion along the follower
+    normal: float  # N, components of the slider's force on the follower
     tangential: float
     slider_force: complex  # N, on the follower
     slider_moment: float  # N m, on the follower
@@ -58,7 +58,7 @@ FACTS: Final = np.dtype((np.record, [(name, _KINDS[kind]) for name, kind in Fact
 
 
 class ShapeRow(NamedTuple):
-    """What a row of the table holds, one after the other: for N points, n shapes, of any number of rows (...)."""
+    """Parts of a table row, in this order, for N points and n shapes; or of rows of shape (...)."""
 
     shape: Matrix  # (..., n, N) psi_i at the points
     shape_s: Matrix  # (..., n, N) its derivative by s at fixed arc length; (..., 0, N) where the shapes stay
@@ -83,9 +83,9 @@ class ShapeRow(NamedTuple):
 class Tables(NamedTuple):
     """psi_i and its derivatives by s at points that move with the slider, piecewise cubic in s.
 
-    Cells divide the follower from its base to the slider and from there to the end. Each has its Gauss points and its own end, and takes
-    `cell_size` places, the next multiple of four; what is left over weighs nothing. A row of the table holds what `ShapeRow` names, and
-    nothing up to the next multiple of eight.
+    Cells divide the follower from its base to the slider and from there to the end. The points of a cell are its Gauss points, its end, and
+    fillers of zero weight up to `cell_size`, the next multiple of four. A row of the table holds the parts of `ShapeRow`, then zeros up to
+    the next multiple of eight.
     """
 
     low: float  # m, smallest s
@@ -95,22 +95,22 @@ class Tables(NamedTuple):
     coefficients: Cube  # (intervals, 4, row length), powers of s - node, highest first
     slider_cell: Vector  # (intervals,) number of the cell that ends at the slider
     gauss_points: int  # of a cell
-    cell_size: int  # places among the points that a cell takes
+    cell_size: int  # points of a cell, fillers included
     cells: int
     points: int  # N, cells times cell_size
-    tip: int  # place of x = L among the points
-    u: Vector  # (gauss_points,) in fractions of a cell
+    tip: int  # index of the point x = L
+    u: Vector  # (gauss_points,) places of the Gauss points, as fractions of a cell
     lagrange: Vector  # (gauss_points,) weights of Lagrange's polynomials through them, see `gauss_points.lagrange_weights`
     weights: Vector  # (cell_size,) of the integral over a cell of unit length
-    to_points: Vector  # (gauss_points cell_size,) row by row, weight of each in the integrals from the cell's beginning to each place
+    to_points: Vector  # (gauss_points cell_size,) weight of each Gauss point (row) in the integral from the cell's begin to each point
 
 
 class Parameters(NamedTuple):
-    """Constants of the equations, SI. m = speeds: the crank's, n amplitudes', and where the loop is open the base angle's."""
+    """Constants of the equations, SI."""
 
-    constraint: int
+    constraint: int  # see `slider_constraint`
     n: int  # shapes
-    speeds: int  # m
+    speeds: int  # m, number of speeds: the crank's, n amplitudes', and with an open loop the base angle's
     first: int  # first free speed: 1 where the crank's is prescribed
     d: float
     LA: float
@@ -148,14 +148,14 @@ class Parameters(NamedTuple):
     friction_force: float  # N, whatever the normal force
     friction_speed: float  # m/s
     joint_inertia: float  # kg, force over the gap's acceleration: slows the vibration of a stiff joint
-    stabilization: float  # 1/s, rate at which a gap decays that a force keeps closed
-    bending_damping: float  # s, damping moment over elastic moment per curvature rate
+    stabilization: float  # 1/s, see `SliderConstraint`
+    bending_damping: float  # s, damping moment over EI, per rate of curvature
     base_speed: float  # rad/s, of BASE after its spin-up
     base_time: float  # s, of the spin-up
     thickness: float
     gauges: Vector
     added_inertia: Vector  # (n,) of the amplitudes over their modal masses, see `parameters.added_inertia`
-    reach: float  # m, s at which the slider counts as leaving the follower
+    reach: float  # m, slider position beyond which the slider counts as off the follower
     knows_frequency: int  # whether the shapes' highest frequency bounds that of the equations (5.9)
     tables: Tables
 
@@ -175,20 +175,20 @@ class Workspace(NamedTuple):
     length: Vector
     psi: Vector  # (N,)
     psi_s: Vector  # (N,)
-    gamma: Vector  # (N,) bias of the angular acceleration but for what q2 and s add
+    gamma: Vector  # (N,) bias of the angular acceleration, without the terms in the second derivatives of q2 and s
     turn: Vector  # (N,) angular rate
     curvature_rate: Vector  # (N,) 1/(m s)
-    bending_load: Vector  # (N,) what the material's damping does to an angle at the points, N m
+    bending_load: Vector  # (N,) generalised force of the material's damping for the tangent's angle at each point, sign reversed, N m
     e: Vector  # (2 N,) exp(i psi)
     z: Vector  # (2 N,) place relative to P in frame B
-    Y: Vector  # (2 N,) change of the place with s
+    Y: Vector  # (2 N,) derivative of the place by s at fixed arc length
     integrand: Vector  # (2 N,)
     relative: Vector  # (2 N,) velocity relative to frame B
-    dx: Vector  # (2 N,) share of the length, m, for real and imaginary parts alike
+    dx: Vector  # (2 N,) integration weights, m, for the real parts and again for the imaginary ones
     mass: Vector  # (M,) kg, for turning bodies kg m^2
     U: Matrix  # (n, 2 N) partial velocities relative to frame B, s held
     V: Matrix  # (m, M) partial velocities in frame B
-    A: Vector  # (2 N,) bias acceleration but for what q2 and s add
+    A: Vector  # (2 N,) bias acceleration, without the terms in the second derivatives of q2 and s
     bias: Vector  # (M,) bias acceleration less gravity in frame B
     a: Vector  # (M,) acceleration less gravity in frame B
     force: Vector  # (M,)
@@ -214,7 +214,7 @@ class Workspace(NamedTuple):
     recovered_angle: Vector  # (2 N,) and zeros
     recovered_e: Vector  # (2 N,)
     recovered_place: Vector  # (2 N,) m
-    watched: Vector  # (2,) what the integrator watches: s, m; highest angular frequency, rad/s, 0 where nobody knows it
+    watched: Vector  # (2,) read by the integrator: s, m; highest angular frequency, rad/s, 0 if unknown
     facts: Facts
 
 
@@ -248,5 +248,5 @@ def workspace(p: Parameters) -> Workspace:
 
 
 def state_size(p: Parameters) -> int:
-    """Numbers of a state: coordinates, s, speeds, dissipated energy, work of the drive, and with an open loop that of the joint."""
+    """Size of the state vector: coordinates, s, speeds, dissipated energy, work of the drive, and with an open loop that of the joint."""
     return 2 * p.speeds + 3 + (1 if p.speeds > p.n + 1 else 0)

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @inlined
 def _on_line(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> None:
-    """Foot, tangent and their changes where the slider rides on the centre line."""
+    """Foot, tangent and their derivatives and partial rates for a slider on the centre line."""
     f = w.facts
     f.foot, f.tangent = point(w.z, slider_point, t.points), point(w.e, slider_point, t.points)
     f.curvature = f.angle_by_s = 0.0
@@ -32,7 +32,7 @@ def _on_line(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int
 
 @inlined
 def nodes_of_slider(t: Tables, w: Workspace, slider_point: int) -> tuple[int, int, float, float]:
-    """Of the slider's element: places of its nodes among the points, -1 for the pivot; length, m, and the slider's share of it."""
+    """The slider's element: points of its two nodes (negative for the pivot), length (m), and the slider's place as a fraction of it."""
     cell = slider_point // t.cell_size
     length = w.length[cell] + w.length[cell + 1]
     return slider_point - t.cell_size, slider_point + t.cell_size, length, w.length[cell] / length
@@ -40,13 +40,13 @@ def nodes_of_slider(t: Tables, w: Workspace, slider_point: int) -> tuple[int, in
 
 @inlined
 def _at_node(row: Array, node: int, N: int) -> complex:
-    """A vector at a node, none at the pivot."""
+    """The vector of a row at a node; zero at the pivot."""
     return point(row, node, N) if node >= 0 else complex(0.0, 0.0)
 
 
 @inlined
 def _on_chord(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
-    """The same where it rides on the chord between the two nodes of its element (equation 3.9)."""
+    """The results of `_on_line` for a slider on the chord between the two nodes of its element (equation 3.9)."""
     f = w.facts
     left, right, length, share = nodes_of_slider(t, w, slider_point)
     begin = _at_node(w.z, left, t.points)
@@ -62,7 +62,7 @@ def _on_chord(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None
 
 @stage
 def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> bool:
-    """Gap and partial rates sigma of s, of the gap and c of q2; then the rates themselves (equations 3.1 to 3.6)."""
+    """To `w`: gap, partial rates of s (`sigma`), q2 (`c`) and gap, and the rates (equations 3.1 to 3.6); False for a singular loop."""
     n, m, f = p.n, p.speeds, w.facts
     if p.constraint == CHORDS:
         _on_chord(p, t, w, slider_point)
@@ -87,7 +87,7 @@ def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: in
     for k in range(1, n + 1):
         w.closing[k] = f.gap * w.tangent_rate[k] - f.tangent.conjugate() * w.foot_rate[k]
     if p.constraint == ELIMINATED:
-        # q2 and s are what leaves no gap
+        # the rates of q2 and s follow from a gap that stays zero
         determinant = cross(f.closing_by_q2, f.foot_by_s)
         if not abs(determinant) > 1e-6 * p.L:
             return False
@@ -114,7 +114,7 @@ def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: in
 
 @inlined
 def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> None:
-    """Bias of the second derivatives of q2, s and gap: what they are when no speed changes (equations 3.7 and 3.8)."""
+    """To the facts: bias of the second derivatives of q2, s and the gap (equations 3.7 and 3.8)."""
     n, m, f = p.n, p.speeds, w.facts
     s_rate = f.s_rate
     bias_of_places(p, t, w, y)
@@ -138,7 +138,7 @@ def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point:
 
 @stage
 def bias_of_places(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
-    """To `turn`, `gamma` and `A`: angular rates, and what they and the moving shapes alone do to the accelerations (equation 2.6)."""
+    """To `turn`, `gamma` and `A`: angular rates, and the bias accelerations from them and from the moving shapes (equation 2.6)."""
     n, N, m, f = p.n, t.points, p.speeds, w.facts
     s_rate, q2_rate = f.s_rate, f.q2_rate
     combine(w.shape, y, m + 2, w.turn)
@@ -180,7 +180,7 @@ def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: Array, slider_poin
 
 @stage
 def share_force(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
-    """To `spread`: what a unit of the slider's force, sign reversed, does for every speed (equation 4.8)."""
+    """To `spread`: generalised force of each speed per unit of the slider's force, sign reversed (equation 4.8)."""
     N, f = t.points, w.facts
     if p.constraint != LEVER:
         for k in range(p.speeds):

@@ -1,7 +1,7 @@
 """Observables of a state, recovered from equilibrium (DERIVATION.md, section 6).
 
-Curvature, and with it base angle, deflection, slider and tip place, follow from the loads outboard: with few shapes this decides the
-accuracy. The cells end at the slider, so that the kink of the moment needs no care.
+Curvature, and with it base angle, deflection, slider and tip place, follow from the loads outboard, which is far more accurate with few
+shapes. The cells end at the slider, so that the kink of the moment needs no special treatment.
 """
 
 import math
@@ -28,7 +28,7 @@ base_motion, joint_energy = stage(motion_of_base), stage(energy_of_joint)
 
 @inlined
 def observe(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> bool:
-    """Fill the row, a `columns.ROW`, for the state evaluated last, with its forces.
+    """Fill a row of `columns.ROW` for the state evaluated last, which must have been evaluated `with_forces`.
 
     False where the recovered line is bent too far.
     """
@@ -53,7 +53,7 @@ def _tip_acceleration(p: Parameters, t: Tables, w: Workspace) -> float:
 
 @stage
 def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> None:
-    """Kinetic, strain and gravity energy (equations 6.2 to 6.4)."""
+    """To the row: kinetic, strain and gravity energy (equations 6.2 to 6.4)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
     end = t.tip
     q2_rate, q1_rate = f.q2_rate, y[m + 1]
@@ -80,7 +80,7 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: in
 
 @stage
 def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> None:
-    """Forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.10 and 6.11)."""
+    """To the row: forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.10 and 6.11)."""
     N, f = t.points, w.facts
     bodies = 2 * N
     beam_1 = beam_2 = spread(0.0)
@@ -96,7 +96,7 @@ def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) 
 
 @stage
 def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
-    """Moment of the outboard forces at the points, N m, in `w.moment` (equations 6.5 and 6.6)."""
+    """To `moment`: moment of the outboard forces at the points, N m (equations 6.5 and 6.6)."""
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
     force, moment = w.load, w.load_moment
@@ -107,23 +107,23 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int) -
         moment[j] = w.z[j] * force[N + j] - w.z[N + j] * force[j]
     for j in range(N):
         moment[N + j] = 0.0
-    cumulate(t, w.length, force, w.inboard_force)  # inboard force
-    cumulate(t, w.length, moment, w.inboard_moment)  # and its moment about P
-    # the tip body's and the tool's, and with them everything outboard of P
+    cumulate(t, w.length, force, w.inboard_force)
+    cumulate(t, w.length, moment, w.inboard_moment)
+    # force and moment about P of all loads on the follower but the slider's: tip body, tool and beam
     tip, of_body = point(w.z, end, N), -p.tip_mass * complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
     outboard = of_body + f.tip_force + point(w.inboard_force, end, N)
     about_pivot = cross(tip + f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN] + w.inboard_moment[end] + cross(tip, f.tip_force)
     for j in range(N):
         w.moment[j] = about_pivot - w.inboard_moment[j] - cross(point(w.z, j, N), outboard - point(w.inboard_force, j, N))
     if p.constraint != BASE:
-        # at the slider itself the moment jumps by the slider's; the outboard side is shown
+        # at the slider the moment jumps by the slider's moment, and the outboard side counts
         for j in range(slider_point if f.slider_moment != 0.0 else slider_point + 1):
             w.moment[j] += cross(point(w.z, slider_point, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
 
 
 @stage
 def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> bool:
-    """Moments and strains; shape, base angle, slider and tip place of the recovered curvature (equations 6.7 to 6.9)."""
+    """To the row: moments and strains; shape, base angle, slider and tip place from the recovered curvature (equations 6.7 to 6.9)."""
     N, f = t.points, w.facts
     end, flexibility = t.tip, 1.0 / p.EI
     for j in range(N):
@@ -147,7 +147,7 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int
     if p.constraint == BASE:
         row.follower_angle = base_motion(p.base_speed, p.base_time, y[0])[0]
     else:
-        # the crank tip is beside the line, by the gap along its normal
+        # the crank tip lies off the line, by the gap along its normal
         tangent = point(w.recovered_e, slider_point, N)
         hinge = point(w.recovered_place, slider_point, N) + 1j * f.gap * tangent
         crank = p.LA * complex(math.cos(y[0]), math.sin(y[0])) - p.d

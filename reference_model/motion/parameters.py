@@ -19,16 +19,16 @@ def parameters(
     transverse_damping: bool = False,
     slowed_to: float | None = None,
 ) -> Parameters:
-    """Constants of a scene with shapes in tables.
+    """Constants of a scene.
 
     Args:
         scene: the mechanism, or the follower alone, whose base turns as prescribed.
-        shapes: n.
+        shapes: number of shapes n.
         tables: of the shapes.
-        reach: m, place of the slider at which it counts as leaving the follower.
-        constraint: of the slider; not read for the follower alone.
-        transverse_damping: the beam damping acts on the velocity across the base tangent alone.
-        slowed_to: rad/s, see `added_inertia`; None: nothing has an added inertia.
+        reach: slider position beyond which the slider counts as off the follower, m.
+        constraint: of the slider; ignored for the follower alone.
+        transverse_damping: whether the beam damping acts on the velocity component across the base tangent only.
+        slowed_to: see `added_inertia`, rad/s; None adds no inertia.
     """
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
@@ -60,13 +60,13 @@ def parameters(
     )
 
 
-def added_inertia(tables: Tables, shapes: int, least: float) -> Vector:
-    """Inertia of each amplitude over its modal mass that slows the higher half of the modes (equation 5.15), shape (n,).
+def added_inertia(tables: Tables, shapes: int, slowed_to: float) -> Vector:
+    """Added inertia of each amplitude over its modal mass, which slows the higher half of the modes (equation 5.15), shape (n,).
 
-    No mode is faster then than the middle one at its fastest, or than `least` (rad/s), if that is more.
+    The modes stay as fast as the middle one at the slider's place where that is fastest, or as `slowed_to` (rad/s) if that is more.
     """
     middle = unslowed(shapes)
     if middle == shapes:
         return np.zeros(shapes)
     squares = ShapeRow.of(tables.coefficients[:, 3], shapes, tables).squares.max(axis=0)
-    return np.maximum(squares / max(squares[middle - 1], least**2) - 1.0, 0.0)
+    return np.maximum(squares / max(squares[middle - 1], slowed_to**2) - 1.0, 0.0)

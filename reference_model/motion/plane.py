@@ -1,4 +1,4 @@
-"""Vectors of the plane as complex numbers, as in DERIVATION.md; a row holds those of N points as N real parts, then N imaginary ones."""
+"""Vectors of the plane as complex numbers, as in DERIVATION.md. A row holds N of them: N real parts, then N imaginary parts."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from quickreturn.reference_model.machine.compilation import inlined
 
 @inlined
 def point(row: NDArray[np.float64], j: int, N: int) -> complex:
-    """The vector of point j."""
+    """The vector at point j of N."""
     return complex(row[j], row[N + j])
 
 

@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.machine.compilation import KERNEL, stage
 from quickreturn.reference_model.machine.pointers import Cube, Matrix, Vector, numbers_at, reader, tuple_type
 from quickreturn.reference_model.moving_boundaries import tables as t
-from quickreturn.reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model.tip_force import share_of_force
 
 Array = NDArray[Any]
 
 share = stage(share_of_force)
 
-#: Of a signal: value, derivative by l at fixed amplitudes, rate, and second rate (equation 4.1).
+#: Entries of a signal: value, derivative by l at fixed amplitudes, rate, and second rate (equation 4.1).
 VALUE, BY_L, RATE, ACCELERATION = range(4)
-#: What the workspace keeps for each state: force of the slider, torque of the drive, kinetic and strain energy.
+#: Entries of `Workspace.facts`: force of the slider, torque of the drive, kinetic and strain energy.
 FORCE, TORQUE, KINETIC, STRAIN = range(4)
 
 
@@ -56,12 +56,12 @@ class Parameters(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """What the state evaluated last left behind."""
+    """Intermediate results for the state evaluated last."""
 
     rows: Matrix  # (3, length of a row) the table's row and its first two derivatives by l
-    signals: Matrix  # (SIGNALS, 4) of the vectors and half the symmetric forms of the table
+    signals: Matrix  # (VECTORS + MATRICES, 4) of the table's vectors, and of half its quadratic forms (symmetric matrices only)
     facts: Vector  # (4,)
-    watched: Vector  # (2,) what the integrator watches: arc length of the slider, m; highest angular frequency, rad/s
+    watched: Vector  # (2,) read by the integrator: arc length of the slider, m; highest angular frequency, rad/s
 
 
 PARAMETERS_TYPE: Final = tuple_type(Parameters)
@@ -72,7 +72,7 @@ workspace_at = reader(WORKSPACE_TYPE)
 
 @stage
 def interpolate(p: Any, rows: Array, distance: float) -> None:
-    """The table's row at l, and its first two derivatives."""
+    """To `rows`: the table's row at l, and its first two derivatives by l."""
     intervals = len(p.coefficients)
     step = (p.high - p.low) / intervals
     interval = max(0, min(int((distance - p.low) / step), intervals - 1))
@@ -88,7 +88,7 @@ def interpolate(p: Any, rows: Array, distance: float) -> None:
 
 @stage
 def dot(row: Array, kind: int, x: Array) -> float:
-    """A vector of the table times x."""
+    """Scalar product of vector number `kind` of a row with x."""
     total = 0.0
     for i in range(len(x)):
         total += row[kind * len(x) + i] * x[i]
@@ -97,7 +97,7 @@ def dot(row: Array, kind: int, x: Array) -> float:
 
 @stage
 def form(row: Array, kind: int, x: Array, y: Array) -> float:
-    """A matrix of the table between x and y."""
+    """x^T A y, with A matrix number `kind` of a row."""
     n, total = len(x), 0.0
     for i in range(n):
         for j in range(n):
@@ -107,7 +107,7 @@ def form(row: Array, kind: int, x: Array, y: Array) -> float:
 
 @stage
 def follow(rows: Array, signals: Array, l_rate: float, l_acceleration: float, eta: Array, eta_rate: Array, eta_acceleration: Array) -> None:
-    """Signals of the table's vectors and symmetric matrices (equation 4.1)."""
+    """To `signals`: those of the table's vectors and symmetric matrices (equation 4.1)."""
     for kind in range(t.VECTORS):
         s = signals[kind]
         s[VALUE], s[BY_L] = dot(rows[0], kind, eta), dot(rows[1], kind, eta)
@@ -124,10 +124,10 @@ def follow(rows: Array, signals: Array, l_rate: float, l_acceleration: float, et
 
 
 def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
-    """dy/dt of a state, written to `rate`, all by address; forces are left in the workspace whatever the last argument says.
+    """Write dy/dt of a state to `rate`; the first four arguments are addresses, and the last makes no difference here.
 
     Returns:
-        1; or 0, and `rate` all nan, where the support is outside the table.
+        1; or 0, and nan in `rate`, if the support is outside the table.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
     n, rows, signals, facts = p.n, w.rows, w.signals, w.facts
@@ -167,7 +167,7 @@ def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, wit
             total -= stiffness * eta[j] + (2.0 * l_rate * carried + p.beam_damping * row[at + t.DRAG * n * n]) * eta_rate[j]
         eta_acceleration[i] = total
 
-    # moment about P and force along the line that hold it (equations 4.2 and 4.3)
+    # moment about P and force along the line that the line's motion requires (equations 4.2 and 4.3)
     follow(rows, signals, l_rate, l_acceleration, eta, eta_rate, eta_acceleration)
     turning, across, end, base = signals[t.TURNING], signals[t.WEIGHT], signals[t.END], signals[t.BASE]
     carried_twice, rotated = signals[t.VECTORS + t.CARRIED_TWICE], signals[t.VECTORS + t.ROTATED]

@@ -23,10 +23,10 @@ class MovingBoundariesModel:
     Args:
         scene: the mechanism, its crank's speed prescribed, its slider's joint rigid and without rotary inertia.
         modes: number of shapes, at least 1; a rigid follower has none.
-        foreshortening: whether the beam's shortening along the line is counted, to second order.
+        foreshortening: whether the model has the beam's shortening along the line, to second order.
 
     Attributes:
-        made_before: wall time (s) that parts took which were kept from an earlier model.
+        made_before: wall time (s) that an earlier model spent on parts that this one reuses.
         shapes: number of shapes.
     """
 
@@ -71,7 +71,7 @@ class MovingBoundariesModel:
         return y
 
     def rate(self, y: Array) -> Array:
-        """dy/dt of a state, nan where it cannot be; forces and signals are left in the workspace."""
+        """dy/dt of a state, nan for an impossible one; the workspace holds forces and signals afterwards."""
         rate, equations = np.empty_like(y), self.equations
         evaluate(equations.function, equations.parameters, equations.workspace, y, rate)
         return rate
@@ -91,7 +91,7 @@ class MovingBoundariesModel:
         return dop853(self.equations, y, output_step, intervals, self._scales(y, tolerance), self._shapes.reach, first_step)
 
     def multipliers(self, crank_speed: float, tolerance: float = 1e-9) -> NDArray[np.complex128]:
-        """Eigenvalues of the monodromy matrix (equation 5.4), largest modulus first, shape (2 n,): what a turn makes of disturbances.
+        """Eigenvalues of the monodromy matrix of a turn (equation 5.4), largest modulus first, shape (2 n,).
 
         Args:
             crank_speed: rad/s.
@@ -107,12 +107,12 @@ class MovingBoundariesModel:
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`."""
-        left = [(self.rate(y), self.workspace.signals.copy(), self.workspace.facts.copy()) for y in np.ascontiguousarray(states)]
-        _, signals, facts = map(np.array, zip(*left, strict=True))
+        evaluated = [(self.rate(y), self.workspace.signals.copy(), self.workspace.facts.copy()) for y in np.ascontiguousarray(states)]
+        _, signals, facts = map(np.array, zip(*evaluated, strict=True))
         return observables(self.scene, self._shapes, states, signals, facts)
 
     def _scales(self, y: Array, tolerance: float) -> Array:
-        """Absolute local error of the states that are controlled; sizes as `reference_model.model.BeamModel` has them."""
+        """Accepted local error of each controlled state; sizes as in `reference_model.model.BeamModel.error_scales`."""
         follower, n, frequency = self.scene.follower, self.shapes, characteristic_frequency(self.parameters)
         size = deflection_scale(self.scene) * np.sqrt((follower.mass_per_length or 1.0) * follower.length)
         speed = 0.1 * max(abs(float(y[n + 1])), 1.0)

@@ -1,4 +1,4 @@
-"""Observables of states, the shapes shown as they are (section 6 of DERIVATION.md)."""
+"""Observables of states, directly from the shapes (section 6 of DERIVATION.md)."""
 
 from typing import Any, Final
 
@@ -24,9 +24,9 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     Args:
         mechanism: the scene.
         shapes: of its beam.
-        states: (k, 2 n + 4).
-        signals: what the equations leave of each state in their workspace, (k, *its shape there).
-        facts: likewise.
+        states: shape (k, 2 n + 4).
+        signals: the equations' `Workspace.signals` of each state, shape (k, *its shape there).
+        facts: their `Workspace.facts`, shape (k, 4).
     """
     n = states.shape[1] // 2 - 2
     q1, q1_rate = states[:, 0], states[:, n + 1]
@@ -35,12 +35,12 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     L, distance, gravity = follower.length, line.slider_position, complex(*mechanism.gravity)
     unit, crank = np.exp(1j * line.follower_angle), np.exp(1j * q1)
 
-    def seen(straight: float, short: int, across: int) -> Array:
-        """A place or a first moment from P, along and across the line, and its rates; (k, 3)."""
+    def from_pivot(straight: float, short: int, across: int) -> Array:
+        """A place or a first moment relative to P, along and across the line, and its two rates; shape (k, 3)."""
         return np.array([straight, 0.0, 0.0]) - signals[:, t.VECTORS + short, _RATES] + 1j * signals[:, across, _RATES]
 
     # the tip's place and the follower's first moment (equation 6.1)
-    end, mass = seen(L, t.PULLED, t.END), seen(moment, t.HANGING, t.WEIGHT)
+    end, mass = from_pivot(L, t.PULLED, t.END), from_pivot(moment, t.HANGING, t.WEIGHT)
     place, base = mechanism.pivot_distance + unit * end[:, 0], signals[:, t.BASE, VALUE]
     places = L * np.arange(1, PLACES + 1) / (PLACES + 1)
     shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L], (len(q1), 1))])
@@ -48,12 +48,12 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     across, slope = across_base + base[:, None] * shown, slope + base[:, None]
 
     # forces of the slider and of the bearings (equations 6.3 and 6.4)
-    weighs, tool = follower.mass + tip.mass, tip_force(tip, q1)
+    total, tool = follower.mass + tip.mass, tip_force(tip, q1)
     of_slider = facts[:, FORCE] * (1j - slope[:, 0]) * unit
-    at_pivot = unit * _acceleration(line, mass) - of_slider - weighs * gravity - (tool[0] + 1j * tool[1])
+    at_pivot = unit * _acceleration(line, mass) - of_slider - total * gravity - (tool[0] + 1j * tool[1])
     at_crank = of_slider - mechanism.crank_moment * q1_rate**2 * crank - mechanism.crank_mass * gravity
-    height = weighs * mechanism.pivot_distance + unit * mass[:, 0] + mechanism.crank_moment * crank
-    found = {
+    height = total * mechanism.pivot_distance + unit * mass[:, 0] + mechanism.crank_moment * crank
+    columns = {
         "crank_angle": q1,
         "crank_speed": q1_rate,
         "follower_angle": line.follower_angle + base,
@@ -79,8 +79,8 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     }
     if n:
         moments = follower.bending_stiffness * bend
-        found |= {**dict(zip(MOMENTS, moments[:, 4:-1].T, strict=True)), "moment_slider": moments[:, 0]}
-    return {name: np.ascontiguousarray(values) for name, values in found.items()}
+        columns |= {**dict(zip(MOMENTS, moments[:, 4:-1].T, strict=True)), "moment_slider": moments[:, 0]}
+    return {name: np.ascontiguousarray(values) for name, values in columns.items()}
 
 
 def _fields(shapes: t.Shapes, distance: Array, L: float, eta: Array, x: Array) -> tuple[Array, Array, Array]:
@@ -103,6 +103,6 @@ def _fields(shapes: t.Shapes, distance: Array, L: float, eta: Array, x: Array) -
 
 
 def _acceleration(line: RigidMotion, z: Array) -> NDArray[Any]:
-    """Second rate of a vector z (k, 3), along and across the line with its rates, in the line's frame (equation 6.2)."""
+    """Second rate, in the line's frame, of a vector z with its two rates along and across the line, shape (k, 3) (equation 6.2)."""
     turn = line.follower_speed
     return np.asarray(z[:, 2] + 2j * turn * z[:, 1] + (1j * line.follower_acceleration - turn**2) * z[:, 0])

@@ -1,7 +1,7 @@
-"""What the equations read of the shapes, as functions of the support's place l: integrals over both domains (section 2 of DERIVATION.md).
+"""Integrals of the shapes over both domains, tabulated over the support's place l for the equations (section 2 of DERIVATION.md).
 
-A row holds vectors of n numbers, one behind the other, and then matrices of n times n. On each interval of l it is a polynomial. As the
-equations come from the tabulated kinetic and potential energy and their derivatives, energy is kept as well as the polynomials meet.
+A row holds vectors of n numbers, then matrices of n times n. On each interval of l it is a polynomial. The equations derive from the
+tabulated kinetic and potential energy, so that energy is conserved up to the jumps of the polynomials between intervals.
 """
 
 from typing import Final, NamedTuple
@@ -22,13 +22,13 @@ SQUARES, TURNING, WEIGHT, END, BASE = range(5)
 VECTORS: Final = 5
 #: Matrices behind them: B, D, D^l, D^ll, C, R, H, P and S (equations 2.5 to 2.9).
 CARRIED, DRAG, DRAG_CARRIED, DRAG_CARRIED_TWICE, CARRIED_TWICE, ROTATED, HANGING, PULLED, SHORTENED = range(9)
-#: The first of those whose signals are kept, which are symmetric, and the number of all.
+#: The first of the matrices whose signals are kept, from which on all are symmetric; and the number of all matrices.
 SYMMETRIC: Final = CARRIED_TWICE
 MATRICES: Final = 9
 
-#: Gauss points on each domain beyond twice the number of shapes: products of two modes then are exact to round-off.
+#: Number of Gauss points on each domain, less twice the number of shapes: products of two modes are then exact to round-off.
 SPARE_POINTS: Final = 16
-#: Intervals of l over those of the tables of `reference`, and degree of the polynomials: they meet to 1e-9 of the second derivatives.
+#: Length of an interval of l over that in the tables of `reference`, and degree of the polynomials: the second derivatives jump by 1e-9.
 COARSER: Final = 2
 DEGREE: Final = 7
 
@@ -40,8 +40,8 @@ class Shapes(NamedTuple):
         family: the modes as functions of the support's place and of arc length; None for a rigid follower.
         low, high: m, range of the support's place l.
         coefficients: of the rows, shape (intervals, degree + 1, length of a row), highest power of the fraction of the interval first.
-        reach: m, place of the slider at which it counts as leaving the follower.
-        seconds: wall time that parts took which were kept from an earlier model.
+        reach: slider position beyond which the slider counts as off the follower, m.
+        seconds: wall time (s) that an earlier model spent on parts that this one reuses.
     """
 
     family: ModeFamily | None
@@ -53,10 +53,10 @@ class Shapes(NamedTuple):
 
 
 def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
-    """Modes of the beam supported at l (equation 2.2), and their integrals, over the range of l that the crank reaches."""
+    """Modes of the beam supported at l (equation 2.2) and their integrals, for every l that the crank reaches."""
     if mechanism.follower.is_rigid:
         return Shapes(None, 0.0, mechanism.follower.length, np.zeros((1, 1, 0)), mechanism.follower.length, 0.0)
-    (tables, reach), family, seconds = following(mechanism, modes)
+    tables, reach, family, seconds = following(mechanism, modes)
     edges = np.linspace(family.low, family.high, len(tables.coefficients) // COARSER + 1)
     u = 0.5 * (1.0 + chebyshev.chebpts1(DEGREE + 1))
     places = edges[:-1, None] + np.diff(edges)[:, None] * u
@@ -66,10 +66,10 @@ def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
 
 
 class _Fields(NamedTuple):
-    """Fields for places l (k,) at p points of both domains, of which the last is L; those of n shapes have the shape (k, p, n).
+    """Fields for places l (k,) at p points of both domains, the last of which is x = L; those of n shapes have the shape (k, p, n).
 
     Attributes:
-        x, dx: arc lengths and their shares of the length, m, (k, p); the domains' ends have no share.
+        x, dx: arc lengths and integration weights, m, (k, p); the domains' ends have zero weight.
         V, V_l, slope, slope_l: deflection across the tangent at P, slope across the line, and their derivatives by l.
         base, base_l: slope at P across the line, (k, 1, n).
     """
@@ -85,7 +85,7 @@ class _Fields(NamedTuple):
 
 
 def _fields(family: ModeFamily, places: Array) -> _Fields:
-    """Equation 2.3, for places l (k,)."""
+    """The fields of equation 2.3 for places l (m), shape (k,)."""
     gauss, weights = np.polynomial.legendre.leggauss(2 * family.squares.shape[1] + SPARE_POINTS)
     u, to_points = np.append(0.5 * (gauss + 1.0), 1.0), 0.5 * integrals_to_points(gauss, weights)
     distance, parts = places[:, None], list[tuple[Array, ...]]()
@@ -105,13 +105,13 @@ def _fields(family: ModeFamily, places: Array) -> _Fields:
 
 
 def _rows(mechanism: Mechanism, family: ModeFamily, places: Array, foreshortening: bool) -> Array:
-    """Rows for places l (k,), shape (k, VECTORS n + MATRICES n^2)."""
+    """Table rows for places l (m), shape (k,); returns shape (k, VECTORS n + MATRICES n^2)."""
     rhoA, L, tip = mechanism.follower.mass_per_length, mechanism.follower.length, mechanism.tip_body
     m, e = tip.mass, tip.center_of_mass
     x, dx, V, V_l, slope, slope_l, base, base_l = _fields(family, places)
 
     def motion(w: Array, turn: Array, of_base: Array) -> Array:
-        """Displacements of the points and of the tip's centre, turning of the tip and of the base block; (k, p + 3, n)."""
+        """Displacements of the points and of the tip's centre, then rotations of tip and base block; shape (k, p + 3, n)."""
         return np.concatenate([w, w[:, -1:] + e * turn[:, -1:], turn[:, -1:], of_base], axis=1)
 
     one = np.ones_like(x)[:, :, None]
@@ -119,14 +119,14 @@ def _rows(mechanism: Mechanism, family: ModeFamily, places: Array, foreshortenin
     rigid = motion(x[:, :, None], one, one[:, :1])
     masses = np.concatenate([rhoA * dx, np.tile([m, tip.inertia, mechanism.base.inertia], (len(places), 1))], axis=1)
     moved = masses.copy()
-    moved[:, -2:] = 0.0  # what turns has no place
+    moved[:, -2:] = 0.0  # without the rotations
 
     def product(weights: Array, first: Array, second: Array) -> Array:
-        """Equation 2.1, with the masses for weights."""
+        """The scalar products of equation 2.1, with these weights, of two sets of fields; shape (k, n, n)."""
         return np.einsum("kp,kpi,kpj->kij", weights, first, second, optimize=True)
 
     def tightened(tension: Array, at_end: float = 0.0) -> Array:
-        """Of a tension along the points (k, p), and of a moment per slope at the end."""
+        """Geometric stiffness of a tension at the points (k, p), and of a moment per slope at the end; shape (k, n, n)."""
         weights = tension * dx
         weights[:, -1] = at_end
         return product(weights, slope, slope)
@@ -139,9 +139,9 @@ def _rows(mechanism: Mechanism, family: ModeFamily, places: Array, foreshortenin
     end = V[:, -1] + L * base[:, 0]
     vectors = (family.squares_at(places), product(masses, rigid, moves)[:, 0], np.einsum("kp,kpi->ki", moved, moves), end, base[:, 0])
     matrices = (
-        0.5 * (carried - carried.transpose(0, 2, 1)),  # what the tabulated modes lack of (2.5)
+        0.5 * (carried - carried.transpose(0, 2, 1)),  # (2.5) makes it antisymmetric, the tabulated modes do so only nearly
         *(product(dx, V, V), product(dx, V, V_l), product(dx, V_l, V_l)),
         *(product(masses, moves_l, moves_l), rotated, hanging, pulled),
         tightened((x < places[:, None]).astype(np.float64)),
     )
-    return np.concatenate([*vectors, *(each.reshape(len(places), -1) for each in matrices)], axis=1)
+    return np.concatenate([*vectors, *(matrix.reshape(len(places), -1) for matrix in matrices)], axis=1)

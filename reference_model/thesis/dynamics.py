@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
-from quickreturn.reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model.tip_force import share_of_force
 
 share = stage(share_of_force)
 
@@ -28,7 +28,7 @@ def assemble(
     eta_rate: NDArray[np.float64],
     w: Workspace,
 ) -> None:
-    """Mass matrix `w.M` and force `w.Q` (applied minus inertia) for (q1, q2, eta), loop not yet closed (equations 4.1 to 4.13)."""
+    """To `M` and `Q`: mass matrix and force (applied minus inertia) for (q1, q2, eta), without the constraint (equations 4.1 to 4.13)."""
     _push_tip(p, q1, c.q2, w)
     for a in range(p.n + 2):
         w.Q[a] = w.tool[a]
@@ -51,6 +51,7 @@ def assemble(
 
 @stage
 def _gravity_in_b(p: Parameters, q2: float) -> tuple[float, float]:
+    """Gravity in frame B, m/s^2."""
     if not p.has_gravity:
         return 0.0, 0.0
     cosine, sine = math.cos(q2), math.sin(q2)
@@ -80,7 +81,7 @@ def _add_beam(
     for point in range(len(t.x)):
         dm = p.rhoA * t.weights[point]
         x, W = t.x[point] - w.F[point], w.W[point]
-        # remaining acceleration less gravity, equation 4.3
+        # bias acceleration less gravity, equation 4.3
         a1 = -(q2_rate**2) * x - 2.0 * q2_rate * w.W_rate[point] - w.H[point] - gravity_1
         a2 = -(q2_rate**2) * W - 2.0 * q2_rate * w.F_rate[point] - gravity_2
         w.M[1, 1] += dm * (x * x + W * W)
@@ -133,7 +134,7 @@ def _add_tip(p: Parameters, q2_rate: float, gravity_1: float, gravity_2: float, 
 
 @stage
 def _push_tip(p: Parameters, q1: float, q2: float, w: Workspace) -> None:
-    """Generalised forces of the force on the tip, at x = L, to `w.tool` (equation 4.14)."""
+    """To `tool`: generalised forces of the force on the tip, at x = L (equation 4.14)."""
     n, end = p.n, len(p.tables.edges) - 1
     acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(q1, p.force_begin, p.force_span, p.force_ramp)
     F1 = acting * (math.cos(q2) * p.force_1 + math.sin(q2) * p.force_2)
@@ -168,7 +169,7 @@ def _add_crank_and_base(p: Parameters, c: Slider, q2_rate: float, q1_rate: float
 
 @inlined
 def project(p: Parameters, k: Contact, w: Workspace) -> bool:
-    """Project onto the free speeds and solve for the accelerations `w.acceleration` of (q1, q2, eta), equations 5.1 to 5.4."""
+    """To `acceleration`: those of (q1, q2, eta) by projection (equations 5.1 to 5.4); False for an indefinite projected mass matrix."""
     n = p.n
     first = 0 if p.crank_is_free else 1
     size = n + 1 - first
@@ -179,8 +180,9 @@ def project(p: Parameters, k: Contact, w: Workspace) -> bool:
         for b in range(a + 1):
             B = _full_index(b + first)
             w.reduced[a, b] = w.M[A, B] + w.C[A] * w.M[1, B] + to_base * w.C[B]
-    if not _solve_cholesky(w.reduced, w.rhs, size):
+    if not factorize(w.reduced, size):
         return False
+    substitute(w.reduced, w.rhs, size)
     w.acceleration[0] = w.rhs[0] if p.crank_is_free else 0.0
     q2_acceleration = k.c0 + w.C[0] * w.acceleration[0]
     for i in range(n):
@@ -192,17 +194,8 @@ def project(p: Parameters, k: Contact, w: Workspace) -> bool:
 
 @stage
 def _full_index(free: int) -> int:
-    """Free speed (q1, eta) to its place among (q1, q2, eta)."""
+    """Index among (q1, q2, eta) of a speed with the given index among (q1, eta)."""
     return 0 if free == 0 else free + 1
-
-
-@inlined
-def _solve_cholesky(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> bool:
-    """Solve A x = b in place for a positive definite A given by its lower triangle; False if it is not positive definite."""
-    if not factorize(A, size):
-        return False
-    substitute(A, b, size)
-    return True
 
 
 @stage
@@ -224,7 +217,7 @@ def factorize(A: NDArray[np.float64], size: int) -> bool:
 
 @stage
 def substitute(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> None:
-    """Solve with the factor that `factorize` left in A; b in place."""
+    """Solve L L^T x = b in place of b, with the factor L that `factorize` wrote into A."""
     for i in range(size):
         total = b[i]
         for m in range(i):
@@ -245,14 +238,14 @@ def reactions(p: Parameters, c: Slider, k: Contact, w: Workspace) -> tuple[float
         row_1 += w.M[0, a] * w.acceleration[a]
         row_2 += w.M[1, a] * w.acceleration[a]
     multiplier = row_2 / k.B0
-    # n . LA a2 = C_0 B0: the crank feels the opposite of the follower's force
+    # n . LA a2 = C_0 B0; the opposite of the follower's force acts on the crank
     drive = p.torque if p.crank_is_free else row_1 + multiplier * w.C[0] * k.B0
     return multiplier * k.normal, drive
 
 
 @stage
 def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray[np.float64], w: Workspace) -> float:
-    """Power taken by all dampings, W, equation 4.12."""
+    """Power that all dampings dissipate, W, equation 4.12."""
     power = p.crank_damping * q1_rate**2 + p.base_damping * q2_rate**2
     if p.beam_damping > 0.0:
         total = 0.0
@@ -264,7 +257,7 @@ def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray
 
 @inlined
 def evaluate(p: Parameters, w: Workspace, y: NDArray[np.float64]) -> tuple[bool, Slider, Contact]:
-    """Close the loop and solve for the accelerations at the state y; leaves everything in `w`."""
+    """To `w`: closed loop, equations and accelerations of the state y. Returns whether the state is possible, its slider, its contact."""
     n = p.n
     eta, q1_rate, eta_rate = y[1 : n + 1], y[n + 1], y[n + 2 : 2 * n + 2]
     none = Contact(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

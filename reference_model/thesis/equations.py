@@ -1,4 +1,4 @@
-"""The right-hand sides of the thesis' model, compiled: of the mechanism, and of the follower alone on a base that turns as prescribed.
+"""The right-hand sides of the thesis' model, compiled: for the mechanism, and for the follower alone on a base that turns as prescribed.
 
 State vector of the mechanism (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive; of
 the follower alone time takes the place of q1.
@@ -24,10 +24,9 @@ base_motion = stage(motion_of_base)
 
 @compiled
 def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
-    """dy/dt at the state y, to `rate`, and unless `row` is empty the observables, to it (numbers of a `ROW`); the first two are addresses.
+    """Write dy/dt of the state y to `rate`, and its observables to `row` (the numbers of a `ROW`) unless that is empty.
 
-    Returns:
-        False, and `rate` all nan, where the loop cannot close or the shapes give out: a rejected step for the integrator.
+    False, and nan in `rate`, where the loop cannot close or the slope of the shapes reaches 1. Parameters and workspace are addresses.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
     n = p.n
@@ -50,7 +49,7 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
 
 @compiled
 def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
-    """The same for the follower alone (equations 8.1 and 8.2); observables of crank and slider are zero, the torque is the base's."""
+    """As `right_hand_side`, for the follower alone (equations 8.1 and 8.2): without crank and slider, with the torque on the base."""
     p, w = parameters_at(parameters), workspace_at(workspace)
     n, eta, eta_rate = p.n, y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2]
     angle, turn, acceleration = base_motion(p.base_speed, p.base_time, y[0])
@@ -85,6 +84,6 @@ def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array,
 
 @stage
 def _no_slider(p: Parameters, angle: float, rate: float) -> tuple[Slider, Contact]:
-    """What stands in for a slider that is not there: it carries no force."""
+    """A slider without force at mid-length, in place of the missing one, for the base's angle (rad) and its rate (rad/s)."""
     c = Slider(True, 0.5 * p.L, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, angle, 1.0, 0.0)
     return c, Contact(True, rate, 0.0, 1.0, 0.0, 1.0, 0.0)

@@ -12,14 +12,14 @@ from quickreturn.reference_model.thesis.tables import build_tables
 def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, count: int) -> NDArray[np.float64]:
     """Lowest natural frequencies (Hz) of the straight follower at rest in these shapes, the slider held at arc length `support`.
 
-    With the crank held the constraint leaves q2 = -sum phi_i(s) eta_i / s (equation 7.1), so that every shape brings a rigid rotation
-    along (equations 7.2 and 7.3); undamped, no gravity. By Rayleigh's principle the frequencies lie above the converged ones.
+    With the crank held the constraint is q2 = -sum phi_i(s) eta_i / s (equation 7.1), so that a rigid rotation goes with every shape
+    (equations 7.2 and 7.3). Undamped, without gravity. By Rayleigh's principle the frequencies lie above the converged ones.
 
     Args:
         mechanism: the scene; its follower must be flexible.
         shapes: the follower's shapes.
         support: s, m.
-        count: how many; fewer come back if there are fewer shapes.
+        count: number of frequencies, or the number of shapes if that is less.
     """
     beam, tip = mechanism.follower, mechanism.tip_body
     tables = build_tables(shapes, 0)

@@ -10,7 +10,7 @@ from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
 from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, Tables, cumulate, find_cell, partial_weights
 
-CLOSURE_STEPS = 30  # Newton steps on the slider's place; four suffice where the loop closes
+CLOSURE_STEPS = 30  # Newton steps for the slider's place, at most; four suffice where the loop closes
 
 
 @stage
@@ -33,10 +33,9 @@ def tangent_angle(slope: float, exact: bool) -> tuple[float, float, float]:
 
 @stage
 def centre_line(t: Tables, exact: bool, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: Workspace) -> bool:
-    """Fields at all points of a mesh: W, W', their rates, F, f_i, the rate of F, and H (equations 2.1 to 2.8).
+    """To `w`: W, W', their rates, F, f_i, the rate of F, and H at all points of a mesh (equations 2.1 to 2.8).
 
-    Returns:
-        False if the slope reaches 1 somewhere: the shapes cannot describe that place.
+    False if the slope |W'| reaches 1 somewhere: no centre line has that slope.
     """
     N, n = t.phi.shape
     for p in range(N):
@@ -69,7 +68,7 @@ def centre_line(t: Tables, exact: bool, eta: NDArray[np.float64], eta_rate: NDAr
 
 @stage
 def _cumulate_shapes(t: Tables, w: Workspace) -> None:
-    """f_i(x) = int_0^x g'(W') phi_i' (equation 2.6) at all points and edges; the shape index runs fastest."""
+    """To `f` and `f_edges`: f_i(x) = int_0^x g'(W') phi_i' (equation 2.6) at all points and edges."""
     n = t.phi.shape[1]
     for i in range(n):
         w.f_edges[0, i] = 0.0
@@ -93,7 +92,7 @@ def _cumulate_shapes(t: Tables, w: Workspace) -> None:
 
 
 class Slider(NamedTuple):
-    """Place and motion of the slider and what the constraint row is made of (frame B unless said), equations 3.1 to 3.9."""
+    """The slider's place and the fields of the follower there, in frame B (equations 3.1 to 3.9)."""
 
     closes: bool  # whether the loop can be closed
     s: float  # m, arc length
@@ -111,7 +110,7 @@ class Slider(NamedTuple):
 
 @stage
 def _shapes_at(p: Parameters, x: float, values: NDArray[np.float64]) -> None:
-    """phi_i and three derivatives at x, shape (4, n); continues the last cell's polynomials beyond the follower's ends."""
+    """To `values`: phi_i and three derivatives at x, shape (4, n); beyond the follower's ends by the polynomials of the cell there."""
     cell = find_cell(p.shape_edges, x)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
     u = (x - p.shape_edges[cell]) / length
@@ -168,7 +167,7 @@ def _locate(p: Parameters, eta: NDArray[np.float64], distance: float, w: Workspa
             return math.nan
         if abs(correction) < 4e-16 * p.L:
             break
-        # a last correction at round-off level may keep flipping the last bit
+        # round-off may keep the corrections from falling below the limit above
         if abs(correction) < 1e-14 * p.L and step > 6:
             break
     return s
@@ -226,12 +225,12 @@ class Contact(NamedTuple):
     B0: float  # n . p_perp, lever arm of the slider force about P (m)
     c0: float
     normal: float  # |n|, 1 in exact geometry
-    d0: float  # remainder of the slider's angular acceleration (only with rotary inertia)
+    d0: float  # bias of the slider's angular acceleration, 1/s^2 (only with rotary inertia)
 
 
 @stage
 def normal_row(p: Parameters, c: Slider, w: Workspace, row: NDArray[np.float64]) -> None:
-    """Coefficients of the speeds (q1, q2, eta) in the velocity loop dotted with n (equation 3.6): n . (LA a2, -p_perp, -p_i)."""
+    """To `row`: coefficients of the speeds (q1, q2, eta) in n times the velocity loop (equation 3.6): n . (LA a2, -p_perp, -p_i)."""
     n1, n2 = -c.slope, c.t1
     row[0] = p.LA * (n2 * c.a1 - n1 * c.a2)
     row[1] = n1 * c.W - n2 * c.x
@@ -240,7 +239,7 @@ def normal_row(p: Parameters, c: Slider, w: Workspace, row: NDArray[np.float64])
 
 
 class FieldRates(NamedTuple):
-    """Time derivatives of the fields at the slider's arc length, that place held."""
+    """Time derivatives of the fields at the slider's place, for a constant arc length."""
 
     W: float  # m/s
     F: float  # m/s
@@ -264,17 +263,15 @@ def field_rates(p: Parameters, eta_rate: NDArray[np.float64], w: Workspace) -> F
 
 @stage
 def sliding_speed(p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float) -> float:
-    """Velocity of the crank tip relative to the point of the follower, along the tangent t and per |t|^2 (equation 3.5)."""
+    """Rate of the slider's arc length, m/s: velocity of the crank tip relative to the follower, times t / |t|^2 (equation 3.5)."""
     along_1 = -p.LA * c.a2 * q1_rate + c.W * q2_rate + r.F
     along_2 = p.LA * c.a1 * q1_rate - c.x * q2_rate - r.W
     return (c.t1 * along_1 + c.slope * along_2) / (c.t1 * c.t1 + c.slope * c.slope)
 
 
 @stage
-def loop_remainder(
-    p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float, s_rate: float, w: Workspace
-) -> tuple[float, float]:
-    """What the second derivative of the loop holds besides accelerations, in frame B (equation 3.7).
+def loop_bias(p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float, s_rate: float, w: Workspace) -> tuple[float, float]:
+    """Bias of the loop's second derivative: its terms without accelerations of the speeds, in frame B (equation 3.7).
 
     That is -LA q1dot^2 a1 - a0 - 2 q2dot sdot t_perp - 2 sdot tdot - sdot^2 t_x.
     """
@@ -302,7 +299,7 @@ def constraint_row(
         q2_rate += w.C[i + 2] * eta_rate[i]
     r = field_rates(p, eta_rate, w)
     s_rate = sliding_speed(p, c, r, q1_rate, q2_rate)
-    b1, b2 = loop_remainder(p, c, r, q1_rate, q2_rate, s_rate, w)
+    b1, b2 = loop_bias(p, c, r, q1_rate, q2_rate, s_rate, w)
     d0 = 0.0
     if p.slider_inertia > 0.0:
         _, angle_1, angle_2 = tangent_angle(c.slope, p.exact_geometry)

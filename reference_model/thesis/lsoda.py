@@ -24,12 +24,12 @@ def integrate_lsoda(
     """States on a uniform grid.
 
     Args:
-        equations: write dy/dt of a state to their second argument; False where the state cannot be.
-        watched: its first entry is the slider's place in the state evaluated last, m.
+        equations: function that writes dy/dt of a state to its second argument; False for an impossible state.
+        watched: array whose first entry is the slider position in the state evaluated last, m.
         y: state at the start; not changed.
         output_step: grid of the output, s.
         intervals: number of output steps.
-        scales: absolute local error of each state that is controlled, the first ones of the state.
+        scales: accepted local error of each controlled state, in its unit. The controlled states come first.
         limit: slider position at which the integration ends, m.
     """
     size = len(y)
@@ -49,7 +49,7 @@ def integrate_lsoda(
         )
     good, status = len(states), REACHED_END
     if info["message"] != "Integration successful.":
-        # the rows after the first one not reached are not even initialised
+        # odeint does not initialise the rows after the first one that it did not reach
         good, status = 1 + int(np.argmax(info["tcur"] < times[1:] - 1e-12)), STEP_TOO_SMALL
     for row in range(good):
         if not (np.all(np.isfinite(states[row])) and equations(states[row], rate)):

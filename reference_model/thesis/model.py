@@ -64,7 +64,7 @@ class ThesisModel:
         return self.initial_state(0.0, 1.0)
 
     def right_hand_side(self, y: Array, rate: Array, row: Array = _NO_ROW) -> bool:
-        """dy/dt of a state, written to `rate`, and its observables, to `row` (of a `ROW`) if given; False where the state cannot be."""
+        """Write dy/dt of a state to `rate`, and its observables to `row` (numbers of a `ROW`) if given; False for an impossible state."""
         p, w = self._at
         return bool(self._function(p.address, w.address, y, rate, row))
 
@@ -73,14 +73,14 @@ class ThesisModel:
         return self.right_hand_side(y, np.empty_like(y))
 
     def error_scales(self, crank_speed: float) -> Array:
-        """Sizes against which the relative tolerance is taken, one per controlled state, as those of `reference_model.model.BeamModel`."""
+        """Size of each controlled state, to which the relative tolerance refers, as in `reference_model.model.BeamModel.error_scales`."""
         p = self.parameters
         frequency = characteristic_frequency(p)
         shape, speed = p.deflection_scale, 0.1 * max(abs(crank_speed), 1.0)
         return np.array([0.1, *[shape] * p.n, speed, *[shape * frequency] * p.n])
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
-        """States on a uniform grid from the state `y` by LSODA, whose steps start anew (thesis, section 5.2)."""
+        """States on a uniform grid from the state `y` by LSODA (thesis, section 5.2), which ignores `first_step`."""
         scales = self.error_scales(float(y[self.parameters.n + 1])) * tolerance
         limit = math.inf if self._alone else self.parameters.L
         return integrate_lsoda(self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit)
@@ -100,7 +100,7 @@ class ThesisModel:
         return recorded_columns(rows, alone=self._alone, bends=self.shapes.count > 0)
 
     def project_deflection(self, deflection: Array, slope: Array) -> Array:
-        """Flexible coordinates (n,) closest to a deflection (m) and slope given at `projection_points`, in the mass norm and slope."""
+        """Flexible coordinates (n,) closest in least squares to a deflection (m), and to a slope times L, at `projection_points`."""
         if self.shapes.count == 0:
             return np.zeros(0)
         x, length = self.projection_points(), self.scene.follower.length
@@ -108,14 +108,14 @@ class ThesisModel:
         return np.linalg.lstsq(A, np.concatenate([deflection, length * slope]), rcond=None)[0]
 
     def projection_points(self) -> Array:
-        """Arc lengths (m) at which `project_deflection` wants deflection and slope."""
+        """Arc lengths (m) at which `project_deflection` takes deflection and slope."""
         return np.linspace(0.0, self.scene.follower.length, 8 * (self.shapes.count + 4) + 1)
 
 
 def quadrature_cells(shapes: ShapeSet) -> int:
-    """Cells of the quadrature mesh: 0 (the shapes' own) for elements, else enough for products of the highest modes.
+    """Number of cells of the quadrature mesh: 0 (the shapes' own cells) for elements, else enough for products of the highest modes.
 
-    POINTS Gauss points a cell must come to about pi points for every wave of a product of two of the highest modes.
+    With POINTS Gauss points a cell, a wave of the product of the two highest modes has about pi points.
     """
     if not shapes.has_continuous_curvature or len(shapes.edges) == 2:
         return 0

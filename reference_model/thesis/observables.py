@@ -1,4 +1,4 @@
-"""Observables of a state, its shapes shown as they are (thesis/DERIVATION.md, section 6)."""
+"""Observables of a state, directly from the shapes (thesis/DERIVATION.md, section 6)."""
 
 import math
 from typing import Any
@@ -11,24 +11,24 @@ from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
 from quickreturn.reference_model.thesis.tables import find_cell
-from quickreturn.reference_model.tip_force import share as share_of_force
+from quickreturn.reference_model.tip_force import share_of_force
 
 share = stage(share_of_force)
 
 
 @inlined
 def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, drive: float, row: Any) -> None:
-    """Fill the row, a `reference_model.columns.ROW`, from what an evaluation left in `w`.
+    """Fill a row of `reference_model.columns.ROW`.
 
     Args:
         p: parameters.
         place: the slider.
         k: its contact.
-        w: workspace after the evaluation of the row's state.
-        y: q1, eta, q1dot, etadot, dissipated energy, work of the drive.
+        w: workspace after the evaluation of the state.
+        y: the state.
         force: slider force, N.
         drive: torque of the drive, N m.
-        row: the one to fill.
+        row: the row.
     """
     n = p.n
     row.crank_angle, row.crank_speed, row.follower_angle, row.slider_position = y[0], y[n + 1], place.q2, place.s
@@ -52,7 +52,7 @@ def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[n
             deflection += p.shape_places[point, i] * y[1 + i]
             moment += p.moment_places[point, i] * y[1 + i]
         row.shapes[point], row.moments[point] = deflection, moment
-    # the loop is closed on the centre line to the last bits of the slider's place
+    # only round-off is left of it
     row.constraint_gap = abs(
         math.sqrt(place.x**2 + place.W**2) - math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
     )
@@ -60,7 +60,7 @@ def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[n
 
 @stage
 def curvature_of_shape(p: Parameters, i: int, x: float) -> float:
-    """phi_i'' at x, of which strains are made (equation 6.8)."""
+    """phi_i'' at x, for the strains (equation 6.8)."""
     cell = find_cell(p.shape_edges, x)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
     u = (x - p.shape_edges[cell]) / length
@@ -91,7 +91,7 @@ def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[
 
 @stage
 def bearing_forces(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, row: Any) -> None:
-    """Forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.9 to 6.11)."""
+    """To the row: forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.9 to 6.11)."""
     n, cosine, sine = p.n, math.cos(place.q2), math.sin(place.q2)
     F1, F2 = _slider_on_follower(p, place, k, w, force)
     p1, p2 = _rate_of_momentum(p, k, w, y[n + 2 : 2 * n + 2])
@@ -120,7 +120,7 @@ def _slider_on_follower(p: Parameters, place: Slider, k: Contact, w: Workspace, 
 
 @stage
 def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> tuple[float, float]:
-    """Of beam and tip body, in frame B, N: the integrals of (4.3) and (4.8) with the accelerations added and without gravity."""
+    """Rate of momentum of beam and tip body in frame B, N: integrals of (4.3) and (4.8), with the accelerations and without gravity."""
     t, n, end, e, q2_acceleration = p.tables, p.n, len(p.tables.edges) - 1, p.tip_offset, w.acceleration[1]
     total_1 = total_2 = 0.0
     for point in range(len(t.x)):
@@ -153,7 +153,7 @@ def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray
 
 @stage
 def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], row: Any) -> None:
-    """Kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
+    """To the row: kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
     n = p.n
     kinetic = strain = 0.0
     for a in range(n + 2):
@@ -163,7 +163,7 @@ def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[
     for i in range(n):
         for j in range(n):
             strain += 0.5 * y[1 + i] * p.stiffness[i, j] * y[1 + j]
-    moment_1 = moment_2 = 0.0  # first moments of base frame bodies about P, in frame B
+    moment_1 = moment_2 = 0.0  # first moments of beam and tip body about P, in frame B
     for point in range(len(p.tables.x)):
         dm = p.rhoA * p.tables.weights[point]
         moment_1 += dm * (p.tables.x[point] - w.F[point])

@@ -1,4 +1,4 @@
-"""Everything the compiled equations read, as one flat tuple of numbers and arrays, built from a `Mechanism` and a `ShapeSet`."""
+"""Constants and scratch arrays of the compiled equations, built from a `Scene` and a `ShapeSet`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, Table
 
 
 class UnsuitableShapes(ValueError):
-    """The shapes cannot carry what the scene asks for; the text is one sentence."""
+    """The shapes cannot describe a part of the scene; the text is a clause that says why."""
 
 
 class Parameters(NamedTuple):
@@ -61,14 +61,14 @@ class Parameters(NamedTuple):
     mass_transverse: Matrix  # (n, n) kg: rhoA int phi phi
     base_speed: float  # rad/s, of a base that turns as prescribed, after its spin-up
     base_time: float  # s, of the spin-up
-    deflection_scale: float  # m, size that errors of the deflection are measured against
+    deflection_scale: float  # m, see `rigid.deflection_scale`
 
 
 def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, cells: int) -> Parameters:
     """Parameters of the equations for a scene.
 
     Args:
-        scene: a slider joint must be rigid; without crank and slider their constants are zero.
+        scene: the mechanism, with a rigid slider joint, or the follower alone, for which the constants of crank and slider are zero.
         shapes: the follower's shapes (`no_shapes` for a rigid follower).
         exact_geometry: exact planar geometry, or the thesis' second-order foreshortening with linear curvature.
         cells: cells of the quadrature mesh; 0 takes the shapes' own cells.
@@ -76,8 +76,8 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     Raises:
         UnsuitableShapes: a slider with rotary inertia on shapes whose curvature jumps.
     """
-    known, follower = constants(scene), scene.follower
-    if known["slider_inertia"] > 0.0 and not shapes.has_continuous_curvature:
+    of_scene, follower = constants(scene), scene.follower
+    if of_scene["slider_inertia"] > 0.0 and not shapes.has_continuous_curvature:
         raise UnsuitableShapes(
             "a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one Hermite element"
         )
@@ -85,7 +85,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
     places = follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)
     return Parameters(
-        **{name: value for name, value in known.items() if name in Parameters._fields},
+        **{name: value for name, value in of_scene.items() if name in Parameters._fields},
         crank_is_free=scene.crank_is_free,
         EI=EI,
         has_gravity=scene.has_gravity,
@@ -103,7 +103,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays of one evaluation of the equations (N points, m cells, n shapes); never read across evaluations."""
+    """Scratch arrays of one evaluation of the equations (N points, m cells, n shapes); an evaluation reads nothing of the previous one."""
 
     slope: Vector  # (N,) W'
     slope_rate: Vector  # (N,) time derivative of W'
@@ -117,7 +117,7 @@ class Workspace(NamedTuple):
     f_edges: Matrix  # (m + 1, n)
     F_rate: Vector  # (N,)
     end: Vector  # (2,) W' and W at x = L
-    watched: Vector  # (2,) what the integrator watches: s, m; highest angular frequency, rad/s: not known here, 0
+    watched: Vector  # (2,) read by the integrator: s, m; and 0 for the highest angular frequency, unknown here
     H: Vector  # (N,) int g'' (dW'/dt)^2
     H_edges: Vector  # (m + 1,)
     integrand: Vector  # (N,) scratch
@@ -127,7 +127,7 @@ class Workspace(NamedTuple):
     weights: Matrix  # (3, POINTS)
     M: Matrix  # (n + 2, n + 2) mass matrix for (q1, q2, eta)
     Q: Vector  # (n + 2,) applied minus inertia forces
-    tool: Vector  # (n + 2,) of these the force on the tip
+    tool: Vector  # (n + 2,) part of Q from the force on the tip
     C: Vector  # (n + 2,) q2dot = C . (q1dot, -, etadot)
     D: Vector  # (n + 2,) slider rotation rate = D . (q1dot, q2dot, etadot)
     reduced: Matrix  # (n + 1, n + 1)

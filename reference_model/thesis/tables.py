@@ -16,13 +16,13 @@ from quickreturn.reference_model.machine.compilation import stage
 from quickreturn.reference_model.machine.pointers import Matrix, Vector, tuple_type
 from quickreturn.reference_model.shapes import ShapeSet
 
-POINTS = 6
+POINTS = 6  # Gauss points of a cell
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 #: Gauss points and weights on 0 <= u <= 1.
 UNIT_POINTS = 0.5 * (_GAUSS + 1.0)
 UNIT_WEIGHTS = 0.5 * _WEIGHTS
-#: PARTIAL[j] are the power coefficients (of u^1 ...) of the integral from 0 to u of the Lagrange polynomial of point j.
+#: PARTIAL[j]: coefficients, from u^1 on, of the integral from 0 to u of the Lagrange polynomial of point j.
 PARTIAL = np.linalg.inv(np.vander(UNIT_POINTS, increasing=True)).T / np.arange(1, POINTS + 1)
 #: TO_POINTS[p, j]: weight of point j in the integral from the cell's left end to point p.
 TO_POINTS = np.array([[sum(PARTIAL[j, k] * u ** (k + 1) for k in range(POINTS)) for j in range(POINTS)] for u in UNIT_POINTS])
@@ -65,10 +65,10 @@ def build_tables(shapes: ShapeSet, cells: int) -> Tables:
 
 @stage
 def partial_weights(u: float, length: float, out: NDArray[np.float64]) -> None:
-    """Weights of a cell's points at the place u (0 to 1) of a cell of the given length (m), shape (3, POINTS).
+    """To `out`: weights of a cell's points for the fraction u (0 to 1) of a cell of the given length (m), shape (3, POINTS).
 
-    Of the integral from the cell's left end to u, of the polynomial's value there, and of its derivative by arc length: each the exact
-    derivative of the one before, so that velocities and accelerations belong to the same discrete position.
+    The rows give the integral from the cell's left end to u, the polynomial's value there, and its derivative by arc length. Each is the
+    exact derivative of the one before, so that velocities and accelerations belong to the same discrete position.
     """
     for j in range(POINTS):
         integral = value = slope = 0.0
@@ -93,7 +93,7 @@ def find_cell(edges: NDArray[np.float64], x: float) -> int:
 def cumulate(
     edges: NDArray[np.float64], integrand: NDArray[np.float64], at_points: NDArray[np.float64], at_edges: NDArray[np.float64]
 ) -> None:
-    """Integrals from 0 to every point and every edge of a function given at the points (N,)."""
+    """To `at_points` and `at_edges`: integrals from 0 to every point and every edge of a function given at the points (N,)."""
     at_edges[0] = 0.0
     for c in range(len(edges) - 1):
         length = edges[c + 1] - edges[c]

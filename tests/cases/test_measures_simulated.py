@@ -20,7 +20,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
-from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, vibrating
+from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, decoupled
 from tests.cases.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
 from tests.engines.scenes import run_24
 from tests.verification.random_scenes import random_scenes
@@ -41,7 +41,7 @@ def mechanism() -> Mechanism:
 def shapes(mechanism: Mechanism) -> ShapeSet:
     """Deflections that belong to the model's amplitudes."""
     follower = mechanism.follower
-    return vibrating(clamped_free_modes(follower.length, 6), follower.mass_per_length, follower.bending_stiffness)[0]
+    return decoupled(clamped_free_modes(follower.length, 6), follower.mass_per_length, follower.bending_stiffness)[0]
 
 
 @pytest.fixture(scope="module")

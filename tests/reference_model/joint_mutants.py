@@ -11,7 +11,7 @@ from quickreturn.reference_model.joint import Rollers
 from tests.reference_model.mutation import Hunt, Source
 from tests.reference_model.roller_law import force_of_rollers, sliding_share
 
-SOURCE: Final = Source(modules=(joint,), no_equations=frozenset({"rollers", "in_words"}), stand_ins={}, entry=dict)
+SOURCE: Final = Source(modules=(joint,), no_equations=frozenset({"rollers", "joint_in_words"}), stand_ins={}, entry=dict)
 #: Rollers with clearance, and with preload.
 PAIRS: Final = (
     Rollers(plus=4e3, minus=9e3, plus_from=5e-4, minus_from=4e-4, loss=0.6, damping=3.0),

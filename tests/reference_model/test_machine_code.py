@@ -21,7 +21,7 @@ from quickreturn.reference_model.machine import machine_code
 from quickreturn.reference_model.small import double
 assert double(4.0) == 8.0
 folder = Path(os.environ["NUMBA_CACHE_DIR"])
-print(folder, any(folder.rglob("*.nbi")), machine_code.forgotten(), sep="|")
+print(folder, any(folder.rglob("*.nbi")), machine_code.warning_if_not_kept(), sep="|")
 """
 SMALL = "from quickreturn.reference_model.machine.compilation import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
 

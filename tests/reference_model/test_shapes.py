@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_between, hermite_elements, no_shapes, vibrating
+from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, decoupled, hermite_between, hermite_elements, no_shapes
 from quickreturn.reference_model.thesis import tables
 from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables
 
@@ -138,7 +138,7 @@ def test_hermite_elements_of_unequal_size_reproduce_a_cubic() -> None:
 
 @pytest.mark.parametrize("shapes", [clamped_free_modes(L, 5), hermite_elements(L, 3)], ids=["modes", "elements"])
 def test_vibrating_shapes_span_the_same_and_are_orthogonal(shapes: ShapeSet) -> None:
-    own, squares = vibrating(shapes, 0.4, 5.0)
+    own, squares = decoupled(shapes, 0.4, 5.0)
     np.testing.assert_allclose(0.4 * gram(own, 0), np.eye(own.count), atol=1e-9)
     np.testing.assert_allclose(5.0 * gram(own, 2) / np.sqrt(np.outer(squares, squares)), np.eye(own.count), atol=1e-7)
     x = np.linspace(0.0, L, 50)

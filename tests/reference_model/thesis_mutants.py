@@ -30,7 +30,6 @@ SOURCE = Source(
     modules=(kinematics, dynamics, observables, equations),
     no_equations=frozenset(
         {
-            "_solve_cholesky",
             "factorize",
             "substitute",
             "_full_index",

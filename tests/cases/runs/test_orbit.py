@@ -140,7 +140,7 @@ def test_the_runner_lets_them_begin_where_they_shall(tmp_path: Path) -> None:
 
 
 def test_a_run_that_will_not_do_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
-    start = find_start(MECHANISM)
+    start = find_orbit(MECHANISM).begin
     monkeypatch.setattr("quickreturn.cases.runs.steady_state.settle", lambda *_: pytest.fail("it marched"))
     for orbit in (Orbit(start, 0.993), Orbit(None, 1.02, "the periodic state is not stable")):
         found = steady_state(request(settings=CHEAP, orbit=orbit))
@@ -156,18 +156,12 @@ def test_where_there_is_no_orbit_the_standard_start_serves_and_it_is_said() -> N
     assert "the search went astray" in found.remark
 
 
-def find_start(mechanism: Mechanism) -> PeriodicStart:
-    reference = ReferenceEngine()
-    return PeriodicStart.of(reference.periodic_start(mechanism, reference.settings_for(reference.default_accuracy, mechanism)))
-
-
 @pytest.mark.verify
 @pytest.mark.parametrize("factor", [0.7, 0.5, 0.4, 0.3, 0.25, 0.2, 0.1])
 def test_whoever_is_let_go_arrives(factor: float) -> None:
     """Less and less damping: multipliers of 0.82 to 0.97. Each run settles within sixty cycles or is not begun."""
     mechanism = damped(factor)
-    multiplier = find_orbit(mechanism).multiplier
-    orbit = Orbit(find_start(mechanism), multiplier)
+    orbit = find_orbit(mechanism)
     run = steady_state(RunRequest(mechanism=mechanism, duration=2.0, engine="mujoco", orbit=orbit))
     assert run.status == Ending.SETTLED or "not marched" in run.remark, run.remark
-    assert (run.status == Ending.SETTLED) or (multiplier or 0.0) > 0.85
+    assert (run.status == Ending.SETTLED) or (orbit.multiplier or 0.0) > 0.85

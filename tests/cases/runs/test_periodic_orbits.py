@@ -191,8 +191,9 @@ def test_packages_from_the_orbit_settle_where_they_settle_straight(name: str, en
 def test_the_reference_marched_from_its_own_orbit_stays_there(found: Run) -> None:
     mechanism, reference = load_case("thesis-24").mechanism, ReferenceEngine()
     settings = reference.settings_for(1e-3, mechanism).with_texts(SETTINGS)
-    start = reference.periodic_start(mechanism, settings)
-    trajectory = reference.prepare(mechanism, start, settings).advance(0.8, output_step(mechanism))
+    steady = reference.steady_state(mechanism, standard_start(mechanism), settings)
+    assert steady is not None
+    trajectory = reference.prepare(mechanism, steady.simulation.present_start(), settings).advance(0.8, output_step(mechanism))
     cycle = whole_cycles(trajectory)[-1]
     columns = columns_of(cycle)
     # the start is a deflection on 240 points and its projection: 1e-4
