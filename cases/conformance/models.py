@@ -12,7 +12,7 @@ from quickreturn.cases.conformance.bench import Motion, solution
 from quickreturn.cases.conformance.checks import Array
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
-from quickreturn.cases.variation import Variation, imagined, value_at
+from quickreturn.cases.variation import Variation, possible_results, value_at
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, PrescribedSpeed, Scene, TorqueDrive
@@ -68,7 +68,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     for begin in _BEGIN[:1] if small else _BEGIN:
         tried += _factors(scene, shown, effect, begin)
         if found := explain(shown, 0.0 * shown, tried, noise=1.0):
-            return Finding(f"the motion is that with {found.words}", found.advice, found.left)
+            return Finding(f"the motion is that with {found.words}", found.advice, found.remainder)
     return None
 
 
@@ -84,7 +84,7 @@ def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
     tried = [Variation(words, values) for words, values in others.items()]
     for path in _scaled(scene):
         tried += [Variation(f"{_key(path)} {words} as large", scaled={path: factor}) for factor, words in _SIMPLE.items()]
-    for words, values in imagined(scene, tried, effect):
+    for words, values in possible_results(scene, tried, effect):
         yield Hypothesis(words, _advice(words), values)
 
 

@@ -13,7 +13,7 @@ from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.conformance.together import together
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import share_of
-from quickreturn.cases.variation import imagined
+from quickreturn.cases.variation import possible_results
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, changed
@@ -167,7 +167,7 @@ def _mistake(
     share: float | None,
 ) -> str:
     """The engine's mistake with the quantity, in words; "" if no simple mistake explains it."""
-    scenes = list(imagined(context, change.mistakes(), lambda scene: solution(Motion(scene, change.duration))))
+    scenes = list(possible_results(context, change.mistakes(), lambda scene: solution(Motion(scene, change.duration))))
     for among in (None, _RIGID) if worst else (None,):
         shown, due = (effect.between(first, second, among) for first, second in (found, known))
         tried = [Hypothesis(f"{change.name} acts with the wrong sign", "", -due)]

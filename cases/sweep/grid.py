@@ -10,9 +10,8 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.case import PATHS, Case, si_value
-from quickreturn.cases.copies import as_written
-from quickreturn.cases.errors import CaseError, nearest_or_all
-from quickreturn.cases.errors import as_written as shown
+from quickreturn.cases.copies import written_document
+from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.reading import case_of
 from quickreturn.cases.runs.endings import Ending
@@ -48,14 +47,14 @@ def axis(text: str) -> Axis:
     """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. CaseError: an invalid text."""
     key, sign, values = (part.strip() for part in text.partition("="))
     if not (key and sign and values):
-        raise CaseError(_SOURCE, None, shown(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
+        raise CaseError(_SOURCE, None, as_written(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
     if key in OF_START:
         raise CaseError(_SOURCE, key, None, "changes no steady motion", "vary another key")
     unit, several = ("", True) if key == ENGINE else (_unit_of(key), PATHS[key].count is not None)
     texts = _ranged(key, values) if ".." in values and key != ENGINE else _listed(key, values)
     for name in texts if key == ENGINE else ():
         if name not in engine_names():
-            raise CaseError(_SOURCE, ENGINE, shown(name), "is unknown", nearest_or_all(name, engine_names()))
+            raise CaseError(_SOURCE, ENGINE, as_written(name), "is unknown", nearest_or_all(name, engine_names()))
     numbers = texts if several else tuple(si_value(key, each, _SOURCE) for each in texts)
     if len(set(numbers)) < len(numbers):
         raise CaseError(_SOURCE, key, None, "has a value twice", "give each once")
@@ -77,7 +76,7 @@ def _unit_of(key: str) -> str:
 def _listed(key: str, values: str) -> tuple[str, ...]:
     found = tuple(each.strip() for each in values.split(";"))
     if not all(found):
-        raise CaseError(_SOURCE, key, shown(values), "has an empty value", _SPEC)
+        raise CaseError(_SOURCE, key, as_written(values), "has an empty value", _SPEC)
     return found
 
 
@@ -85,7 +84,7 @@ def _ranged(key: str, values: str) -> tuple[str, ...]:
     """The values of a range: in the unit of its ends if both have the same one, otherwise in SI."""
 
     def wrong(problem: str, accepted: str) -> CaseError:
-        return CaseError(_SOURCE, key, shown(values), problem, accepted)
+        return CaseError(_SOURCE, key, as_written(values), problem, accepted)
 
     found = _RANGE.fullmatch(values)
     if not found or not 2 <= (count := int(found["count"])) <= MOST:
@@ -151,7 +150,7 @@ def keeps_shapes(key: str) -> bool:
 
 def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanism | Impossible]:
     """The scenes of a case with other values, as texts of a case file; for an impossible one the reason."""
-    document = as_written(case)
+    document = written_document(case)
 
     def scene(overrides: Mapping[str, str]) -> Mechanism | Impossible:
         try:

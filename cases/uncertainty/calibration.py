@@ -15,7 +15,7 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.copies import as_written as as_document
+from quickreturn.cases.copies import written_document
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.reading import case_of
 from quickreturn.cases.recorded import RecordedTable
@@ -115,7 +115,7 @@ class _Search:
     """Fits stretch after stretch."""
 
     def __init__(self, case: Case, model: TableModel, frees: Sequence[Free]) -> None:
-        self.case, self.model, self.frees, self.document = case, model, frees, as_document(case)
+        self.case, self.model, self.frees, self.document = case, model, frees, written_document(case)
         self.bounds = tuple(np.transpose([each.bounds for each in frees]))
         self.simulations = 0
         engine, scene = model.engine, case.mechanism
