@@ -28,9 +28,9 @@ NEAR: Final = 0.02
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
 #: Key of an explanation of the whole table, in place of a column.
 WHOLE: Final = "case"
-#: A table does not fit its case if at least `FEWEST` columns vibrate, all of them have a relative difference above `FAR_OFF`, and fewer than
-#: half of them are explained by a mistake that leaves at most the part `SPECIFIC` of the column: a factor that is fitted to the column of
-#: another case leaves half of it.
+#: A table does not fit its case if at least `FEWEST` columns vibrate, all of them differ by more than `FAR_OFF` of their RMS, and fewer
+#: than half of them are explained by a mistake that leaves at most the part `SPECIFIC` of the column: a factor that is fitted to the column
+#: of another case leaves half of it.
 FEWEST: Final = 3
 FAR_OFF: Final = 0.1
 SPECIFIC: Final = 0.3

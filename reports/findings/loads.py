@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import Loads, Resonance, loads_of_run, of_motion, resonance
+from quickreturn.cases.loads import Loads, Resonance, loads_of_run, resonance, shift_of_motion
 from quickreturn.reports.words import degrees, off_by, quantity
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ class CaseLoads:
         return verdict(self.loads[self.lead])
 
     @cached_property
-    def of_motion(self) -> float:
+    def shift_of_motion(self) -> float:
         """Change of the mean first frequency, Hz, by the rotation of the crank, which frequencies with the crank held do not contain."""
-        return abs(of_motion(self.case.mechanism))
+        return abs(shift_of_motion(self.case.mechanism))
 
     def departures(self) -> dict[str, float]:
         """Largest stress by the other engines with the same model, over that by the leading engine, minus one."""
