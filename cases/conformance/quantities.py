@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, solution, truth
-from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
-from quickreturn.cases.conformance.motion import Amiss, already_amiss, falling, findings
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, solution, truth
+from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by, some
+from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, known_mistakes
 from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.conformance.together import together
 from quickreturn.cases.explanation import Hypothesis, explain
@@ -20,14 +20,15 @@ from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, change
 
 #: Part of the effect below which a quantity counts as without effect.
 _NONE: Final = 0.02
-#: Range of a quantity's effect in a coarse model, and the tolerance of its own effect.
+#: Accepted from an engine without an error estimate: the range of the ratio of a quantity's effect to the right one, and the largest
+#: difference of the effects, relative to the right one.
 _HALF_TO_DOUBLE: Final = (0.5, 2.0)
 _APART: Final = 0.9
-#: An effect that is off by this much is examined further, even if the engine's claim allows it.
+#: An effect with a larger relative error is examined further, even if the engine's claim allows it.
 _SUSPICIOUS: Final = 0.3
 #: Columns of the motion without the follower's bend: they show mistakes that a scene can only imitate as a whole.
 _RIGID: Final = ("crank_angle", "crank_speed", "follower_angle", "slider_position")
-#: Number of ignored quantities from which on the scene counts as ignored.
+#: Part of the quantities above which, if so many are ignored, the whole scene counts as ignored.
 _MOST: Final = 0.6
 _IGNORED: Final = "is ignored in silence: another value changes nothing"
 
@@ -35,7 +36,7 @@ _IGNORED: Final = "is ignored in silence: another value changes nothing"
 def quantities(bench: Bench) -> Iterator[Check]:
     """A check for each of `CHANGES`, and one of all together, which comes first if there is no time for all."""
     try:
-        wrong = already_amiss(bench)
+        wrong = known_mistakes(bench)
     except EngineFailure:
         yield Check("quantities", "not judged", "there is no trajectory in the mild scene", "mend that first")
         return
@@ -51,10 +52,10 @@ def quantities(bench: Bench) -> Iterator[Check]:
         yield from together(bench, wrong)
 
 
-def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
+def _each(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
     """A check for each of `CHANGES`; a single check if most are ignored."""
     told = set(wrong.columns)
-    checks = [looked_at(f"quantity {change.name}", followed, bench, bench.scene, change, wrong.motion, told) for change in CHANGES]
+    checks = [check_by(f"quantity {change.name}", followed, bench, bench.scene, change, wrong.motion, told) for change in CHANGES]
     ignored = [check for check in checks if check.cause.endswith(_IGNORED)]
     if len(ignored) > _MOST * len(checks):
         names = some([check.check.removeprefix("quantity ") for check in ignored])
@@ -67,7 +68,7 @@ def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
 def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str]) -> str:
     """Check that the engine follows a change of a scene; its motion without the change is right or `wrong`.
 
-    Columns with wrong rows are reported once: those found here are added to `told`. Raises as a function for `looked_at` may.
+    Columns with wrong rows are reported once: those found here are added to `told`. Raises as a function for `check_by` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
     if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
@@ -80,10 +81,10 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         bench.check(after.scene)
         runs = [bench.run(motion) for motion in (before, after)]
     except EngineFailure as failure:
-        kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # raised, returned: no adapter says so
+        kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # "raised" or "returned": words for what no adapter reports
         raise kind(f"with another value the run breaks down: {failure.cause}", failure.advice) from failure
     found, known = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
-    names = list(columns_of(runs[0], DECISIVE, known[1]))
+    names = list(compared_columns(runs[0], DECISIVE, known[1]))
     effect = _Effects(known, names)
     shown, due = effect.between(*found), effect.between(*known)
     if rms(shown) <= _NONE * rms(due):
@@ -93,7 +94,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         if not effect.names or rms(due := effect.between(*known)) * math.sqrt(len(effect.names)) <= _NONE * everything:
             raise Unjudged(f"it shows in {', '.join(sorted(left_out))} alone, whose rows are wrong already", "mend those first")
         shown = effect.between(*found)
-    worst = _worst(bench, (before, after), [name for name in columns_of(runs[1], known=known[1]) if name not in told])
+    worst = _worst(bench, (before, after), [name for name in compared_columns(runs[1], known=known[1]) if name not in told])
     share = float(shown @ due / (due @ due))
     left = rms(shown - due) / rms(due)
     if worst == "" and left <= _SUSPICIOUS:
@@ -117,11 +118,11 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
 
 
 class _Effects:
-    """The effect of a change on columns, each relative to its effect in `reference`."""
+    """The effect of a change on columns, each relative to the column's range in `reference`."""
 
     def __init__(self, known: Sequence[Mapping[str, Array]], names: Sequence[str]) -> None:
         self.names = list(names)
-        self._sizes = {name: max(rms(each[name] - np.mean(each[name])) for each in known) + 1e-6 * rms(known[1][name]) for name in names}
+        self._sizes = {name: max(rms(run[name] - np.mean(run[name])) for run in known) + 1e-6 * rms(known[1][name]) for name in names}
 
     def between(self, first: Mapping[str, Array], second: Mapping[str, Array], among: Iterable[str] | None = None) -> Array:
         """The effect as one array, column after column; `among`: these columns, None: all."""
@@ -135,10 +136,10 @@ def _of_drive(change: Change) -> bool:
 
 def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:
     """Fault if only one or two columns are wrong with the change: then their rows are wrong, not the quantity."""
-    found = findings(bench, after, told)
-    if 0 < len(found) <= 2 and all(finding.explained for finding in found.values()):
-        told.update(found)
-        raise Fault("; ".join(finding.cause for finding in found.values()), next(iter(found.values())).advice)
+    wrong = findings(bench, after, told)
+    if 0 < len(wrong) <= 2 and all(finding.explained for finding in wrong.values()):
+        told.update(wrong)
+        raise Fault("; ".join(finding.cause for finding in wrong.values()), next(iter(wrong.values())).advice)
 
 
 def _worst(bench: Bench, motions: Sequence[Motion], names: Sequence[str]) -> str | None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.conformance.bench import Bench, Motion, solution
-from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by
 from quickreturn.cases.conformance.together import everything
 from quickreturn.cases.jobs.display import span
 from quickreturn.engines.base import EngineFailure
@@ -39,7 +39,7 @@ _UNDERSTATED: Final = 1.5
 def settings_at_work(bench: Bench) -> Iterator[Check]:
     """A check for each setting."""
     for field in dataclasses.fields(bench.engine.settings_type):
-        yield looked_at(f"setting {field.name}", _does_something, bench, field)
+        yield check_by(f"setting {field.name}", _does_something, bench, field)
 
 
 def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:

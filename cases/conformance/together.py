@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from quickreturn.cases.conformance.bench import Bench, Motion, columns_of, truth
-from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at, some
-from quickreturn.cases.conformance.motion import Amiss, findings
+from quickreturn.cases.conformance.bench import Bench, Motion, compared_columns, truth
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by, some
+from quickreturn.cases.conformance.motion import MistakesInMildScene, findings
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.relative import rms
@@ -41,15 +41,15 @@ _VANISHES: Final = 0.3
 _NAME: Final = "quantities together"
 
 
-def together(bench: Bench, wrong: Amiss) -> Iterator[Check]:
+def together(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
     """Check the scene with everything: its columns, and the quantities that are wrong together."""
     if wrong.motion:
         yield Check(_NAME, "not judged", "the motion in the mild scene is wrong already", "mend that first")
     else:
-        yield looked_at(_NAME, _look, bench, wrong)
+        yield check_by(_NAME, _look, bench, wrong)
 
 
-def _look(bench: Bench, wrong: Amiss) -> str:
+def _look(bench: Bench, wrong: MistakesInMildScene) -> str:
     scene, parts = everything(bench)
     motion = Motion(scene, _DURATION)
     try:
@@ -87,7 +87,7 @@ def everything(bench: Bench) -> tuple[Mechanism, list[str]]:
 def _off(bench: Bench, motion: Motion) -> dict[str, float]:
     """The error of each column, relative to its size."""
     run, known = bench.run(motion), truth(motion).columns
-    return {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known)}
+    return {name: rms(run[name] - known[name]) / rms(known[name]) for name in compared_columns(run, known=known)}
 
 
 def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, off: float) -> bool:
