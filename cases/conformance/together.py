@@ -36,7 +36,7 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "base.friction_torque": {"base.friction_torque": 0.03},
     "follower.material_damping": {"follower.material_damping": 1e-3},
 }  # fmt: skip
-#: Largest part of an error that may remain without a quantity that contributes to it.
+#: Largest part of an error that remains if a quantity that causes it is left out of the scene.
 _VANISHES: Final = 0.3
 _NAME: Final = "quantities together"
 
@@ -53,15 +53,15 @@ def _look(bench: Bench, wrong: MistakesInMildScene) -> str:
     scene, parts = everything(bench)
     motion = Motion(scene, _DURATION)
     try:
-        found = findings(bench, motion, wrong.columns)
+        wrong_columns = findings(bench, motion, wrong.columns)
     except EngineFailure as failure:
         raise Fault(f"with {', '.join(parts)} at once the run breaks down: {failure.cause}", failure.advice) from failure
-    if not found:
+    if not wrong_columns:
         return f"{len(parts)} at once: {', '.join(parts)}"
-    if len(found) <= 2 and all(finding.explained for finding in found.values()):
-        raise Fault("; ".join(finding.cause for finding in found.values()), next(iter(found.values())).advice)
+    if len(wrong_columns) <= 2 and all(finding.explained for finding in wrong_columns.values()):
+        raise Fault("; ".join(finding.cause for finding in wrong_columns.values()), next(iter(wrong_columns.values())).advice)
     off = _off(bench, motion)
-    worst = max(found, key=lambda name: off[name])
+    worst = max(wrong_columns, key=lambda name: off[name])
     told = f"with everything at once {worst} is off by {share_of(off[worst])}"
     if not (concerned := [name for name in parts if _vanishes_without(bench, name, parts, worst, off[worst])]):
         raise Fault(f"{told}; no single quantity is to blame ({', '.join(parts)})", "leave out one after the other")

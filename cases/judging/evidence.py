@@ -1,7 +1,7 @@
 """Gathers the evidence for a verdict: one engine on one scene at several settings, without the right answer.
 
-The engine is asked for an accuracy as a user would ask it (`engines.accurate.simulate`), which climbs its ladder until its own estimate
-is good enough. Its result is then compared with finer settings and the balances of `verdicts`; while these leave a doubt, a smaller error
+The engine is asked for an accuracy as by a user (`engines.accurate.simulate`): its settings become finer until its own estimate is good
+enough. Its result is then compared with finer settings and judged by the balances of `verdicts`; while these leave a doubt, a smaller error
 is asked for. If the slider reaches the follower's end, the run is judged up to shortly before. With finer settings a numerical breakdown
 moves or disappears, but the end of a scene stays.
 """
@@ -29,7 +29,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 ASKED: Final = (1.0, 0.3, 0.1)
 #: A run that breaks down is judged on this part of the time until then: runs with other settings may break down a little earlier.
 BEFORE_BREAKDOWN: Final = 0.95
-#: How often that stretch is shortened because finer settings find an earlier end.
+#: Largest number of times that this stretch is shortened because finer settings find an earlier end.
 _CUTS: Final = 3
 
 
@@ -49,7 +49,7 @@ class TrialScene:
 
 @dataclass(frozen=True)
 class Trial:
-    """An engine in a scene: the result of its climb of the ladder."""
+    """The result of an engine in a scene, with the settings that reach the accuracy asked for or the finest that it has."""
 
     evidence: Evidence  # for `cases.judging.verdicts.judge`
     settings: dict[str, Any]  # settings of the judged run; {} if none ran
@@ -63,24 +63,24 @@ def gather(
 
     `requested`: error of the tip deflection asked for; `asked`: see `ASKED`.
     """
-    found = Trial(scene.evidence(requested), {}, {})
+    trial = Trial(scene.evidence(requested), {}, {})
     try:
         chosen = usable(engine)
         for share in asked:
             run = _Request(chosen, scene, requested, share * requested).run()
             broken = run.evidence.breakdown
-            if found.columns and broken is not None and not broken.at_the_end:
+            if trial.columns and broken is not None and not broken.at_the_end:
                 break  # a breakdown with finer settings does not replace a completed run
-            found, estimate = run, run.evidence.error_estimate
+            trial, estimate = run, run.evidence.error_estimate
             if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
                 break  # no doubt left, or the ladder ends here
     except (Refusal, SettingError) as refusal:
         return Trial(scene.evidence(requested, refused=str(refusal)), {}, {})
-    return found
+    return trial
 
 
 class _Request:
-    """An engine asked for an accuracy in a scene; the evidence is judged by `requested`, which is at least that."""
+    """An engine that is asked for `accuracy` in a scene; its evidence is judged by `requested`, which is no smaller."""
 
     def __init__(self, engine: AnyEngine, scene: TrialScene, requested: float, accuracy: float) -> None:
         self._engine, self._scene, self._accuracy = engine, scene, accuracy

@@ -20,7 +20,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate, or_nan
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import LARGEST_PERIOD_RATIO, NOTHING, Run, RunRequest
 from quickreturn.engines.registry import MAIN
@@ -376,8 +376,8 @@ def claim(run: Run, quantity: str, half: str, channel: str) -> Claim | None:
     value = None if measure is None else measure.number(quantity)
     if measure is None or value is None:
         return None
-    estimate, uncertainty = _or_nan(measure.estimate(quantity)), _or_nan(measure.number(f"{quantity}_uncertainty"))
-    unsettled = _or_nan((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
+    estimate, uncertainty = or_nan(measure.estimate(quantity)), or_nan(measure.number(f"{quantity}_uncertainty"))
+    unsettled = or_nan((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
     return Claim(float(value), estimate, uncertainty + unsettled)
 
 
@@ -385,11 +385,7 @@ def _consensus(run: Run, half: str, channels: Sequence[str]) -> Claim | None:
     consensus = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
     if consensus.first_mode_frequency is None:
         return None
-    return Claim(consensus.first_mode_frequency, _or_nan(mean_estimate(run.measures, half, channels)), _or_nan(consensus.uncertainty))
-
-
-def _or_nan(number: float | None) -> float:
-    return math.nan if number is None else number
+    return Claim(consensus.first_mode_frequency, or_nan(mean_estimate(run.measures, half, channels)), or_nan(consensus.uncertainty))
 
 
 def _relative_estimates(run: Run, half: str) -> Iterator[float]:

@@ -12,6 +12,7 @@ largest difference in the half cycle, and this bound is the estimate for an extr
 For cycles that repeat in statistics only, means are compared: of the measures, of the extremes, and of the signals at each crank angle.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -97,6 +98,11 @@ def with_estimates(
         EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in delivered.consensus
     )
     return tuple(measures), tuple(consensus)
+
+
+def or_nan(number: float | None) -> float:
+    """A number, nan if there is none."""
+    return math.nan if number is None else number
 
 
 def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Sequence[str] = CHANNELS) -> float | None:

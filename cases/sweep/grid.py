@@ -74,10 +74,11 @@ def _unit_of(key: str) -> str:
 
 
 def _listed(key: str, values: str) -> tuple[str, ...]:
-    found = tuple(each.strip() for each in values.split(";"))
-    if not all(found):
+    """The values of a list, as written."""
+    texts = tuple(text.strip() for text in values.split(";"))
+    if not all(texts):
         raise CaseError(_SOURCE, key, as_written(values), "has an empty value", _SPEC)
-    return found
+    return texts
 
 
 def _ranged(key: str, values: str) -> tuple[str, ...]:
@@ -86,10 +87,10 @@ def _ranged(key: str, values: str) -> tuple[str, ...]:
     def wrong(problem: str, accepted: str) -> CaseError:
         return CaseError(_SOURCE, key, as_written(values), problem, accepted)
 
-    found = _RANGE.fullmatch(values)
-    if not found or not 2 <= (count := int(found["count"])) <= MOST:
+    match = _RANGE.fullmatch(values)
+    if not match or not 2 <= (count := int(match["count"])) <= MOST:
         raise wrong("is no range", f"write FIRST .. LAST : COUNT with 2 to {MOST} values, {_SPEC}")
-    ends = found["first"], found["last"]
+    ends = match["first"], match["last"]
     low, high = (si_value(key, end, _SOURCE) for end in ends)
     if math.isinf(low) or math.isinf(high):
         raise wrong("has no end", "a range needs two finite ends")
@@ -98,9 +99,9 @@ def _ranged(key: str, values: str) -> tuple[str, ...]:
         low, high = float(first), float(last)
     else:
         unit = PATHS[key].unit
-    if found["log"] and not min(low, high) > 0.0:
+    if match["log"] and not min(low, high) > 0.0:
         raise wrong("has an end that is not positive", "a logarithmic range needs positive ends")
-    return tuple(f"{number:.12g} {unit}".strip() for number in (np.geomspace if found["log"] else np.linspace)(low, high, count))
+    return tuple(f"{number:.12g} {unit}".strip() for number in (np.geomspace if match["log"] else np.linspace)(low, high, count))
 
 
 @dataclass(frozen=True)
@@ -127,8 +128,8 @@ class Grid:
     def along(self) -> int:
         """The axis along which rows run: the longest one of numbers, preferably of those that leave the follower's shapes unchanged."""
         numeric = [place for place, each in enumerate(self.axes) if each.unit]
-        kept = [place for place in numeric if keeps_shapes(self.axes[place].key)]
-        return max(kept or numeric or range(len(self.axes)), key=lambda place: self.shape[place])
+        preferred = [place for place in numeric if keeps_shapes(self.axes[place].key)]
+        return max(preferred or numeric or range(len(self.axes)), key=lambda place: self.shape[place])
 
     def rows(self) -> Iterator[tuple[int, ...]]:
         """The places of the grid at which rows begin, with 0 on the axis along which they run."""
