@@ -16,7 +16,7 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.reading import case_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import CODE as CODE_OF_RUNS
-from quickreturn.cases.sweep.rows import OPEN, Asked, Impossible, Row, row
+from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
@@ -164,12 +164,12 @@ def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanis
     return [scene(overrides) for overrides in changes]
 
 
-def measured_row(case: Case, changes: tuple[Mapping[str, str], ...], asked: Asked) -> Row:
+def measured_row(case: Case, changes: tuple[Mapping[str, str], ...], asked: MeasureRequest) -> Row:
     """Measures a case with one set of values after another."""
     return row(scenes_of(case, changes), asked)
 
 
-def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[Row]:
+def job(case: Case, changes: Sequence[Mapping[str, str]], asked: MeasureRequest) -> Job[Row]:
     """`measured_row` as a job, whose row is stored as a whole."""
     changed = tuple(map(dict, changes))
     first = ", ".join(f"{key} = {text}" for key, text in changed[0].items())

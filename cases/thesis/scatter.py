@@ -10,7 +10,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.thesis.experiment import statements
 from quickreturn.cases.thesis.runs import RUNS, run_name
 from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
@@ -84,7 +84,7 @@ def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Band]:
     uncertain: Mapping[str, str] = {each.key: each.distribution for each in UNPRINTED}
 
     def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:
-        points = planned(load_case(run_name(run)), uncertain, Asked(measures=MEASURES, claims=claims), samples, "thesis")
+        points = planned(load_case(run_name(run)), uncertain, MeasureRequest(measures=MEASURES, claims=claims), samples, "thesis")
         missing = not workshop.computes and any(each.missing for each in workshop.outcomes(points.jobs, "points"))
         return None if missing else points.scatter(workshop)
 
