@@ -73,4 +73,5 @@ def _of_modulus(modulus: float, density: float) -> str:
 
 
 def _shown(modulus: float) -> str:
-    return f"{modulus / 1e9:.3g} GPa" if modulus >= 1e9 else f"{modulus / in_si('MPa'):.3g} MPa"
+    unit = "GPa" if modulus >= in_si("GPa") else "MPa"
+    return f"{modulus / in_si(unit):.3g} {unit}"

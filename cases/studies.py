@@ -203,7 +203,7 @@ def convergence(method: Method, case: Case) -> list[Point]:
         if attempt.trajectory is None:
             raise EngineFailure(0.0, attempt.status, "try other settings")
         trajectories.append(attempt.trajectory)
-    return [attempt.told(case, trajectories[-1]) for attempt in attempts]
+    return [attempt.point(case, trajectories[-1]) for attempt in attempts]
 
 
 #: Packages that march in one run from both starts, which shows whether they reach the same cycle.

@@ -81,7 +81,7 @@ def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
         if clock.late:
             break
         attempt.repeat(case, 0)
-        points.append(attempt.told(case, true))
+        points.append(attempt.point(case, true))
         if (error := points[-1].error()) is not None and error <= LEVELS[-1]:
             break
     return [_reach(each, attempts[: len(points)], points, clock, case, true) for each in unknown]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.loads import Loads, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.units import in_si
 from quickreturn.reports.words import degrees, off_by, quantity
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def stress_text(loads: Loads, length: float) -> str:
     assert loads.stress is not None
     found, places = loads.stress.largest, []
     if found.place is not None:
-        places.append(f"{1e3 * found.place:.0f} mm from P ({100.0 * found.place / length:.0f} % of the arm)")
+        places.append(f"{found.place / in_si('mm'):.0f} mm from P ({100.0 * found.place / length:.0f} % of the arm)")
     if found.crank_angle is not None:
         places.append(f"crank at {degrees(found.crank_angle)}")
     error = "" if found.error is None else f" ({off_by(found.error, found.value)})"
