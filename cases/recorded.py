@@ -117,11 +117,7 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
 
 
 def _table(
-    name: str,
-    path: str,
-    factors: Mapping[str, float | None],
-    values: Mapping[str, Array],
-    declared: Mapping[str, str],
+    name: str, path: str, factors: Mapping[str, float | None], values: Mapping[str, Array], declared: Mapping[str, str]
 ) -> RecordedTable:
     """A table from values in the units of their headings; `factors` are those of `_unit_factors`."""
     columns = {name: values[name] if factor is None else factor * values[name] for name, factor in factors.items()}

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.records import can_be_stored
 from quickreturn.cases.loads import Loads, loads_of
@@ -71,6 +72,11 @@ class Answer:
             return EngineFailure(*self.failure, trajectory)
         assert trajectory is not None
         return Result(**vars(self.assessment), trajectory=trajectory, settings=engine.settings_type(**self.settings))
+
+
+def inputs_of(case: Case) -> tuple[Mechanism, float, float]:
+    """Everything in a case that determines its trajectories: mechanism, duration (s) and output step (s)."""
+    return case.mechanism, case.duration, case.output_step
 
 
 def answer_to(request: TrajectoryRequest) -> Answer:

@@ -16,13 +16,12 @@ from quickreturn.cases.measures.steady_state import on_common_grid, relative_cha
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.cases.solving import Answer, TrajectoryRequest
+from quickreturn.cases.solving import Answer, TrajectoryRequest, inputs_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Columns, Trajectory
-from quickreturn.reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown.
 ACCURACY_CASE: Final = "thesis-24"
@@ -99,7 +98,7 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
     if true.value is None:
         return []
     jobs = [
-        Job(f"confirming {name}", confirmation_of, (case, true.value, name), "study", (TRUTH[0], name), CODE, _scene(case))
+        Job(f"confirming {name}", confirmation_of, (case, true.value, name), "study", (TRUTH[0], name), CODE, inputs_of(case))
         for name in CONFIRMING
     ]
     return [outcome.value for outcome in workshop.outcomes(jobs, "confirmation") if outcome.value and outcome.value.differences]
@@ -129,23 +128,18 @@ def run_studies(workshop: Workshop) -> Studies:
 CODE: Final = ("quickreturn.cases.studies", "quickreturn.cases.benchmark")
 
 Name = tuple[str, ...]
-Runs = Mapping[Name, Run]
 
 
 def _jobs() -> list[Job[Any]]:
     """Jobs for the converged solution, the convergence table, the converged solution at the prescribed speed, and the requested runs."""
     case, (defaults, models) = load_case(ACCURACY_CASE), _trajectory_requests()
     runs = [request.job(f"default {request.engine}") for request in (*defaults, *models)]
-    convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, _scene(case))
+    convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, inputs_of(case))
     return [_truth(case), convergence, _truth(load_case(PRESCRIBED_CASE)), *runs]
 
 
 def _truth(case: Case) -> Job[Trajectory]:
-    return Job("converged reference", truth_of, (case,), "study", (TRUTH[0],), CODE, _scene(case))
-
-
-def _scene(case: Case) -> tuple[Mechanism, float, float]:
-    return case.mechanism, case.duration, case.output_step
+    return Job("converged reference", truth_of, (case,), "study", (TRUTH[0],), CODE, inputs_of(case))
 
 
 def _trajectory_requests() -> tuple[list[TrajectoryRequest], list[TrajectoryRequest]]:
@@ -222,7 +216,7 @@ def _run_requests() -> dict[Name, RunRequest]:
     return requests
 
 
-def _both_starts(results: Runs, failures: list[str]) -> list[BothStarts]:
+def _both_starts(results: Mapping[Name, Run], failures: list[str]) -> list[BothStarts]:
     pairs: list[BothStarts] = []
     for name in PACKAGES:
         orbit, straight = results[name, "orbit"], results[name, "straight"]

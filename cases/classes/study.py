@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 from quickreturn.cases.benchmark.truth import CONFIRMING_ONE, TRUTH, Confirmation
 from quickreturn.cases.classes.grid import case_of, grid, name_of
@@ -11,6 +11,7 @@ from quickreturn.cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLO
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Job, Outcome, default_limits
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.solving import inputs_of
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.trajectory import Trajectory
 
@@ -57,18 +58,13 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
 
 def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
     engines = (TRUTH[0], CONFIRMING_ONE)
-    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups))
+    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, inputs_of(case_of(groups)))
 
 
 def _job(groups: Groups, name: str, true: Trajectory) -> Job[list[Reach]]:
     arguments = (groups, name, true)
     limits = replace(default_limits(), seconds=STOP)
-    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, _inputs(groups), limits)
-
-
-def _inputs(groups: Groups) -> Any:
-    case = case_of(groups)
-    return case.mechanism, case.duration, case.output_step
+    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, inputs_of(case_of(groups)), limits)
 
 
 def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> ClassScene:

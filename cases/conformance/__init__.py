@@ -100,14 +100,8 @@ def _verdict(checks: Mapping[str, list[Check]]) -> bool | None:
 
 def job(engine: str) -> Job[Conformance]:
     """The stored form of `conform` for an installed engine: for this version and code of the engine."""
-    return Job(
-        f"conformance of {engine}",
-        conform,
-        (engine,),
-        "conformance",
-        (engine,),
-        (__name__, "quickreturn.cases.explanation", "quickreturn.cases.mistakes"),
-    )
+    code = (__name__, "quickreturn.cases.explanation", "quickreturn.cases.mistakes")
+    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), code)
 
 
 def checks_of(group: str, engine: AnyEngine | str, other: OtherProcesses = NOT_TRIED, seconds: float | None = None) -> list[Check]:

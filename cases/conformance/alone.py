@@ -13,7 +13,6 @@ from quickreturn.cases.conformance.quantities import followed
 from quickreturn.cases.conformance.scenes import BASE, Change
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, Tip
 
 _DURATION: Final = 0.6  # s: the base has turned steadily for a while
@@ -72,8 +71,7 @@ def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
         wrong = findings(bench, motion, told)
     except EngineFailure as failure:
         raise Fault(f"none is delivered: {failure.cause}", failure.advice) from failure
-    run, known = bench.run(motion), truth(motion).columns
-    off = {name: rms(run[name] - known[name]) / rms(known[name]) for name in compared_columns(run, known=known)}
+    run, known, off = bench.run(motion), truth(motion).columns, bench.errors(motion)
     if not wrong:
         return f"{len(off)} columns, the worst off by {share_of(max(off.values()))}"
     if all(finding.explained for finding in wrong.values()):

@@ -190,6 +190,11 @@ class Bench:
         except EngineFailure:
             return None
 
+    def errors(self, motion: Motion) -> dict[str, float]:
+        """Name -> RMS error of a column that is compared with `reference`, over its RMS."""
+        run, right = self.run(motion), truth(motion).columns
+        return {name: rms(run[name] - right[name]) / rms(right[name]) for name in compared_columns(run, known=right)}
+
     @property
     def claims(self) -> bool:
         """Whether the engine estimates its distance from the solution of the scene."""

@@ -29,7 +29,7 @@ _COARSE: Final = (0.3, 0.6, 0.9)
 #: Natural Frequency and Mode Shape, or any text on vibration).
 _SUPPORT: Final = 0.5
 _OVERHUNG: Final = 3.01183092
-#: Inertia (kg m^2) of a base that does not move.
+#: Inertia (kg m^2) of a base that does not move: its own slow vibration comes first, then those of a follower that is clamped to it.
 _HEAVY: Final = 1e4
 #: Other unit -> the number for one Hz, a turn per second.
 _UNITS: Final = {unit: in_si("turn/s") / in_si(unit) for unit in ("rad/s", "rpm")} | {"kHz": 1.0 / in_si("kHz")}
@@ -106,7 +106,7 @@ def _cause(scene: Mechanism, degrees: float, given: Array, expected: Array) -> t
     def at(angle: float, **quantities: object) -> Array:
         return _expected(changed(scene, quantities), angle, n)
 
-    ratio = given / expected
+    ratio, clamped = given / expected, _expected(changed(scene, {"base.inertia": _HEAVY}), degrees, n + 1)[1:]
     tried: list[tuple[str, str, Array]] = [
         *((f"they are in {unit}, not in Hz", f"divide them by {factor:.6g}", factor * expected) for unit, factor in _UNITS.items()),
         ("they are divided by 2 pi once too often", "multiply them by 2 pi", expected / (2.0 * math.pi)),
@@ -120,7 +120,7 @@ def _cause(scene: Mechanism, degrees: float, given: Array, expected: Array) -> t
         ("the crank is at its initial angle, whatever is asked for", "hold it at `crank_angle`", at(180.0)),
         ("the crank angle is counted from -n1", "count it from n1, counter-clockwise", at(degrees + 180.0)),
         ("the tip body is left out", "count its mass and inertia", at(degrees, tip=None)),
-        ("the base is held", "it turns about P: its inertia is all that is there", _base_held(scene, degrees, n)),
+        ("the base is held", "it turns about P: its inertia is all that is there", clamped),
         ("the inertia of the base is left out", "count it", at(degrees, **{"base.inertia": 0.0})),
     ]
     usual = [Hypothesis(words, advice, np.log(values)) for words, advice, values in tried if len(values) == n]
@@ -131,11 +131,6 @@ def _cause(scene: Mechanism, degrees: float, given: Array, expected: Array) -> t
     return f"with the crank at {degrees:g} deg they are {np.round(given, 3)} Hz where reference has {np.round(expected, 3)}", (
         "linearize about the straight follower at rest, undamped, without gravity, the crank held"
     )
-
-
-def _base_held(scene: Mechanism, degrees: float, count: int) -> Array:
-    """Frequencies of a follower with a clamped base, as those of a base so heavy that its own slow vibration comes first."""
-    return _expected(changed(scene, {"base.inertia": _HEAVY}), degrees, count + 1)[1:]
 
 
 def _closed_form(bench: Bench) -> None:

@@ -102,8 +102,7 @@ def _columns(
     bench: Bench, motion: Motion, kind: str, wrong: set[str], wrong_columns: Mapping[str, Finding], model: Finding | None = None
 ) -> Iterator[Check]:
     """Each column against `reference`; or the model, if it explains several at once."""
-    run, known = bench.run(motion), truth(motion).columns
-    off = {name: rms(run[name] - known[name]) / rms(known[name]) for name in compared_columns(run, known=known) if name not in wrong}
+    run, off = bench.run(motion), {name: error for name, error in bench.errors(motion).items() if name not in wrong}
     if model is not None:
         worst = max(wrong_columns, key=lambda name: off[name])
         yield Check(f"{kind}s together", "failed", f"{model.cause} ({worst} is off by {share_of(off[worst])})", model.advice)

@@ -71,7 +71,8 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
     Columns with wrong rows are reported once: those found here are added to `told`. Raises as a function for `check_by` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
-    if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
+    of_drive = any(path.startswith("crank.drive.") for path in change.given)
+    if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and of_drive:
         return "refused: a driven crank is not modelled"
     context = changed(scene, change.context)
     before, after = Motion(context, change.duration), Motion(change.of(context), change.duration)
@@ -128,10 +129,6 @@ class _Effects:
         """The effect as one array, column after column; `among`: these columns, None: all."""
         names = self.names if among is None else [name for name in self.names if name in among]
         return np.concatenate([(second[name] - first[name]) / self._sizes[name] for name in names]) if names else np.zeros(0)
-
-
-def _of_drive(change: Change) -> bool:
-    return any(path.startswith("crank.drive.") for path in change.given)
 
 
 def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:

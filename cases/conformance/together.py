@@ -4,12 +4,11 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from quickreturn.cases.conformance.bench import Bench, Motion, compared_columns, truth
+from quickreturn.cases.conformance.bench import Bench, Motion
 from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by, some
 from quickreturn.cases.conformance.motion import MistakesInMildScene, findings
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism, changed
 
 #: Duration of the motion, s: three quarters of a turn.
@@ -60,7 +59,7 @@ def _look(bench: Bench, wrong: MistakesInMildScene) -> str:
         return f"{len(parts)} at once: {', '.join(parts)}"
     if len(wrong_columns) <= 2 and all(finding.explained for finding in wrong_columns.values()):
         raise Fault("; ".join(finding.cause for finding in wrong_columns.values()), next(iter(wrong_columns.values())).advice)
-    off = _off(bench, motion)
+    off = bench.errors(motion)
     worst = max(wrong_columns, key=lambda name: off[name])
     told = f"with everything at once {worst} is off by {share_of(off[worst])}"
     if not (concerned := [name for name in parts if _vanishes_without(bench, name, parts, worst, off[worst])]):
@@ -84,12 +83,6 @@ def everything(bench: Bench) -> tuple[Mechanism, list[str]]:
     return scene, parts
 
 
-def _off(bench: Bench, motion: Motion) -> dict[str, float]:
-    """The error of each column, relative to its size."""
-    run, known = bench.run(motion), truth(motion).columns
-    return {name: rms(run[name] - known[name]) / rms(known[name]) for name in compared_columns(run, known=known)}
-
-
 def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, off: float) -> bool:
     """Whether a column is right in the scene without one of its parts."""
     scene = bench.scene
@@ -98,6 +91,6 @@ def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, of
             if other != name:
                 scene = changed(scene, PARTS[other])
         bench.engine.check(scene)
-        return _off(bench, Motion(scene, _DURATION)).get(column, 0.0) <= _VANISHES * off
+        return bench.errors(Motion(scene, _DURATION)).get(column, 0.0) <= _VANISHES * off
     except (Refusal, EngineFailure, ImpossibleMechanism):  # a damper needs its spring
         return False

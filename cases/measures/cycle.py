@@ -81,22 +81,9 @@ def measure_cycle(
         for name in channels:
             first, second = fitted.get(name, NO_VIBRATION)
             low, high = extremes(time, filtered[name], start, end)
-            measures.append(
-                Measure(
-                    half,
-                    name,
-                    first.frequency,
-                    first.frequency_uncertainty,
-                    first.amplitude,
-                    first.amplitude_uncertainty,
-                    second,
-                    low.value,
-                    low.uncertainty,
-                    high.value,
-                    high.uncertainty,
-                    first.reason,
-                )
-            )
+            vibration = first.frequency, first.frequency_uncertainty, first.amplitude, first.amplitude_uncertainty
+            ends = low.value, low.uncertainty, high.value, high.uncertainty
+            measures.append(Measure(half, name, *vibration, second, *ends, first.reason))
         consensuses.append(consensus_of(half, [measure for measure in measures if measure.half == half]))
     return CycleMeasures(tuple(measures), tuple(consensuses))
 

@@ -102,16 +102,8 @@ class Waves:
     def of(cls, channel: ChannelHalf) -> "Waves":
         """The data of one channel."""
         half = channel.half
-        return cls(
-            half.phases[0],
-            half.drift,
-            half.places[0],
-            channel.templates[0],
-            channel.quadrature,
-            half.phases[1],
-            half.places[1],
-            channel.templates[1],
-        )
+        first_mode = half.phases[0], half.drift, half.places[0], channel.templates[0], channel.quadrature
+        return cls(*first_mode, half.phases[1], half.places[1], channel.templates[1])
 
     @classmethod
     def stacked(cls, channels: Sequence[ChannelHalf]) -> "Waves":

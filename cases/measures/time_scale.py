@@ -103,14 +103,8 @@ def _tabulated(mechanism: Mechanism) -> TimeScale:
     for name, (in_phase, late) in responses.items():
         templates[name], unit = _template(angles, in_phase)
         quadratures[name] = _mirrored(angles, late / unit, -1.0)
-    return TimeScale(
-        _mirrored(angles, frequencies),
-        _mirrored(angles[coarser], moving.free_crank),
-        _mirrored(angles[coarser], moving.motion),
-        templates,
-        quadratures,
-        slow_shapes,
-    )
+    free_crank, motion = (_mirrored(angles[coarser], values) for values in (moving.free_crank, moving.motion))
+    return TimeScale(_mirrored(angles, frequencies), free_crank, motion, templates, quadratures, slow_shapes)
 
 
 def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:

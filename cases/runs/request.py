@@ -11,7 +11,7 @@ from quickreturn.cases.measures.steady_state import Outlook
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.orbit import Orbit
-from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.base import AnyEngine, SteadyState
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
@@ -78,6 +78,11 @@ class PeriodicOrbit:
     multipliers: tuple[tuple[float, float], ...]  # Floquet's, real and imaginary part, largest modulus first
     stable: bool  # whether a disturbance dies away
     iterations: int  # of the search
+
+    @classmethod
+    def of(cls, state: SteadyState) -> "PeriodicOrbit":
+        """The orbit of a state as it is stored."""
+        return cls(state.period, tuple((each.real, each.imag) for each in state.multipliers), state.stable, state.iterations)
 
 
 @dataclass(frozen=True)

@@ -306,8 +306,7 @@ class _RunInProgress:
             return {}
         if state is None:
             return {}
-        multipliers = tuple((multiplier.real, multiplier.imag) for multiplier in state.multipliers)
-        orbit = PeriodicOrbit(state.period, multipliers, state.stable, state.iterations)
+        orbit = PeriodicOrbit.of(state)
         self.note(periodic_orbit=orbit)
         if not state.stable:
             raise Hopeless(Orbit(None, abs(state.multipliers[0])).hopeless(0.0))

@@ -173,7 +173,7 @@ class _Point:
                 assert isinstance(pair.other, ReferenceSettings)
                 other = periodic_state(self._scene, pair.other, simulation_in(state))
                 assert other is not None
-                comparisons, finer = [Compared(cycle, _turn(other, step), pair.factor)], (_orbit(other), pair.factor)
+                comparisons, finer = [Compared(cycle, _turn(other, step), pair.factor)], (PeriodicOrbit.of(other), pair.factor)
             except NoSteadyState as reason:
                 self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
         self.motion = SettledMotion(self._scene, self._measured(state, cycle, comparisons), finer)
@@ -196,7 +196,7 @@ class _Point:
             status=Ending.SETTLED,
             settled=True,
             settling_error=state.residual,
-            periodic_orbit=_orbit(state),
+            periodic_orbit=PeriodicOrbit.of(state),
             solve_seconds=state.solve_seconds,
             cycle=cycle,
         )
@@ -233,11 +233,6 @@ def _turn(state: SteadyState, step: float) -> Columns:
     """One turn of a periodic state, from the slider's farthest place on, recorded at about this step (s)."""
     rows = math.ceil(state.period / step)
     return dict(simulation_in(state).advance(state.period, state.period / rows).columns)
-
-
-def _orbit(state: SteadyState) -> PeriodicOrbit:
-    multipliers = tuple((multiplier.real, multiplier.imag) for multiplier in state.multipliers)
-    return PeriodicOrbit(state.period, multipliers, state.stable, state.iterations)
 
 
 def _ending(cause: str, otherwise: str) -> str:
