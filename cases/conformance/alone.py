@@ -71,13 +71,13 @@ def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
         wrong = findings(bench, motion, told)
     except EngineFailure as failure:
         raise Fault(f"none is delivered: {failure.cause}", failure.advice) from failure
-    run, known, off = bench.run(motion), truth(motion).columns, bench.errors(motion)
+    run, right, off = bench.run(motion), truth(motion).columns, bench.errors(motion)
     if not wrong:
         return f"{len(off)} columns, the worst off by {share_of(max(off.values()))}"
     if all(finding.explained for finding in wrong.values()):
         told.update(wrong)
         raise Fault("; ".join(finding.cause for finding in list(wrong.values())[:3]), next(iter(wrong.values())).advice)
-    moves = {name: run[name] for name in compared_columns(run, DECISIVE, known) if name not in told}
+    moves = {name: run[name] for name in compared_columns(run, DECISIVE, right) if name not in told}
     if model := acts_as_if(motion, moves, bench.tolerances(motion)):
         raise Fault(model.cause, model.advice)
     worst = sorted(wrong, key=lambda name: -off[name])

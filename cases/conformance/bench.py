@@ -193,7 +193,7 @@ class Bench:
     def errors(self, motion: Motion) -> dict[str, float]:
         """Name -> RMS error of a column that is compared with `reference`, over its RMS."""
         run, right = self.run(motion), truth(motion).columns
-        return {name: rms(run[name] - right[name]) / rms(right[name]) for name in compared_columns(run, known=right)}
+        return {name: rms(run[name] - right[name]) / rms(right[name]) for name in compared_columns(run, right=right)}
 
     @property
     def claims(self) -> bool:
@@ -227,7 +227,7 @@ class Bench:
         }
 
 
-def compared_columns(run: Trajectory, among: Iterable[str] = COMPARED, known: Mapping[str, Array] | None = None) -> tuple[str, ...]:
-    """Names of the columns of `run` that are in `among` and, if columns by `reference` are given (`known`), not zero in these."""
+def compared_columns(run: Trajectory, among: Iterable[str] = COMPARED, right: Mapping[str, Array] | None = None) -> tuple[str, ...]:
+    """Names of the columns of `run` that are in `among` and, if columns by `reference` are given (`right`), not zero in these."""
     names = [name for name in among if name in run.columns]
-    return tuple(name for name in names if known is None or (name in known and rms(known[name]) > 0.0))
+    return tuple(name for name in names if right is None or (name in right and rms(right[name]) > 0.0))

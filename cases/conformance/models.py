@@ -49,12 +49,12 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
         moves: columns of the engine.
         tolerances: tolerances of the columns; None: the engine does not say.
     """
-    known, scene = solution(motion), motion.scene
+    right, scene = solution(motion), motion.scene
     part, allowed = (0.01, dict[str, float]()) if tolerances is None else (1e-4, tolerances)
-    sizes = {name: rms(known[name]) for name in moves if rms(known[name]) > 0.0}
+    sizes = {name: rms(right[name]) for name in moves if rms(right[name]) > 0.0}
 
     def stacked(columns: Mapping[str, Array]) -> Array:
-        weighted = [(columns[name] - known[name]) / (part * size + allowed.get(name, 0.0)) for name, size in sizes.items()]
+        weighted = [(columns[name] - right[name]) / (part * size + allowed.get(name, 0.0)) for name, size in sizes.items()]
         return np.concatenate(weighted)
 
     def effect(other: Scene) -> Array:
@@ -63,7 +63,7 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     shown = stacked(moves)
     if rms(shown) <= 1.0:  # these columns are as good as they may be
         return None
-    small = all(rms(moves[name] - known[name]) <= _SMALL * size for name, size in sizes.items())
+    small = all(rms(moves[name] - right[name]) <= _SMALL * size for name, size in sizes.items())
     tried = list(_others(scene, effect))
     for begin in _BEGIN[:1] if small else _BEGIN:
         tried += _factors(scene, shown, effect, begin)

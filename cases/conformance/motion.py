@@ -121,9 +121,9 @@ def _columns(
         more = f"; {len(names) - 1} more of {names[0]} to {names[-1]} are so, or wrong otherwise" if several else ""
         yield Check(_named(kind, names), "failed", f"{cause}{more}", wrong_columns[names[0]].advice)
     passed = {name: f"coarse: {share_of(part)} from reference{by_itself}" if part > _COARSE else "" for name, part in off.items()}
-    right = [name for name in off if name not in wrong_columns]
-    yield from (Check(f"{kind} {name}", "passed", passed[name]) for name in right if passed[name])
-    yield from (Check(_named(kind, names), "passed") for names in _of_a_kind([name for name in right if not passed[name]]))
+    agreeing = [name for name in off if name not in wrong_columns]
+    yield from (Check(f"{kind} {name}", "passed", passed[name]) for name in agreeing if passed[name])
+    yield from (Check(_named(kind, names), "passed") for names in _of_a_kind([name for name in agreeing if not passed[name]]))
     if before:
         yield Check(f"{kind} {some(before)}", "not judged", "they are wrong already", "mend those first")
 
@@ -149,12 +149,12 @@ def _together(check: str, names: Sequence[str], off: Mapping[str, float]) -> Che
 
 def findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str, Finding]:
     """The mistake in each wrong column, by its name; `left_out`: columns that are not looked at."""
-    run, known, tolerances = bench.run(motion), truth(motion).columns, bench.tolerances(motion)
+    run, right, tolerances = bench.run(motion), truth(motion).columns, bench.tolerances(motion)
     wrong: dict[str, Finding] = {}
-    for name in compared_columns(run, known=known):
+    for name in compared_columns(run, right=right):
         if name not in left_out:
             tolerance = None if tolerances is None else tolerances[name]
-            finding = _diagnosed(name, run[name], known[name], tolerance, known, motion.scene)
+            finding = _diagnosed(name, run[name], right[name], tolerance, right, motion.scene)
             if finding is not None:
                 wrong[name] = finding
     if tolerances is None:
@@ -181,16 +181,16 @@ def falling(bench: Bench, motion: Motion, names: Iterable[str]) -> list[str]:
 
     Their mistake is an estimate that is too small, which another check reports.
     """
-    run, known, left = bench.run(motion), truth(motion).columns, list(names)
+    run, right, left = bench.run(motion), truth(motion).columns, list(names)
     fallen, finest = list[str](), True
     for finer in bench.sharpened(motion):
         finest = False
-        fallen += [name for name in left if rms(finer[name] - known[name]) <= FALLS * rms(run[name] - known[name])]
+        fallen += [name for name in left if rms(finer[name] - right[name]) <= FALLS * rms(run[name] - right[name])]
         left = [name for name in left if name not in fallen]
         if not left:
             break
     if finest and (coarser := bench.coarsened(motion)) is not None:
-        fallen += [name for name in left if rms(run[name] - known[name]) <= FALLS * rms(coarser[name] - known[name])]
+        fallen += [name for name in left if rms(run[name] - right[name]) <= FALLS * rms(coarser[name] - right[name])]
     return fallen
 
 
@@ -264,16 +264,16 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
         advice = "see engines.start_state.reconstruct: it closes the loop for any start"
         yield Check(check, "failed", f"it is not accepted: {cause}", advice)
         return
-    known, tolerances = truth(motion).columns, bench.tolerances(motion)
+    right, tolerances = truth(motion).columns, bench.tolerances(motion)
     # the model reproduces a bent start to about its own error of the deflection
-    deflection = rms(known["tip_deflection"])
+    deflection = rms(right["tip_deflection"])
     part = 0.5 * deflection if tolerances is None else tolerances["tip_deflection"] + 0.02 * deflection
     first = check_by(f"first row of {check}", _first_row, bench, motion, wrong, part)
     if ignored := _ignored(run.columns, motion, start):
         yield Check(check, "failed", ignored, "see engines.start_state.reconstruct: it tells place and velocity of every point")
         return
     yield first
-    if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, soft)) < 0.3 * rms(_bow(known, soft)):
+    if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, soft)) < 0.3 * rms(_bow(right, soft)):
         cause = "slider_position is the straight distance from the pivot, not the arc length"
         yield Check(f"{check}: slider_position", "failed", cause, "integrate along the bent centre line")
         wrong.add("slider_position")
@@ -285,17 +285,17 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
 
 def _ignored(run: Mapping[str, Array], motion: Motion, start: Start) -> str:
     """The part of a bent start that is ignored, recognised from the later bend; "" if none is."""
-    known = truth(motion).columns
+    right = truth(motion).columns
 
     def bend(columns: Mapping[str, Array]) -> Array:
-        return np.concatenate([columns[name] / rms(known[name]) for name in ("tip_deflection", "strain_1", "strain_2", "strain_3")])
+        return np.concatenate([columns[name] / rms(right[name]) for name in ("tip_deflection", "strain_1", "strain_2", "strain_3")])
 
-    if rms(bend(run) - bend(known)) <= _IGNORABLE:
+    if rms(bend(run) - bend(right)) <= _IGNORABLE:
         return ""
     others = (
         Hypothesis(cause, "", bend(solution(replace(motion, start=replace(start, **left_out))))) for cause, left_out in _IGNORED.items()
     )
-    explained = explain(bend(run), bend(known), others, coarse=True)
+    explained = explain(bend(run), bend(right), others, coarse=True)
     return "" if explained is None else explained.words
 
 

@@ -84,18 +84,18 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
     except EngineFailure as failure:
         kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # "raised" or "returned": words for what no adapter reports
         raise kind(f"with another value the run breaks down: {failure.cause}", failure.advice) from failure
-    found, known = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
-    names = list(compared_columns(runs[0], DECISIVE, known[1]))
-    effect = _Effects(known, names)
-    shown, due = effect.between(*found), effect.between(*known)
+    given, right = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
+    names = list(compared_columns(runs[0], DECISIVE, right[1]))
+    effect = _Effects(right, names)
+    shown, due = effect.between(*given), effect.between(*right)
     if rms(shown) <= _NONE * rms(due):
         raise Fault(f"{change.name} {_IGNORED}", advice)
     if left_out := told & set(names):
-        everything, effect = rms(due) * math.sqrt(len(names)), _Effects(known, [name for name in names if name not in left_out])
-        if not effect.names or rms(due := effect.between(*known)) * math.sqrt(len(effect.names)) <= _NONE * everything:
+        everything, effect = rms(due) * math.sqrt(len(names)), _Effects(right, [name for name in names if name not in left_out])
+        if not effect.names or rms(due := effect.between(*right)) * math.sqrt(len(effect.names)) <= _NONE * everything:
             raise Unjudged(f"it shows in {', '.join(sorted(left_out))} alone, whose rows are wrong already", "mend those first")
-        shown = effect.between(*found)
-    worst = _worst(bench, (before, after), [name for name in compared_columns(runs[1], known=known[1]) if name not in told])
+        shown = effect.between(*given)
+    worst = _worst(bench, (before, after), [name for name in compared_columns(runs[1], right=right[1]) if name not in told])
     share = float(shown @ due / (due @ due))
     left = rms(shown - due) / rms(due)
     if worst == "" and left <= _SUSPICIOUS:
@@ -104,7 +104,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
     if worst and not wrong:
         _tell_of_rows(bench, after, told)
-    if mistake := _mistake(change, context, found, known, effect, worst, None if worst is None or wrong else share):
+    if mistake := _mistake(change, context, given, right, effect, worst, None if worst is None or wrong else share):
         raise Fault(mistake, advice)
     off = f"the effect is off by {share_of(left)}"
     if worst == "":
@@ -121,9 +121,9 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
 class _Effects:
     """The effect of a change on columns, each relative to the column's range in `reference`."""
 
-    def __init__(self, known: Sequence[Mapping[str, Array]], names: Sequence[str]) -> None:
+    def __init__(self, right: Sequence[Mapping[str, Array]], names: Sequence[str]) -> None:
         self.names = list(names)
-        self._sizes = {name: max(rms(run[name] - np.mean(run[name])) for run in known) + 1e-6 * rms(known[1][name]) for name in names}
+        self._sizes = {name: max(rms(run[name] - np.mean(run[name])) for run in right) + 1e-6 * rms(right[1][name]) for name in names}
 
     def between(self, first: Mapping[str, Array], second: Mapping[str, Array], among: Iterable[str] | None = None) -> Array:
         """The effect as one array, column after column; `among`: these columns, None: all."""
@@ -158,8 +158,8 @@ def _error(bench: Bench, motions: Sequence[Motion], name: str) -> Array:
 def _mistake(
     change: Change,
     context: Scene,
-    found: tuple[Mapping[str, Array], Mapping[str, Array]],
-    known: tuple[Mapping[str, Array], Mapping[str, Array]],
+    given: tuple[Mapping[str, Array], Mapping[str, Array]],
+    right: tuple[Mapping[str, Array], Mapping[str, Array]],
     effect: _Effects,
     worst: str | None,
     share: float | None,
@@ -167,9 +167,9 @@ def _mistake(
     """The engine's mistake with the quantity, in words; "" if no simple mistake explains it."""
     scenes = list(possible_results(context, change.mistakes(), lambda scene: solution(Motion(scene, change.duration))))
     for among in (None, _RIGID) if worst else (None,):
-        shown, due = (effect.between(first, second, among) for first, second in (found, known))
+        shown, due = (effect.between(first, second, among) for first, second in (given, right))
         tried = [Hypothesis(f"{change.name} acts with the wrong sign", "", -due)]
-        tried += [Hypothesis(words, "", effect.between(known[0], columns, among)) for words, columns in scenes]
+        tried += [Hypothesis(words, "", effect.between(right[0], columns, among)) for words, columns in scenes]
         if share is not None and among is None:
             words = f"{change.name} acts {share:.3g} times as strongly as it should"
             tried.append(Hypothesis(words, "", share * due, fitted=True))

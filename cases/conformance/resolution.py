@@ -39,9 +39,9 @@ def resolution(bench: Bench) -> Iterator[Check]:
     coarse, default = bench.engine.settings_for(max(_COARSE, bench.engine.default_accuracy), bench.scene), bench.settings(bench.scene)
     yield check_by("ladder: ends", _ends, bench, coarse)
     try:
-        wrong, known = known_mistakes(bench), _truth(bench)
-        errors, above = _climb(bench, known, coarse, _RUN), _climb(bench, known, default, 2)
-        finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), known)
+        wrong, right = known_mistakes(bench), _truth(bench)
+        errors, above = _climb(bench, right, coarse, _RUN), _climb(bench, right, default, 2)
+        finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), right)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
         return
@@ -78,21 +78,21 @@ def _truth(bench: Bench) -> Truth:
     return Truth(bench.run(bench.mild, settings).columns, {})
 
 
-def _error(bench: Bench, settings: Settings, known: Truth) -> float:
+def _error(bench: Bench, settings: Settings, right: Truth) -> float:
     """Relative error of the tip deflection."""
-    right = known.columns["tip_deflection"]
-    return rms(bench.run(bench.mild, settings)["tip_deflection"] - right) / (rms(right) or 1.0)
+    deflection = right.columns["tip_deflection"]
+    return rms(bench.run(bench.mild, settings)["tip_deflection"] - deflection) / (rms(deflection) or 1.0)
 
 
-def _climb(bench: Bench, known: Truth, settings: Settings, most: int) -> list[float]:
+def _climb(bench: Bench, right: Truth, settings: Settings, most: int) -> list[float]:
     """Errors of the tip deflection from rung to rung, of at most `most` rungs; it stops after a rung that takes long."""
-    errors = [_error(bench, settings, known)]
+    errors = [_error(bench, settings, right)]
     while len(errors) < most and bench.run(bench.mild, settings).solve_seconds <= _SLOW:
         finer = bench.finer(bench.scene, settings)
         if finer is None:
             break
         settings = finer
-        errors.append(_error(bench, settings, known))
+        errors.append(_error(bench, settings, right))
     return errors
 
 
@@ -133,16 +133,16 @@ def _estimates(bench: Bench, settings: Settings, wrong: MistakesInMildScene) -> 
     estimates = bench.estimates(bench.mild, settings)
     if estimates is None:
         raise Unjudged(f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes")
-    known, run = _truth(bench), bench.run(bench.mild, settings)
-    if of == "integration" and _error(bench, settings, known) < _NOISE:
+    right, run = _truth(bench), bench.run(bench.mild, settings)
+    if of == "integration" and _error(bench, settings, right) < _NOISE:
         return "the integration's error is too small to be measured"
     missed, allowed = {}, _MISSED[of]
     for column in (name for name in ESTIMATED if name not in wrong.columns):
-        size = rms(known.columns[column])
-        error, estimate = rms(run[column] - known.columns[column]), estimates[column]
-        if size > 0.0 and error > allowed * estimate + 3.0 * known.uncertainty.get(column, 0.0) and error > _NOISE * size:
+        size = rms(right.columns[column])
+        error, estimate = rms(run[column] - right.columns[column]), estimates[column]
+        if size > 0.0 and error > allowed * estimate + 3.0 * right.uncertainty.get(column, 0.0) and error > _NOISE * size:
             missed[column] = (error / max(estimate, 1e-300), error / size, estimate / size)
-    single = _factor_shown(bench, pairs, known) if len(pairs) == 1 else None
+    single = _factor_shown(bench, pairs, right) if len(pairs) == 1 else None
     stated = pairs[0].factor if len(pairs) == 1 else math.nan
     if single is not None and (single > 1.0) != (stated > 1.0) and not 1.0 / _ABOUT < single < _ABOUT:
         cause = f"the factor of `comparisons` is upside down, overclaimed if above 1: {stated:g}, the errors' ratio is {single:.3g}"
@@ -158,14 +158,14 @@ def _estimates(bench: Bench, settings: Settings, wrong: MistakesInMildScene) -> 
             cause = f"the factor {stated:g} of `comparisons` is overclaimed: the errors' ratio is {single:.3g}; {cause}"
         advice = "state the factor that runs show: error of `other` over that of `run`, on the safe side; or compare with a finer run"
         raise Fault(cause, advice)
-    relative = estimates["tip_deflection"] / (rms(known.columns["tip_deflection"]) or 1.0)
-    return f"error {_error(bench, settings, known):.2g}, estimate {relative:.2g}"
+    relative = estimates["tip_deflection"] / (rms(right.columns["tip_deflection"]) or 1.0)
+    return f"error {_error(bench, settings, right):.2g}, estimate {relative:.2g}"
 
 
-def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth) -> float | None:
+def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], right: Truth) -> float | None:
     """Ratio of the other run's error to the run's, for the tip deflection; None if one of them is within the noise."""
     try:
-        error, other = (_error(bench, settings, known) for settings in (pairs[0].run, pairs[0].other))
+        error, other = (_error(bench, settings, right) for settings in (pairs[0].run, pairs[0].other))
     except EngineFailure:
         return None
     return other / error if error > 0.2 * _NOISE else None

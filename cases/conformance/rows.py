@@ -49,14 +49,14 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
         except EngineFailure as failure:
             return late | {"time": Check(name, "failed", f"with {told}: {failure.cause}", failure.advice)}, depending
         changed = dict[str, float]()
-        known, right = solution(motion), solution(bench.mild)
-        for column in compared_columns(run, known=right):
+        exact, right = solution(motion), solution(bench.mild)
+        for column in compared_columns(run, right=right):
             if column in late or column in depending:
                 continue
             fine, at = run[column], times * np.arange(len(there), dtype=np.float64)
             expected = CubicSpline(np.arange(len(fine)), fine)(at)
             off = rms(there[column] - expected)
-            blurred = max(rms(known[column] - CubicSpline(np.arange(len(fine)), right[column])(at)), _roughness(fine) if times % 1 else 0.0)
+            blurred = max(rms(exact[column] - CubicSpline(np.arange(len(fine)), right[column])(at)), _roughness(fine) if times % 1 else 0.0)
             if off <= allowed(column, fine, tolerances, 1e-4) + _INTERPOLATED * blurred:
                 continue
             mistakes = lateness(there[column], there[column], np.array([at, np.full(len(at), times - 1.0)]), fine)

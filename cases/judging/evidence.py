@@ -95,13 +95,14 @@ class _Request:
             broken = Breakdown(time=failure.time, cause=failure.cause)
             return Trial(replace(self._nothing, breakdown=broken), {}, dict(failure.partial.columns) if failure.partial else {})
         assert result is not None
-        whole, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.settings)
+        trajectory, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.settings)
         evidence = replace(self._nothing, stretch=stretch, error_estimate=result.error_estimate, remark=result.remark)
         if failure is not None:
-            evidence = replace(evidence, breakdown=Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(whole)))
-        columns = dict(whole.columns) if whole is not None else {}
+            breakdown = Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(trajectory))
+            evidence = replace(evidence, breakdown=breakdown)
+        columns = dict(trajectory.columns) if trajectory is not None else {}
         estimate = result.error_estimate
-        if estimate is not None and estimate <= evidence.requested and whole is not None:
+        if estimate is not None and estimate <= evidence.requested and trajectory is not None:
             evidence = self._balanced(evidence, columns, *self._finer(result.settings))
         return Trial(evidence, result.settings.as_dict(), columns)
 
@@ -126,10 +127,10 @@ class _Request:
                 break
         return stretch, None, first
 
-    def _balanced(self, evidence: Evidence, whole: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
+    def _balanced(self, evidence: Evidence, columns: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
         """The evidence with finer settings and balances."""
         rows = round(evidence.stretch / evidence.row) + 1
-        shown = {name: values[:rows] for name, values in whole.items()}
+        shown = {name: values[:rows] for name, values in columns.items()}
         difference, later, breakdown, broken = None, None, evidence.breakdown, ""
         if finer is not None and len(finer) >= rows:
             difference = relative_error(finer["tip_deflection"][:rows], shown["tip_deflection"])
@@ -137,8 +138,8 @@ class _Request:
             broken = str(finer_failure)
         if breakdown is not None and finer_failure is not None and self._at_the_end(finer):
             breakdown = replace(breakdown, finer_time=finer_failure.time)
-        if breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
-            later = later_differences(whole, dict(finer.columns), evidence.stretch)
+        if breakdown is None and finer is not None and rows < len(columns["time"]) == len(finer):
+            later = later_differences(columns, dict(finer.columns), evidence.stretch)
         rigid = self._scene.mechanism.slider.is_rigid  # another joint has a gap by its nature
         gap = float(np.max(np.abs(shown["constraint_gap"]))) if rigid and "constraint_gap" in shown else None
         return replace(
@@ -147,9 +148,9 @@ class _Request:
             finer_difference=difference,
             finer_failure=broken,
             later=later,
-            energy_residual=energy_residual(whole if breakdown is None else shown),
+            energy_residual=energy_residual(columns if breakdown is None else shown),
             constraint_gap=gap,
-            crank_jump=crank_jump(whole),
+            crank_jump=crank_jump(columns),
         )
 
     def _once(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
