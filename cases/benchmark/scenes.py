@@ -39,7 +39,7 @@ def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repe
         EngineFailure, Refusal: the solution that defines the errors cannot be computed, or the process ended without an answer.
         KeyboardInterrupt: Ctrl-C.
     """
-    limits, failures = workshop.executor.limits, unsafe_in_common(case, workshop.executor, names)
+    limits, failures = workshop.executor.limits, unsafe_engines(case, workshop.executor, names)
     while True:
         sound = tuple(name for name in names if name not in failures)
         allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
@@ -63,7 +63,7 @@ def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repe
     return result
 
 
-def unsafe_in_common(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str]:
+def unsafe_engines(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str]:
     """Engines that must not run in the common process, with the reason.
 
     Each engine runs its coarsest settings in a process of its own. An engine that reports a failure may run in the common process: the
