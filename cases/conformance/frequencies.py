@@ -20,10 +20,10 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes
 #: Number of frequencies, and crank angles (deg), that are compared.
 _COUNT: Final = 3
 _ANGLES: Final = (180.0, 90.0, 0.0)
-#: Relative tolerance of each frequency: `_FLOOR` plus `_REFINED` times the change by finer settings ...
+#: Relative tolerance of each frequency: `_FLOOR` plus `_REFINED` times the change by finer settings, at most 0.6 ...
 _FLOOR: Final = np.array([0.005, 0.015, 0.04])
 _REFINED: Final = 3.0
-#: ... or this, if the engine makes no claim (one cubic is 12 to 16 % too high in the first) and at most if it does.
+#: ... or this, if the engine makes no claim: one cubic is 12 to 16 % too high in the first.
 _COARSE: Final = (0.3, 0.6, 0.9)
 #: Place of the support of a uniform beam that is pinned at one end, over its length, and beta L of its first mode (Blevins, Formulas for
 #: Natural Frequency and Mode Shape, or any text on vibration).

@@ -33,7 +33,7 @@ MEANINGS: Final = {
 
 #: Largest ratio of an error to the difference from finer settings: these at least halve the error, on every ladder once it converges.
 ERROR_PER_DIFFERENCE: Final = 2.0
-#: Relative error of the strain energy over that of the amplitude, of which it is the square.
+#: Relative error of the strain energy over that of the amplitude: the energy grows with its square.
 ENERGY_PER_ERROR: Final = 2.0
 #: Largest relative difference of energy, extremes and spectrum of the tip deflection, beyond the stretch, of an accurate run.
 LATER: Final = 0.1
