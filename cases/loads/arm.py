@@ -40,8 +40,8 @@ ANGLE_ERROR: Final = 0.01
 THROUGH: Final = 6
 #: Twelfths that are nearer to the slider than this part of a twelfth are left out: the slope between two such places would be noise.
 TOO_NEAR: Final = 1.0 / 3.0
-#: A known slope at an end becomes a further known place beyond it, at this part of a twelfth. The moment there, extrapolated linearly, is off
-#: by 5e-5 of its second derivative times the square of a twelfth.
+#: A known slope at an end becomes a further known place beyond it, at this part of a twelfth. The moment there, extrapolated linearly, is
+#: off by 5e-5 of its second derivative times the square of a twelfth.
 BEYOND: Final = 0.01
 #: Ratio of the interpolation error with all twelfths to that without every other one. At half the spacing a polynomial of degree one has a
 #: quarter of the error, one of higher degree less. Half is on the safe side: in 15 combinations of one to five natural modes, in three
