@@ -5,8 +5,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.errors import as_written as shown
+from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -46,13 +45,13 @@ class Case(Shown):
 
     def _parts(self) -> Iterator[Cell]:
         """Name, title, notes, and a row for each value that is given or differs from its default: in SI, and as written."""
-        from quickreturn.cases.copies import as_written
+        from quickreturn.cases.copies import written_document
         from quickreturn.cases.document import in_words
 
         yield f"{self.name}: {self.title}"
         yield from (f"note: {note}" for note in self.notes)
         si = {f"{section}.{key}": value for section, keys in self.values.items() for key, value in keys.items()}
-        written = {f"{section}.{key}": value for section, keys in as_written(self).values.items() for key, value in keys.items()}
+        written = {f"{section}.{key}": value for section, keys in written_document(self).values.items() for key, value in keys.items()}
         si = {path: value for path, value in si.items() if path in written or value != PATHS[path].default}
         texts = {path: in_words(value) for path, value in written.items() if not isinstance(value, (float, tuple))}
         yield Rows(
@@ -75,10 +74,10 @@ class Case(Shown):
         Raises:
             CaseError: a file cannot hold a value, such as NaN.
         """
-        from quickreturn.cases.copies import as_written
+        from quickreturn.cases.copies import written_document
         from quickreturn.cases.written import as_toml
 
-        return as_toml(replace(as_written(self), header={"name": self.name, "title": self.title, "tags": list(self.tags)}))
+        return as_toml(replace(written_document(self), header={"name": self.name, "title": self.title, "tags": list(self.tags)}))
 
     @property
     def mechanism(self) -> Mechanism:
@@ -111,12 +110,12 @@ def shown_value(value: Any) -> str:
 
 #: Section -> key -> quantity.
 SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
-    {**SECTIONS_OF_SCENE, "simulation": {key: found for _, key, found in quantities_of(Case)}}
+    {**SECTIONS_OF_SCENE, "simulation": {key: declared for _, key, declared in quantities_of(Case)}}
 )
 #: Keys outside all sections.
 HEADER: Final = ("name", "title", "tags")
 #: Dotted path -> quantity, in the order of the file.
-PATHS: Final = MappingProxyType({f"{section}.{name}": found for section, keys in SECTIONS.items() for name, found in keys.items()})
+PATHS: Final = MappingProxyType({f"{section}.{key}": declared for section, keys in SECTIONS.items() for key, declared in keys.items()})
 
 
 def dimension_of(path: str) -> Dimension:
@@ -125,8 +124,8 @@ def dimension_of(path: str) -> Dimension:
 
 
 def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:
-    """The value in SI of a text for the quantity at a dotted path; infinite only where allowed. CaseError with `source`: a wrong text."""
+    """The SI value of a text for the quantity at a dotted path; with `finite` not "inf". CaseError, with `source`: a wrong text."""
     try:
         return parse_quantity(text, dimension_of(path), infinity_accepted=PATHS[path].infinity and not finite)
     except QuantityError as wrong:
-        raise CaseError(source, path, shown(text), wrong.problem, wrong.accepted) from None
+        raise CaseError(source, path, as_written(text), wrong.problem, wrong.accepted) from None

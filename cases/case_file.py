@@ -13,7 +13,7 @@ from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown
 from quickreturn.cases.library import case_names, library_case, library_document
 from quickreturn.cases.library.hard import IMPOSSIBLE
 from quickreturn.cases.reading import case_of, misfit
-from quickreturn.cases.text_file import file_alike, read_text
+from quickreturn.cases.text_file import read_text, similar_file
 
 
 def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Case:
@@ -33,8 +33,8 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
     original = library_case(name_or_path)
     if not overrides:
         return original
-    changed, meant = case_of(_document(name_or_path, overrides)), tuple(doubts(original.scene))
-    return replace(changed, notes=(*original.notes, *(note for note in changed.notes if note not in meant)), source=original.source)
+    changed, intended = case_of(_document(name_or_path, overrides)), tuple(doubts(original.scene))  # the library's own values are intended
+    return replace(changed, notes=(*original.notes, *(note for note in changed.notes if note not in intended)), source=original.source)
 
 
 def _document(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Document:
@@ -60,7 +60,7 @@ def _unknown(name: str) -> CaseError:
     """The message for a name that the library does not have; it names a similar file if there is one."""
     near = nearest(name, case_names())
     accepted = f"the nearest one is {near} (`quickreturn cases` lists all); or give a path"
-    if file := file_alike(f"{name}.toml"):
+    if file := similar_file(f"{name}.toml"):
         accepted = f"did you mean the file {file}?"
     return CaseError(as_written(name), None, None, "no case of the library has this name", accepted)
 

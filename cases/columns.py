@@ -12,7 +12,7 @@ class UnknownColumn(ToldError, LookupError):
 
 
 def known_column(name: str, columns: Mapping[str, Any]) -> str:
-    """The name. UnknownColumn: it is none of these columns."""
+    """`name` itself. Raises UnknownColumn if it is the name of none of these columns."""
     if not isinstance(name, str):
         raise UnknownColumn(f'{as_written(name)}: no name of a column; give one after the other, such as "tip_deflection"')
     if name not in columns:

@@ -9,8 +9,7 @@ from typing import Any, Final
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.document import OVERRIDE, Document, document_of, header_of, in_words
-from quickreturn.cases.errors import CaseError, together
-from quickreturn.cases.errors import as_written as value_as_written
+from quickreturn.cases.errors import CaseError, as_written, together
 from quickreturn.cases.reading import case_of
 
 #: Largest number of characters of a name that `header_of` accepts.
@@ -25,7 +24,7 @@ def changed(case: Case, overrides: Mapping[str, str]) -> Case:
     Raises:
         CaseError: a mistake in the overrides.
     """
-    document = as_written(case)
+    document = written_document(case)
     before, new = case_of(document), case_of(document.overridden_by(overrides))
     # Notes on the case itself stay; doubts about numbers are given for the copy only if they were given for the case.
     kept = [note for note in case.notes if note not in before.notes]
@@ -39,33 +38,33 @@ def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -
     Raises:
         CaseError: a mistake in the overrides or the name, or neither is given.
     """
-    with told_as_overrides(overrides):
+    with reported_as_overrides(overrides):
         new = changed(case, overrides)
     if name is None and not overrides:
         raise CaseError(case.name, None, None, "a copy without a change needs a name", 'such as with_(name="shaper-2")')
     before = {} if case.document is None else case.document.overridden
     after = {} if new.document is None else new.document.overridden
-    called = _name_of_copy(case.name, before, {path: after[path] for path in overrides}) if name is None else name
-    header_of(Document(f"copy of {case.name}", {"name": called}, {}))
-    return replace(new, name=called)
+    new_name = _name_of_copy(case.name, before, {path: after[path] for path in overrides}) if name is None else name
+    header_of(Document(f"copy of {case.name}", {"name": new_name}, {}))
+    return replace(new, name=new_name)
 
 
 @contextlib.contextmanager
-def told_as_overrides(overrides: Any) -> Iterator[None]:
-    """Report mistakes in overrides from Python without the command line's option. Raises CaseError if they are not a mapping."""
+def reported_as_overrides(overrides: Any) -> Iterator[None]:
+    """Names "overrides" in place of `--set` as the source of mistakes, for calls from Python. CaseError: it is not a mapping."""
     if not isinstance(overrides, Mapping):
-        raise CaseError("overrides", None, None, f"{value_as_written(overrides)} is not a dictionary", 'such as {"crank.length": "5 in"}')
+        raise CaseError("overrides", None, None, f"{as_written(overrides)} is not a dictionary", 'such as {"crank.length": "5 in"}')
     try:
         yield
     except CaseError as wrong:
         mistakes = [
-            CaseError("overrides" if each.source == OVERRIDE else each.source, each.key, each.value, each.problem, each.accepted)
-            for each in (wrong, *wrong.further)
+            CaseError("overrides" if one.source == OVERRIDE else one.source, one.key, one.value, one.problem, one.accepted)
+            for one in (wrong, *wrong.further)
         ]
         raise together(mistakes) from None
 
 
-def as_written(case: Case) -> Document:
+def written_document(case: Case) -> Document:
     """The document that the case was read from, with its present name, title and times; in SI if the scene was replaced since."""
     document = case.document
     if document is None or (read := case_of(document)).scene != case.scene:
@@ -85,10 +84,10 @@ def _name_of_copy(name: str, before: Mapping[str, Any], changes: Mapping[str, An
     for path in changes:
         if path in before:
             name = name.replace(_part(path, before[path]), "")
-    whole = name + "".join(_part(path, value) for path, value in changes.items())
-    if len(whole) <= LONGEST_NAME:
-        return whole
-    return f"{whole[: LONGEST_NAME - _HASH - 1]}-{hashlib.sha256(whole.encode()).hexdigest()[:_HASH]}"
+    full_name = name + "".join(_part(path, value) for path, value in changes.items())
+    if len(full_name) <= LONGEST_NAME:
+        return full_name
+    return f"{full_name[: LONGEST_NAME - _HASH - 1]}-{hashlib.sha256(full_name.encode()).hexdigest()[:_HASH]}"
 
 
 def _part(path: str, value: Any) -> str:

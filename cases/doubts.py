@@ -6,21 +6,21 @@ from typing import Final
 from quickreturn.cases.units import in_si
 from quickreturn.reference_model.mechanism import Follower, Scene
 
-#: Lengths of a follower in m: from a watch's lever to a crane's jib.
+#: Least and largest usual length of a follower, m: a watch's lever and a crane's jib.
 _LENGTHS: Final = (1e-3, 20.0)
-#: Densities of solids in kg/m^3: from rigid foam to platinum and its like.
+#: Least and largest density of solids, kg/m^3: rigid foam, and metals such as platinum.
 _DENSITIES: Final = (20.0, 25e3)
-#: Pa. Soft plastics and rubbers lie below, and so does every metal's modulus in MPa for GPa.
-_SOFT: Final = 0.5e9
-#: Pa. No solid is stiffer than diamond (1.1e12 Pa).
-_HARD: Final = 1.5e12
-#: kg/m^3 and Pa. Heavier materials are metal, glass or stone; lead, the softest in use, has 16 GPa.
+#: Elastic modulus, Pa, below which a material is a soft plastic or rubber. A metal's modulus with MPa in place of GPa is also below it.
+_SOFT_MODULUS: Final = 0.5e9
+#: Elastic modulus, Pa, that no solid has: diamond has 1.1e12 Pa.
+_IMPOSSIBLE_MODULUS: Final = 1.5e12
+#: Density, kg/m^3, above which materials are metal, glass or stone, and a modulus, Pa, that these exceed: lead, the softest, has 16 GPa.
 _METAL_DENSITY, _METAL_MODULUS = 2500.0, 10e9
-#: Moduli of metals for comparison.
+#: Elastic moduli of metals, for comparison in messages.
 _METALS: Final = "aluminium has 70 GPa, steel 210 GPa"
-#: Largest usual mass of a tool, as a multiple of the arm's.
+#: Largest usual mass of a tip, as a multiple of the follower's.
 _HEAVIEST_TIP: Final = 5.0
-#: rad/s, 19,000 rpm: only spindles turn faster.
+#: Largest usual crank speed, rad/s (19,000 rpm): only spindles turn faster.
 _FASTEST: Final = 2e3
 
 
@@ -63,14 +63,15 @@ def _of_follower(follower: Follower) -> Iterator[str]:
 
 def _of_modulus(modulus: float, density: float) -> str:
     """The doubt about an elastic modulus (Pa) at a density (kg/m^3), as a clause; "" if there is none."""
-    if modulus > _HARD:
+    if modulus > _IMPOSSIBLE_MODULUS:
         return f"and no material is that stiff ({_METALS}, diamond 1100 GPa): is that meant?"
     if modulus < _METAL_MODULUS and density > _METAL_DENSITY:
         return f"as plastics or rubber have it, and a density of {density:.4g} kg/m^3, as metals have it ({_METALS}): is that meant?"
-    if modulus < _SOFT:
+    if modulus < _SOFT_MODULUS:
         return f"which fits rubber or a soft plastic ({_METALS}, stiff plastics 2 to 4 GPa): is that meant?"
     return ""
 
 
 def _shown(modulus: float) -> str:
-    return f"{modulus / 1e9:.3g} GPa" if modulus >= 1e9 else f"{modulus / in_si('MPa'):.3g} MPa"
+    unit = "GPa" if modulus >= in_si("GPa") else "MPa"
+    return f"{modulus / in_si(unit):.3g} {unit}"

@@ -50,7 +50,7 @@ class CaseError(ToldError):
 
 
 def together(mistakes: Sequence[CaseError]) -> CaseError:
-    """Mistakes (not none) as one error: the first, with the others as its further ones."""
+    """One error for all mistakes (at least one): the first mistake, with the others in its `further`."""
     first, *others = mistakes
     first.further += tuple(one for other in others for one in (other, *other.further))
     return first
@@ -104,18 +104,15 @@ def nearest(given: str, known: Iterable[str]) -> str:
     return max(known, key=lambda name: _resemblance(given, name))
 
 
-def as_alike(given: str, known: Sequence[str]) -> str:
-    """The nearest name in `known` if it is near enough for a typing error, else ""."""
+def similar_name(given: str, known: Sequence[str]) -> str:
+    """The nearest name in `known` if it is near enough for a typing error, otherwise ""."""
     near = nearest(given, known) if known else ""
     return near if _resemblance(given, near) >= _NEAR else ""
 
 
 def nearest_or_all(given: str, known: Sequence[str], within: str = "") -> str:
-    """Replacement for an unknown name: the nearest one if one is near, else all of `known` (not empty).
-
-    `within`: text before each of them.
-    """
-    near = as_alike(given, known)
+    """A clause on what to write for an unknown name: the nearest one, after the text `within`, or else all of `known` (not empty)."""
+    near = similar_name(given, known)
     return f"the nearest known one is {within}{near}" if near else f"known are {', '.join(known)}"
 
 

@@ -11,19 +11,19 @@ from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 
-#: The largest part of a difference that a mistake may leave unexplained: where the engine's own error is small or given as noise, and
-#: where it is in the difference as well and nobody knows its size.
-EXPLAINED: Final = 0.15
-COARSELY: Final = 0.4
-#: Least ratio of the unexplained part with any other mistake to that with the best, for the best to be named.
+#: Largest part of a difference that a mistake may leave unexplained: if the engine's own error is small or given as noise ...
+UNEXPLAINED: Final = 0.15
+#: ... and if the difference also contains an error of the engine of unknown size.
+UNEXPLAINED_COARSELY: Final = 0.4
+#: Least ratio of the remainder with any other mistake to that with the best, for the best to be named.
 _CLEARLY: Final = 2.0
-#: Part of a difference, and part of the noise, below which the remainder does not tell mistakes apart. The noise is a bound; errors reach a
-#: third of it.
-_UNTOLD: Final = 1e-3
-_OF_NOISE: Final = 1.0 / 3.0
+#: Smaller remainders than this part of a difference do not distinguish mistakes ...
+_LEAST_REMAINDER: Final = 1e-3
+#: ... nor do those below this part of the noise, which is a bound: errors reach a third of it.
+_LEAST_OF_NOISE: Final = 1.0 / 3.0
 #: Predictions that differ by less than this part of the difference count as the same: the first is named.
 _SAME: Final = 1e-6
-#: Predictions that differ by less than this part of it are alike: all are named.
+#: Predictions that differ by less than this part of the difference are alike: all are named.
 _ALIKE: Final = 0.05
 
 
@@ -33,19 +33,19 @@ class Hypothesis:
 
     words: str  # what is wrong
     advice: str  # what to do
-    values: Array  # prediction, shape (n,)
+    prediction: Array  # values that the mistake would give, shape (n,)
     fitted: bool = False  # whether a number in it was fitted: it is tried only if no other mistake explains the finding
-    gross: bool = True  # whether a coarse engine without a mistake cannot give this
+    gross: bool = True  # whether a coarse engine without a mistake cannot give such values
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """The mistake that explains a finding, the part of the difference that it leaves (in its unit), and whether it was fitted."""
+    """The mistake that explains a difference."""
 
     words: str
     advice: str
-    left: float
-    fitted: bool = False
+    remainder: float  # RMS of the difference that it leaves, in the unit of the values
+    fitted: bool = False  # whether a number in it was fitted
 
 
 def explain(
@@ -54,29 +54,30 @@ def explain(
     """The mistake that explains a difference, or several that are alike; None if there is none, or if others explain it as well.
 
     Args:
-        found: the values found, shape (n,).
+        found: values with the mistake, shape (n,).
         expected: the right values.
         hypotheses: possible mistakes; if several predict the same, the first is named.
-        noise: RMS error of `found` without any mistake.
-        coarse: whether `found` may be off by more than that.
+        noise: bound of the RMS error of `found` without any mistake.
+        coarse: whether `found` may have an error of unknown size besides.
     """
-    off = rms(found - expected)
-    if off == 0.0:
+    difference = rms(found - expected)
+    if difference == 0.0:
         return None
-    allowed = max((COARSELY if coarse else EXPLAINED) * off, min(noise, 0.5 * off))
-    left = [(rms(found - each.values), each) for each in hypotheses]
+    allowed = max((UNEXPLAINED_COARSELY if coarse else UNEXPLAINED) * difference, min(noise, 0.5 * difference))
+    remainders = [(rms(found - mistake.prediction), mistake) for mistake in hypotheses]
     for fitted in (False, True):
-        tried = [(rest, each) for rest, each in left if each.fitted is fitted and np.isfinite(rest)]
-        if not tried:
+        tried = [(remainder, mistake) for remainder, mistake in remainders if mistake.fitted is fitted and np.isfinite(remainder)]
+        least, best = min(tried, key=lambda pair: pair[0], default=(np.inf, None))
+        if best is None or least > allowed:
             continue
-        least, best = min(tried, key=lambda pair: pair[0])
-        if least > allowed:
-            continue
-        clear = _CLEARLY * max(least, _UNTOLD * off, _OF_NOISE * min(noise, off))
-        rivals = [each for rest, each in tried if rest < clear or each is best]
-        alike = [each for each in rivals if rms(each.values - best.values) <= _ALIKE * off]
+        clear = _CLEARLY * max(least, _LEAST_REMAINDER * difference, _LEAST_OF_NOISE * min(noise, difference))
+        rivals = [mistake for remainder, mistake in tried if remainder < clear or mistake is best]
+        alike = [mistake for mistake in rivals if rms(mistake.prediction - best.prediction) <= _ALIKE * difference]
         if len(alike) < len(rivals):
             return None
-        told = [each for n, each in enumerate(alike) if all(rms(each.values - other.values) > _SAME * off for other in alike[:n])]
-        return Explanation(", or ".join(each.words for each in told), told[0].advice, least, fitted)
+        same = [
+            [rms(mistake.prediction - other.prediction) <= _SAME * difference for other in alike[:n]] for n, mistake in enumerate(alike)
+        ]
+        named = [mistake for mistake, earlier in zip(alike, same, strict=True) if not any(earlier)]
+        return Explanation(", or ".join(mistake.words for mistake in named), named[0].advice, least, fitted)
     return None

@@ -17,11 +17,13 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 
-#: Suffix that numbers columns of one kind.
+#: Digits at the end of a name, which number columns of one kind.
 _DIGITS: Final = "0123456789"
-#: Largest lateness that is tried, in rows, early or late; the part of a row below which a column is in time.
+#: Lateness that is tried, in rows, negative if early; the last is the largest.
 _LAGS: Final = (1, -1, 2, -2, 3)
+#: Part of a row; a column that is less late is in time.
 _NOT_LATE: Final = 0.05
+#: Advice for a late column.
 IN_TIME: Final = "take it at the instant of the row, after the last step, with everything derived brought up to date"
 #: SI unit -> other unit in words -> the same as `in_si` reads it.
 _UNITS: Final[dict[str, dict[str, str]]] = {
@@ -35,7 +37,9 @@ _UNITS: Final[dict[str, dict[str, str]]] = {
     "N m": {"newton millimetres": "N*mm", "inch pounds": "lbf*in"},
     "J": {"millijoules": "mJ", "inch pounds": "lbf*in"},
 }
-#: The largest part of its column that a mistake of a coarse engine may leave.
+#: Least difference of a column, relative to its size, that is explained if the engine's own error is unknown.
+_GROSS: Final = 0.2
+#: Largest part of its column that a mistake of a coarse engine may leave.
 _LEFT_OF_COLUMN: Final = 0.6
 #: Relative error allowed in the mild scene for a model without an error estimate: one cubic is 43 % off in a strain there.
 HOPELESS: Final = 1.2
@@ -47,13 +51,13 @@ class Finding:
 
     cause: str  # in words
     advice: str  # what to do
-    left: float | None = None  # the difference that the mistake leaves, in the column's unit; None: no known mistake explains it
+    remainder: float | None = None  # RMS of the difference that it leaves, in the column's unit; None: no known mistake explains it
     fitted: bool = False  # whether a number in it was fitted
 
     @property
     def explained(self) -> bool:
         """Whether a known mistake explains it."""
-        return self.left is not None
+        return self.remainder is not None
 
 
 def diagnose(
@@ -61,7 +65,7 @@ def diagnose(
     found: Array,
     expected: Array,
     tolerance: float | None,
-    beside: Mapping[str, Array],
+    right: Mapping[str, Array],
     mechanism: Scene,
     more: Iterable[Hypothesis] = (),
 ) -> Finding | None:
@@ -71,27 +75,27 @@ def diagnose(
         name: of the column.
         found: the engine's values, shape (n,).
         expected: the right values.
-        tolerance: its tolerance, in its unit; None: the engine does not say.
-        beside: the right columns, among which it may have been exchanged; "time" and all that every engine delivers.
+        tolerance: allowed RMS error, in the column's unit; None: the engine does not say.
+        right: right values of columns with which it may be exchanged: "time" and all that every engine delivers.
         mechanism: the scene.
-        more: mistakes that depend on how the rows were made.
+        more: mistakes that depend on how the rows were recorded.
     """
     off, size = rms(found - expected), rms(expected)
     if size == 0.0:
         return None
     within = tolerance is not None and off <= tolerance
-    claims = tolerance is not None and not within
-    tried = [mistake for mistake in (*_mistakes(name, expected, beside, mechanism), *more) if mistake.gross or claims]
-    if not claims:
-        seen = [each for each in tried if rms(found - each.values) <= _LEFT_OF_COLUMN * rms(each.values)]
-        coarsely = explain(found, expected, seen, coarse=True) if off > 0.2 * size else None
+    beyond = tolerance is not None and not within
+    tried = [mistake for mistake in (*_mistakes(name, expected, right, mechanism), *more) if mistake.gross or beyond]
+    if not beyond:
+        seen = [mistake for mistake in tried if rms(found - mistake.prediction) <= _LEFT_OF_COLUMN * rms(mistake.prediction)]
+        coarsely = explain(found, expected, seen, coarse=True) if off > _GROSS * size else None
         if coarsely is not None:
-            return Finding(f"{name} {coarsely.words}", coarsely.advice, coarsely.left)
+            return Finding(f"{name} {coarsely.words}", coarsely.advice, coarsely.remainder)
         if within or off < HOPELESS * size or not (COLUMNS[name].required or name == name.rstrip(_DIGITS)):
             return None
     explained = explain(found, expected, [*tried, *_fitted(name, found, expected)], tolerance or 0.0)
     if explained is not None:
-        return Finding(f"{name} {explained.words}", explained.advice, explained.left, explained.fitted)
+        return Finding(f"{name} {explained.words}", explained.advice, explained.remainder, explained.fitted)
     claimed = "" if tolerance is None else f", by its own estimate it may be off by {share_of(tolerance / size)}"
     return Finding(f"{name} is off by {share_of(off / size)}{claimed}", "compare it with reference where it departs first")
 
@@ -123,10 +127,10 @@ def lateness(found: Array, expected: Array, at: Array | None = None, fine: Array
     """Hypotheses of a column that comes late or early by whole rows, or by a part of a row.
 
     Args:
-        found: the values found, shape (n,).
-        expected: the right values, in rows at even distances.
-        at: place of each row found among the rows of `fine`, and how far lateness by one row moves it, shapes (2, n); None: row for row.
-        fine: rows from which late ones are interpolated; None: those expected.
+        found: the column's values, shape (n,).
+        expected: the right values, in evenly spaced rows.
+        at: index of each row of `found` among the rows of `fine`, and its shift for a lateness of one row, shape (2, n); None: row for row.
+        fine: right values in finer rows, from which late ones are interpolated; None: `expected`.
     """
     source = expected if fine is None else fine
     spline, last = CubicSpline(np.arange(len(source)), source), len(source) - 1
@@ -148,11 +152,12 @@ def lateness(found: Array, expected: Array, at: Array | None = None, fine: Array
 
 
 def _comes(lag: float) -> str:
-    """Lateness in words, rows; "early" where it is negative."""
+    """Lateness in rows as a clause; "early" if it is negative."""
     return f"comes {abs(lag):.2g} row{'' if abs(lag) == 1 else 's'} {'late' if lag > 0 else 'early'}"
 
 
-def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism: Scene) -> Iterator[Hypothesis]:
+def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism: Scene) -> Iterator[Hypothesis]:
+    """The usual mistakes in a column, with the values that each would give; arguments as for `diagnose`."""
     unit, meaning = COLUMNS[name].unit, COLUMNS[name].meaning
     yield Hypothesis("has the wrong sign", f"turn it round: {meaning}", -expected)
     yield Hypothesis("is a size without sign", f"give it its sign: {meaning}", np.abs(expected))
@@ -166,10 +171,11 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
         yield Hypothesis(f"is {word} what it should be", f"look for a factor of 2: {meaning}", factor * expected, gross=False)
     for other, column in COLUMNS.items():
         alike = column.required or other.rstrip(_DIGITS) == name.rstrip(_DIGITS)
-        if other != name and other in beside and column.unit == unit and alike:
-            for sign, minus in ((1.0, ""), (-1.0, "minus ")):  # places side by side are alike in a coarse engine
+        if other != name and other in right and column.unit == unit and alike:
+            for sign, minus in ((1.0, ""), (-1.0, "minus ")):
                 words, exchange = f"holds {minus}{other}", f"exchange them: {name} is {meaning}"
-                yield Hypothesis(words, exchange, sign * beside[other], gross=column.required)
+                # numbered columns of neighbouring places resemble each other in a coarse engine
+                yield Hypothesis(words, exchange, sign * right[other], gross=column.required)
     if name in ("crank_angle", "follower_angle"):
         yield from _of_angles(expected)
     if unit == "1":
@@ -179,8 +185,8 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
     if mechanism.crank is None:
         return
     crank, d = mechanism.crank.length, mechanism.pivot_distance
-    across = np.array([crank * np.cos(beside["crank_angle"]) - d, crank * np.sin(beside["crank_angle"])])
-    tip, q2 = np.array([beside["tip_x"] - d, beside["tip_y"]]), np.unwrap(beside["follower_angle"])
+    across = np.array([crank * np.cos(right["crank_angle"]) - d, crank * np.sin(right["crank_angle"])])
+    tip, q2 = np.array([right["tip_x"] - d, right["tip_y"]]), np.unwrap(right["follower_angle"])
     if name == "follower_angle":
         base = "take the angle of the base body"
         yield Hypothesis("is the direction from the pivot to the slider, not of the tangent at the base", base, _direction(across))
@@ -191,7 +197,7 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
         yield Hypothesis("is counted from the tip", "subtract it from the length", mechanism.follower.length - expected)
         yield Hypothesis("is counted from its place at the start", "add that", expected - expected[0])
     if name == "slider_force":
-        yield from _forces(expected, beside, mechanism)
+        yield from _forces(expected, right, mechanism)
     if name == "tip_x":
         yield Hypothesis("is counted from P, not from O", "add the pivot distance", expected - d)
     if name == "tip_deflection":
@@ -201,17 +207,17 @@ def _mistakes(name: str, expected: Array, beside: Mapping[str, Array], mechanism
         rigid = np.sin(q2) * mechanism.follower.length
         yield Hypothesis("is measured along n2, not along b2", "turn it into the base frame", tip[1] - rigid)
     if name == "tip_acceleration":
-        yield from _accelerations(beside["time"], tip, q2, beside["tip_deflection"])
+        yield from _accelerations(right["time"], tip, q2, right["tip_deflection"])
 
 
-def _forces(normal: Array, beside: Mapping[str, Array], mechanism: Mechanism) -> Iterator[Hypothesis]:
+def _forces(normal: Array, right: Mapping[str, Array], mechanism: Mechanism) -> Iterator[Hypothesis]:
     """Hypotheses of other forces of a slider with rollers or friction."""
     slider = mechanism.slider
     if not slider.is_rigid:
         for roller, values in (("plus", np.maximum(normal, 0.0)), ("minus", np.minimum(normal, 0.0))):
             yield Hypothesis(f"is that of the {roller} roller alone", "add the force of the other one", values)
     if slider.has_friction:
-        acts = np.tanh(np.gradient(beside["slider_position"], beside["time"]) / slider.friction_speed)
+        acts = np.tanh(np.gradient(right["slider_position"], right["time"]) / slider.friction_speed)
         friction = (slider.friction_force + slider.friction * np.abs(normal)) * acts
         advice = "take the part along the follower's normal"
         yield Hypothesis("is the friction along the follower", advice, friction)

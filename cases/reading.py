@@ -12,9 +12,9 @@ from quickreturn.cases.units import QuantityError, parse_quantity
 from quickreturn.reference_model.mechanism import ImpossibleMechanism
 from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, scene_of
 
-_MOST_STEPS: Final = 2_000_000  # a table of a gigabyte
-_LARGEST_ANGLE: Final = math.radians(1e6)  # a double is still exact to 4e-12 rad there; with far larger angles a crank would turn in jumps
-_ROUNDING: Final = 1e-9  # relative; a quotient of two doubles that were read from decimal texts
+_MOST_STEPS: Final = 2_000_000  # output steps: a table of a gigabyte
+_LARGEST_ANGLE: Final = math.radians(1e6)  # doubles are 4e-12 rad apart there; at far larger angles a crank would turn in jumps
+_ROUNDING: Final = 1e-9  # relative error allowed in a quotient of two doubles that were read from decimal texts
 
 
 def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:

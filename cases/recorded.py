@@ -24,7 +24,7 @@ from quickreturn.reference_model.columns import COLUMNS
 Array = NDArray[np.float64]
 
 MOST_ROWS: Final = 1_000_000
-_LARGEST: Final = 100_000_000  # bytes
+_MOST_BYTES: Final = 100_000_000
 
 #: Declarations above the heading with their accepted values; without values any text.
 DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -72,19 +72,19 @@ def is_table(name: str) -> bool:
 
 def read_table(path: str) -> RecordedTable:
     """A recorded table from a file. CaseError: the file cannot be read, or is not such a table."""
-    shown, text = path_shown(path), read_text(path, "a recorded table", _LARGEST)
+    shown, text = path_shown(path), read_text(path, "a recorded table", _MOST_BYTES)
     lines = text.splitlines()
     declared, at = _declarations(shown, lines)
     if at == len(lines):
         what = "has no heading" if text.strip() else "is empty"
         raise CaseError(shown, None, None, what, 'write one such as "time [s],crank_angle [deg]"')
     headings = _headings(shown, f"line {at + 1}", lines[at])
-    sizes = _sizes(shown, f"line {at + 1}", headings)
-    values = dict(zip(sizes, _values(shown, list(sizes), lines, at + 1).T, strict=True))
+    factors = _unit_factors(shown, f"line {at + 1}", headings)
+    values = dict(zip(factors, _values(shown, list(factors), lines, at + 1).T, strict=True))
     if (late := _late_row(values["time"])) is not None:
         number = [number for number, line in enumerate(lines[at + 1 :], at + 2) if line.strip()][late]
         raise _does_not_rise(shown, f"line {number}, time", values["time"][late])
-    return _table(printable(os.path.basename(path)), path, sizes, values, declared)
+    return _table(printable(os.path.basename(path)), path, factors, values, declared)
 
 
 def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | None = None) -> RecordedTable:
@@ -98,9 +98,9 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
     Raises:
         CaseError: a heading or a column that a file must not have either.
     """
-    sizes = _sizes(name, "heading", [str(heading) for heading in columns])
+    factors = _unit_factors(name, "heading", [str(heading) for heading in columns])
     values = {}
-    for column, heading in zip(sizes, columns, strict=True):
+    for column, heading in zip(factors, columns, strict=True):
         try:
             values[column] = np.asarray(columns[heading], dtype=np.float64)
         except (TypeError, ValueError):
@@ -113,23 +113,20 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
             raise CaseError(name, f"row {row}, {column}", str(values[column][row]), "is not finite", "leave out rows that lack a number")
     if (late := _late_row(values["time"])) is not None:
         raise _does_not_rise(name, f"row {late}, time", values["time"][late])
-    return _table(name, name, sizes, values, {} if case is None else {"case": case})
+    return _table(name, name, factors, values, {} if case is None else {"case": case})
 
 
 def _table(
-    name: str,
-    path: str,
-    sizes: Mapping[str, float | None],
-    values: Mapping[str, Array],
-    declared: Mapping[str, str],
+    name: str, path: str, factors: Mapping[str, float | None], values: Mapping[str, Array], declared: Mapping[str, str]
 ) -> RecordedTable:
-    columns = {name: values[name] if size is None else size * values[name] for name, size in sizes.items()}
-    bare = frozenset(name for name, size in sizes.items() if size is None)
+    """A table from values in the units of their headings; `factors` are those of `_unit_factors`."""
+    columns = {name: values[name] if factor is None else factor * values[name] for name, factor in factors.items()}
+    bare = frozenset(name for name, factor in factors.items() if factor is None)
     return RecordedTable(name, path, columns, bare, declared)
 
 
 def _late_row(time: Array) -> int | None:
-    """The first row whose time is not later than that of the row before."""
+    """Index of the first row whose time is not later than that of the row before; None if there is none."""
     late = np.flatnonzero(np.diff(time) <= 0.0)
     return int(late[0]) + 1 if late.size else None
 
@@ -144,7 +141,7 @@ def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[Reco
     Raises:
         CaseError: a table cannot be read, or is of none of the cases; or two have the same name.
     """
-    found: dict[str, list[RecordedTable]] = {}
+    tables: dict[str, list[RecordedTable]] = {}
     for path in paths:
         table = read_table(path)
         if "case" not in table.declared and len(cases) > 1:
@@ -153,10 +150,10 @@ def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[Reco
         case = table.declared.get("case", cases[0])
         if case not in cases:
             raise CaseError(table.shown, "case", as_written(case), "is not among the cases", f"these are {', '.join(cases)}")
-        if any(table.name == other.name for other in found.get(case, ())):
+        if any(table.name == other.name for other in tables.get(case, ())):
             raise CaseError(table.shown, None, None, f"is the second table called {table.name}", "give each file a name of its own")
-        found.setdefault(case, []).append(table)
-    return found
+        tables.setdefault(case, []).append(table)
+    return tables
 
 
 def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], int]:
@@ -194,9 +191,9 @@ def _headings(source: str, place: str, line: str) -> list[str]:
     return next(csv.reader([line], skipinitialspace=True))
 
 
-def _sizes(source: str, place: str, headings: Sequence[str]) -> dict[str, float | None]:
+def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str, float | None]:
     """The names of the columns with the SI values of their units, None where a heading has none."""
-    sizes: dict[str, float | None] = {}
+    factors: dict[str, float | None] = {}
     for heading in headings:
         match = _HEADING.fullmatch(heading)
         name, unit = (match[1], match[2]) if match else (heading, None)
@@ -205,23 +202,24 @@ def _sizes(source: str, place: str, headings: Sequence[str]) -> dict[str, float 
         if name not in COLUMNS:
             near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all; leave others out"
             raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)
-        if name in sizes:
+        if name in factors:
             raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
-        sizes[name] = None if unit is None else _size(source, f"{place}, {name}", unit.strip(), COLUMNS[name].unit.replace(" ", "*"))
-    if "time" not in sizes or len(sizes) < 2:
-        lacks = "has no column time" if "time" not in sizes else "holds time alone"
+        factors[name] = None if unit is None else _unit_factor(source, place, name, unit.strip())
+    if "time" not in factors or len(factors) < 2:
+        lacks = "has no column time" if "time" not in factors else "holds time alone"
         raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
-    return sizes
+    return factors
 
 
-def _size(source: str, place: str, unit: str, si_unit: str) -> float:
+def _unit_factor(source: str, place: str, column: str, unit: str) -> float:
+    si_unit = COLUMNS[column].unit.replace(" ", "*")
     others = _OTHER_UNITS.get(si_unit, {})
     if unit in others:
         return in_si(others[unit])
     try:
         return unit_size(unit, DIMENSIONS[si_unit])
     except QuantityError as wrong:
-        raise CaseError(source, place, as_written(unit), wrong.problem, wrong.accepted) from None
+        raise CaseError(source, f"{place}, {column}", as_written(unit), wrong.problem, wrong.accepted) from None
 
 
 def _values(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> Array:

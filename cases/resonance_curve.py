@@ -37,9 +37,9 @@ SPEED: Final = "crank.prescribed_speed"
 USUAL: Final = "peak.tip_acceleration"
 #: Name of a measure -> column; the measure is its largest magnitude in a turn.
 PEAKS: Final[Mapping[str, str]] = {f"peak.{name}": name for name in OBSERVED}
-#: Tolerance of the integration: derivatives come from small differences of cycles, and this bounds their error to 1e-3.
+#: Relative tolerance of the integration: derivatives come from small differences of cycles, and this bounds their error to 1e-3.
 INTEGRATION: Final = 1e-10
-#: Rows of a cycle between which a spline finds the peak.
+#: Rows of a cycle; a spline finds the peak between them.
 ROWS: Final = 256
 #: Number of values of the range at which a first periodic motion is searched, in order.
 SEARCHES: Final = 9
@@ -49,7 +49,7 @@ PROMINENT: Final = 1.1
 FOLD_TOLERANCE: Final = 1e-6
 #: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
 MULTIPLIER_TOLERANCE: Final = 1e-3
-#: Half width of the range of speeds around a machine's own, as a part of it.
+#: Half width of the default range of speeds, as a part of the machine's own speed.
 NEAR: Final = 0.15
 #: Modules on which a stored curve depends, besides those of the simulation.
 CODE: Final = (
@@ -152,9 +152,9 @@ def scene_with(case: Case, values: Mapping[str, float]) -> Mechanism:
     Raises:
         ImpossibleMechanism: the parts do not fit together.
     """
-    found = scene_of(document_of(case).changed({**dict.fromkeys(replaced_by(values)), **values}).values)
-    assert found.crank is not None
-    return found
+    scene = scene_of(document_of(case).changed({**dict.fromkeys(replaced_by(values)), **values}).values)
+    assert scene.crank is not None
+    return scene
 
 
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
@@ -219,9 +219,9 @@ def resonance_curve(
     other = comparison.other
     assert isinstance(other, ReferenceSettings)
     family = CycleFamily(scene_at, settings.modes, INTEGRATION)
-    found = _followed(family, varied)
+    followed = _followed(family, varied)
     finer = CycleFamily(scene_at, other.modes, other.tolerance) if claims else None
-    points, factor = found.points, abs(comparison.factor - 1.0)
+    points, factor = followed.points, abs(comparison.factor - 1.0)
     values, errors = (np.full((len(points), len(measures)), math.nan) for _ in range(2))
     value_errors = np.full(len(points), math.nan)
     for at, point in enumerate(points):
@@ -235,7 +235,7 @@ def resonance_curve(
         for at, (each, error) in enumerate(zip(points, value_errors, strict=True))
         if each.special
     ]
-    for at, ending in zip((0, len(points) - 1), found.endings, strict=True):
+    for at, ending in zip((0, len(points) - 1), followed.endings, strict=True):
         if ending is not None:
             kind = "slider left" if ending.left else "lost"
             special.append(SpecialPoint(kind, ending.parameter, ending.tolerance, None, at, ending.reason))
@@ -316,5 +316,5 @@ def _maxima(points: Sequence[BranchPoint], heights: Array, scene_at: Callable[[f
         value, height = (np.polyfit(along - along[1], numbers, 2) for numbers in (np.array([p.parameter for p in points[near]]), log[near]))
         top = float(np.clip(-height[1] / (2.0 * height[0]), along[0] - along[1], along[2] - along[1]))
         parameter = float(np.polyval(value, top))
-        known = resonance(scene_at(parameter))
-        yield ResonancePeak(parameter, math.exp(float(np.polyval(height, top))), at, known.harmonic if known else 0)
+        nearest = resonance(scene_at(parameter))
+        yield ResonancePeak(parameter, math.exp(float(np.polyval(height, top))), at, nearest.harmonic if nearest else 0)

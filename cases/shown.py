@@ -20,14 +20,14 @@ class Rows:
     heads: Sequence[str] = ()  # of the columns; may be empty
 
     def text(self) -> str:
-        """In left-aligned columns two blanks apart."""
+        """The rows as text, in left-aligned columns two blanks apart."""
         rows: list[Sequence[Cell]] = [self.heads, *self.rows] if self.heads else [*self.rows]
         blocks = [[cell.split("\n") if isinstance(cell, str) else cell.text().split("\n") for cell in row] for row in rows]
         widths = [max(len(line) for lines in column for line in lines) for column in zip(*blocks, strict=True)]
         return "\n".join(_aligned(block, widths) for block in blocks)
 
     def html(self) -> str:
-        """As a table."""
+        """The rows as an HTML table."""
         heads = "".join(f"<th{_LEFT}>{escape(head)}</th>" for head in self.heads)
         rows = "".join(f"<tr>{''.join(f'<td{_LEFT}>{_in_html(cell)}</td>' for cell in row)}</tr>" for row in self.rows)
         return f"<table>{f'<thead><tr>{heads}</tr></thead>' if heads else ''}<tbody>{rows}</tbody></table>"
@@ -38,13 +38,13 @@ class Shown(ABC):
 
     @abstractmethod
     def _parts(self) -> Iterable[Cell]:
-        """From above to below."""
+        """Lines of text and rows, from top to bottom."""
 
     def __repr__(self) -> str:
         return in_lines(self._parts())
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: well-formed, every text escaped, no script."""
+        """The HTML that a notebook shows: well-formed, every text escaped, no script."""
         return f"<div>{''.join(_in_html(part) if isinstance(part, Rows) else _line(part) for part in self._parts())}</div>"
 
 

@@ -7,7 +7,7 @@ from typing import Final
 #: A plain decimal number.
 NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
-#: The first pattern that the text begins with names the slip; "" for a plain number, a space and any unit.
+#: Pattern -> the slip, as a clause; "" if there is none before the unit. The first pattern that matches the beginning of a text counts.
 _IN_QUANTITIES: Final = (
     (r"$", "is empty"),
     (r".{101}", "is longer than 100 characters"),
@@ -51,8 +51,8 @@ def in_quantity(text: str) -> str:
 
 def frequency_meant(unit: str) -> str:
     """The unit without a counted noun: "1/min" and "rev/min" as "min^-1"; other units unchanged."""
-    found = _TURNS_IN.fullmatch(unit)
-    return f"{found[1].lower()}^-1" if found else unit
+    match = _TURNS_IN.fullmatch(unit)
+    return f"{match[1].lower()}^-1" if match else unit
 
 
 def units_meant(unit: str) -> Iterator[str]:

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.records import can_be_stored
 from quickreturn.cases.loads import Loads, loads_of
@@ -21,9 +22,9 @@ from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Columns, trajectory_type
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
-#: Code on which the answers depend besides the engines; loads also depend on their own folder.
+#: Code on which answers depend besides the engines, and code on which loads depend.
 CODE: Final = ("quickreturn.cases.solving",)
-OF_LOADS: Final = (*CODE, "quickreturn.cases.loads", "quickreturn.cases.measures")
+CODE_OF_LOADS: Final = (*CODE, "quickreturn.cases.loads", "quickreturn.cases.measures")
 _GAUGES: Final = ("strain_1", "strain_2", "strain_3")
 
 
@@ -42,12 +43,12 @@ class TrajectoryRequest:
 
     def job(self, name: str) -> "Job[Answer]":
         """The request as a job; its failures are results."""
-        return Job(name, solved, (self,), "trajectory", code=CODE, inputs=self, **_kept(self.engine))
+        return Job(name, answer_to, (self,), "trajectory", code=CODE, inputs=self, **_kept(self.engine))
 
     def loads_job(self, result: Result) -> Job[Loads]:
         """The loads on the parts in the trajectory, as a job; estimates are those of the columns, at their peaks."""
         arguments = self.scene, result.trajectory.columns, result.error_estimates
-        return Job("loads", _loads, arguments, "loads of a trajectory", code=OF_LOADS, inputs=self, **_kept(self.engine))
+        return Job("loads", _loads, arguments, "loads of a trajectory", code=CODE_OF_LOADS, inputs=self, **_kept(self.engine))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,23 +74,28 @@ class Answer:
         return Result(**vars(self.assessment), trajectory=trajectory, settings=engine.settings_type(**self.settings))
 
 
-def solved(request: TrajectoryRequest) -> Answer:
-    """Simulate. Raises as `engines.scene.simulate_scene`, except failures; and UnknownEngine or Refusal if there is no such engine here."""
+def inputs_of(case: Case) -> tuple[Mechanism, float, float]:
+    """Everything in a case that determines its trajectories: mechanism, duration (s) and output step (s)."""
+    return case.mechanism, case.duration, case.output_step
+
+
+def answer_to(request: TrajectoryRequest) -> Answer:
+    """Simulate; a failure is an answer. Raises UnknownEngine or Refusal without a usable engine, else as `engines.scene.simulate_scene`."""
     chosen = usable_engine(request.engine) if isinstance(request.engine, str) else request.engine
     how = request.settings, request.accuracy, request.estimate, request.time_limit
-    known: dict[str, Any] = {"version": chosen.version()}
+    answer: dict[str, Any] = {"version": chosen.version()}
     try:
         result = simulate_scene(chosen, request.scene, request.duration, request.output_step, *how)
     except EngineFailure as failure:
         trajectory = failure.partial
-        known["failure"] = failure.time, failure.cause, failure.advice
+        answer["failure"] = failure.time, failure.cause, failure.advice
     else:
         trajectory = result.trajectory
-        assessment = Assessment(**{each.name: getattr(result, each.name) for each in fields(Assessment)})
-        known |= {"settings": result.settings.as_dict(), "assessment": assessment}
+        assessment = Assessment(**{part.name: getattr(result, part.name) for part in fields(Assessment)})
+        answer |= {"settings": result.settings.as_dict(), "assessment": assessment}
     if trajectory is not None:
-        known |= {name: getattr(trajectory, name) for name in ("columns", "solve_seconds", "statistics")}
-    return Answer(**known)
+        answer |= {name: getattr(trajectory, name) for name in ("columns", "solve_seconds", "statistics")}
+    return Answer(**answer)
 
 
 def _lasts(outcome: Outcome[Any]) -> bool:
@@ -128,10 +134,10 @@ def frequencies_job(
 ) -> Job[Frequencies]:
     """The job for at most `count` frequencies at each crank angle (rad)."""
     arguments = mechanism, engine, tuple(crank_angles), count, dict(settings)
-    return Job(name, modes_at, arguments, "natural frequencies", code=CODE, **_kept(engine))
+    return Job(name, frequencies_at, arguments, "natural frequencies", code=CODE, **_kept(engine))
 
 
-def modes_at(
+def frequencies_at(
     mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Frequencies:
     """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""
@@ -140,9 +146,9 @@ def modes_at(
     used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))
 
     def at(angle: float) -> list[float]:
-        found = natural_frequencies(chosen, mechanism, angle, count, used).tolist()
+        frequencies = natural_frequencies(chosen, mechanism, angle, count, used).tolist()
         progress.tell(phase="natural frequencies")
-        return found
+        return frequencies
 
     progress.tell(engine=chosen.name, phase=progress.COMPILING if chosen.compiles else "natural frequencies")
     return Frequencies(chosen.version(), used.as_dict(), [at(angle) for angle in crank_angles])

@@ -16,13 +16,12 @@ from quickreturn.cases.measures.steady_state import on_common_grid, relative_cha
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.cases.solving import Answer, TrajectoryRequest
+from quickreturn.cases.solving import Answer, TrajectoryRequest, inputs_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Columns, Trajectory
-from quickreturn.reference_model.mechanism import Mechanism
 
 #: The case on which accuracy is shown.
 ACCURACY_CASE: Final = "thesis-24"
@@ -89,7 +88,7 @@ class Studies:
 
 def work() -> Work:
     """Jobs of the studies, for computing them together with other runs; `run_studies` then finds their results in the store."""
-    return Work(_requests(), _jobs())
+    return Work(_run_requests(), _jobs())
 
 
 def confirming(workshop: Workshop) -> list[Confirmation]:
@@ -99,7 +98,7 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
     if true.value is None:
         return []
     jobs = [
-        Job(f"confirming {name}", confirmation_of, (case, true.value, name), "study", (TRUTH[0], name), CODE, _scene(case))
+        Job(f"confirming {name}", confirmation_of, (case, true.value, name), "study", (TRUTH[0], name), CODE, inputs_of(case))
         for name in CONFIRMING
     ]
     return [outcome.value for outcome in workshop.outcomes(jobs, "confirmation") if outcome.value and outcome.value.differences]
@@ -107,13 +106,13 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
 
 def run_studies(workshop: Workshop) -> Studies:
     """All studies; stored results are not computed again. KeyboardInterrupt: Ctrl-C; finished results are stored."""
-    case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
+    case, (defaults, models) = load_case(ACCURACY_CASE), _trajectory_requests()
     outcomes = workshop.outcomes(_jobs(), "studies")
     true, convergence, at_speed, *runs = outcomes
     failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not outcome.completed]
     accuracy = _studied(defaults, runs[: len(defaults)], true.value, failures)
     of_models = _studied(models, runs[len(defaults) :], at_speed.value, failures)
-    results = carry_out(_requests(), workshop, "another start")
+    results = carry_out(_run_requests(), workshop, "another start")
     return Studies(
         accuracy=accuracy,
         converged=converged(case, true.value) if true.value else None,
@@ -129,26 +128,21 @@ def run_studies(workshop: Workshop) -> Studies:
 CODE: Final = ("quickreturn.cases.studies", "quickreturn.cases.benchmark")
 
 Name = tuple[str, ...]
-Runs = Mapping[Name, Run]
 
 
 def _jobs() -> list[Job[Any]]:
     """Jobs for the converged solution, the convergence table, the converged solution at the prescribed speed, and the requested runs."""
-    case, (defaults, models) = load_case(ACCURACY_CASE), _asked()
+    case, (defaults, models) = load_case(ACCURACY_CASE), _trajectory_requests()
     runs = [request.job(f"default {request.engine}") for request in (*defaults, *models)]
-    convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, _scene(case))
+    convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, inputs_of(case))
     return [_truth(case), convergence, _truth(load_case(PRESCRIBED_CASE)), *runs]
 
 
 def _truth(case: Case) -> Job[Trajectory]:
-    return Job("converged reference", truth_of, (case,), "study", (TRUTH[0],), CODE, _scene(case))
+    return Job("converged reference", truth_of, (case,), "study", (TRUTH[0],), CODE, inputs_of(case))
 
 
-def _scene(case: Case) -> tuple[Mechanism, float, float]:
-    return case.mechanism, case.duration, case.output_step
-
-
-def _asked() -> tuple[list[TrajectoryRequest], list[TrajectoryRequest]]:
+def _trajectory_requests() -> tuple[list[TrajectoryRequest], list[TrajectoryRequest]]:
     """Requests for each engine at its default accuracy, and for the models of `PRESCRIBED`."""
     case, at_speed = load_case(ACCURACY_CASE), load_case(PRESCRIBED_CASE)
     name, choices = PRESCRIBED
@@ -160,28 +154,28 @@ def _at_default(case: Case, name: str) -> TrajectoryRequest:
 
 
 def _studied(
-    asked: Iterable[TrajectoryRequest], outcomes: Iterable[Outcome[Answer]], true: Trajectory | None, failures: list[str]
+    requests: Iterable[TrajectoryRequest], outcomes: Iterable[Outcome[Answer]], true: Trajectory | None, failures: list[str]
 ) -> list[StudiedRun]:
-    """The completed runs with their errors. Appends a sentence on each failed run to `failures`."""
-    found = []
-    for request, outcome in zip(asked, outcomes, strict=True):
-        made = outcome.value and outcome.value.result(request, engine(str(request.engine)))
-        if isinstance(made, EngineFailure):
-            failures.append(f"study {outcome.job.name}: {made}")
-        elif made and true:
-            found.append(
+    """The completed runs with their errors against the converged solution. Appends a sentence on each failed run to `failures`."""
+    runs = []
+    for request, outcome in zip(requests, outcomes, strict=True):
+        result = outcome.value and outcome.value.result(request, engine(str(request.engine)))
+        if isinstance(result, EngineFailure):
+            failures.append(f"study {outcome.job.name}: {result}")
+        elif result and true:
+            runs.append(
                 StudiedRun(
                     engine=str(request.engine),
-                    settings=made.settings.as_dict(),
-                    degrees_of_freedom=made.description.degrees_of_freedom,
-                    solve_seconds=made.solve_seconds,
-                    setup_seconds=made.setup_seconds,
-                    error_estimate=made.error_estimate,
-                    remark=made.remark,
-                    errors=errors_of(made.trajectory.columns, true),
+                    settings=result.settings.as_dict(),
+                    degrees_of_freedom=result.description.degrees_of_freedom,
+                    solve_seconds=result.solve_seconds,
+                    setup_seconds=result.setup_seconds,
+                    error_estimate=result.error_estimate,
+                    remark=result.remark,
+                    errors=errors_of(result.trajectory.columns, true),
                 )
             )
-    return found
+    return runs
 
 
 def _convergence(case: Case) -> list[Point]:
@@ -197,20 +191,20 @@ def convergence(method: Method, case: Case) -> list[Point]:
     """
     attempts = [Attempt(method, settings) for settings in method.ladder]
     attempts[0].warm_up(case)  # compiles, so that the times do not contain the compilation
-    found = list[Trajectory]()
+    trajectories = list[Trajectory]()
     for attempt in attempts:
         attempt.repeat(case, 0)
         if attempt.trajectory is None:
             raise EngineFailure(0.0, attempt.status, "try other settings")
-        found.append(attempt.trajectory)
-    return [attempt.told(case, found[-1]) for attempt in attempts]
+        trajectories.append(attempt.trajectory)
+    return [attempt.point(case, trajectories[-1]) for attempt in attempts]
 
 
 #: Packages that march in one run from both starts, which shows whether they reach the same cycle.
 PACKAGES: Final = ("exudyn", "mujoco")
 
 
-def _requests() -> dict[Name, RunRequest]:
+def _run_requests() -> dict[Name, RunRequest]:
     requests = dict[Name, RunRequest]()
     case = load_case(ACCURACY_CASE)
     for name in PACKAGES:
@@ -222,16 +216,16 @@ def _requests() -> dict[Name, RunRequest]:
     return requests
 
 
-def _both_starts(results: Runs, failures: list[str]) -> list[BothStarts]:
-    found: list[BothStarts] = []
+def _both_starts(results: Mapping[Name, Run], failures: list[str]) -> list[BothStarts]:
+    pairs: list[BothStarts] = []
     for name in PACKAGES:
         orbit, straight = results[name, "orbit"], results[name, "straight"]
         if not (orbit.usable and straight.usable) or orbit.settings != straight.settings:
             reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other run has"
             failures.append(f"study of {name} from both starts: {reason}")
         else:
-            found.append(BothStarts(name, orbit, straight, cycle_difference(straight.cycle, orbit.cycle)))
-    return found
+            pairs.append(BothStarts(name, orbit, straight, cycle_difference(straight.cycle, orbit.cycle)))
+    return pairs
 
 
 def cycle_difference(one: Columns, other: Columns) -> float:

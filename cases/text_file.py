@@ -7,7 +7,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from quickreturn.cases.errors import CaseError, as_alike, path_shown
+from quickreturn.cases.errors import CaseError, path_shown, similar_name
 
 #: Largest number of entries of a folder that are searched; a user's own folder has fewer.
 _MOST_ENTRIES: Final = 10_000
@@ -34,8 +34,8 @@ def read_text(
         with open(path, "rb") as file:
             content = file.read(largest + 1)
     except FileNotFoundError:
-        known = as_alike(Path(path).stem, library)
-        near = file_alike(path) or (known and f"the library case {known}")
+        known = similar_name(Path(path).stem, library)
+        near = similar_file(path) or (known and f"the library case {known}")
         raise CaseError(shown, None, None, "there is no such file", f"did you mean {near}?" if near else instead) from None
     except (OSError, ValueError) as trouble:  # ValueError: a null character in the path
         reason = trouble.strerror if isinstance(trouble, OSError) else trouble
@@ -49,7 +49,7 @@ def read_text(
         raise CaseError(shown, None, None, f"is not in UTF-8 (line {line})", "save it as plain text in UTF-8") from None
 
 
-def file_alike(path: str) -> str:
+def similar_file(path: str) -> str:
     """The file in the same folder, with the same ending, whose name resembles that of a path most; "" if there is none."""
     folder, (stem, ending) = os.path.dirname(path), os.path.splitext(os.path.basename(path))
     try:
@@ -57,5 +57,5 @@ def file_alike(path: str) -> str:
             names = [entry.name for entry in islice(entries, _MOST_ENTRIES) if os.path.isfile(entry)]
     except (OSError, ValueError):  # no such folder
         return ""
-    near = as_alike(stem, sorted(name.removesuffix(ending) for name in names if ending and name.endswith(ending)))
+    near = similar_name(stem, sorted(name.removesuffix(ending) for name in names if ending and name.endswith(ending)))
     return near and path_shown(os.path.join(folder, near + ending))

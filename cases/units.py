@@ -25,7 +25,7 @@ _FACTOR: Final = r"([^\W\d]\w*)(?:(?:\^|\*\*)(-?[1-9]))?"  # a name and, if any,
 _UNIT: Final = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*")
 _UNIT_RULE: Final = " (names joined by * and /, whole exponents from -9 to 9 as in in^2)"
 _BASE_UNITS: Final = ("meter", "kilogram", "second", "radian")
-_LARGEST_EXPONENT: Final = 400  # of ten; beyond it no double can follow
+_LARGEST_EXPONENT: Final = 400  # of ten in a number; the SI value of a larger one is out of the range of doubles
 _SMALLEST, _LARGEST = 1e-60, 1e60  # range of SI magnitudes: products of a few remain ordinary doubles
 _RANGE: Final = f"magnitudes from {_SMALLEST:g} to {_LARGEST:g} in SI units and zero are accepted"
 _DECIMAL: Final = Context(prec=50)
@@ -170,17 +170,18 @@ def _read_unit(unit: str) -> tuple[Decimal, Exponents]:
         raise _UnitError(f"has the unreadable unit {as_written(unit)}", _UNIT_RULE)
     factor, exponents = Decimal(1), (0, 0, 0, 0)
     for sign, name, exponent in re.findall(rf"(^|[*/]){_FACTOR}", unit):
-        found = _unit(name)
-        if found is None:
+        known_unit = _unit(name)
+        if known_unit is None:
             raise _UnitError(f"has the unknown unit {as_written(name)}", "")
         power = int(exponent or 1) * (-1 if sign == "/" else 1)
-        factor = _DECIMAL.multiply(factor, _DECIMAL.power(found[0], power))
-        length, mass, time, angle = (total + power * one for total, one in zip(exponents, found[1], strict=True))
+        factor = _DECIMAL.multiply(factor, _DECIMAL.power(known_unit[0], power))
+        length, mass, time, angle = (total + power * one for total, one in zip(exponents, known_unit[1], strict=True))
         exponents = (length, mass, time, angle)
     return factor, exponents
 
 
 def _measures(unit: str, dimension: Dimension) -> bool:
+    """Whether a text is a unit expression of a dimension."""
     try:
         return dimension.accepts(_read_unit(unit)[1])
     except _UnitError:
@@ -191,8 +192,8 @@ def _meant(number: str, unit: str, dimension: Dimension) -> str:
     """The unit that is probably meant, as a clause, or ""."""
     if dimension is ANGULAR_SPEED and (turning := _turning(number, unit)):
         return f" (perhaps meant as {turning})"
-    found = next((meant for meant in slips.units_meant(unit) if _measures(meant, dimension)), None)
-    return f' (perhaps meant as "{found}")' if found else ""
+    probable = next((meant for meant in slips.units_meant(unit) if _measures(meant, dimension)), None)
+    return f' (perhaps meant as "{probable}")' if probable else ""
 
 
 def _turning(number: str, unit: str) -> str:
@@ -231,7 +232,10 @@ COMMON_UNITS: Final = MappingProxyType(
         "lbf": ("4.4482216152605", (1, 1, -2, 0)),
         "mJ": ("0.001", (2, 1, -2, 0)),
         "MPa": ("1000000", (-1, 1, -2, 0)),
+        "GPa": ("1000000000", (-1, 1, -2, 0)),
+        "psi": ("6894.757293168361336722673443", (-1, 1, -2, 0)),
         "Hz": ("1", (0, 0, -1, 0)),
+        "kHz": ("1000", (0, 0, -1, 0)),
         "rad": ("1", (0, 0, 0, 1)),
         "deg": ("0.01745329251994329576923690768", (0, 0, 0, 1)),
         "turn": ("6.283185307179586476925286766", (0, 0, 0, 1)),
@@ -264,7 +268,7 @@ def unit_of_pint(name: str) -> tuple[Decimal, Exponents] | None:
 
 @functools.cache
 def _registry() -> Any:
-    """Pint's units with exact decimal factors; built for the first quantity, because it takes 0.2 s with pint's import."""
+    """Pint's units with exact decimal factors; built for the first unit that is not in `COMMON_UNITS`."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)

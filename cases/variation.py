@@ -32,11 +32,11 @@ class Variation:
         return changed(scene, self.values(lambda name: value_at(scene, name)))
 
 
-def imagined(scene: AnyScene, variations: Iterable[Variation], look: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
-    """The result of `look` for each variation of a scene, with its name, if the variation is possible and can be simulated."""
+def possible_results(scene: AnyScene, variations: Iterable[Variation], result_of: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
+    """The name and the result of each variation of a scene; variations that are impossible or cannot be simulated are left out."""
     for variation in variations:
         with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield variation.name, look(variation.of(scene))
+            yield variation.name, result_of(variation.of(scene))
 
 
 def value_at(scene: Scene, name: str) -> Any:

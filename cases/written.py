@@ -15,7 +15,7 @@ from quickreturn.reference_model.quantities import Quantity
 from quickreturn.reference_model.scene_values import ALTERNATIVES, DESCRIPTIONS, OPTIONAL_SECTIONS, SPIN_UP
 
 _WIDTH: Final = 110  # characters of a line of prose
-_COLUMN: Final = 50  # where comments begin, unless a value is longer
+_COLUMN: Final = 50  # largest width of keys with values, before their comments; longer ones push their own comment
 
 _MACHINE: Final = (
     "A crank turns about O. Its end carries a slider, which rides along the follower, a flexible arm that turns about P. P lies on the"

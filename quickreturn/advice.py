@@ -10,6 +10,7 @@ from quickreturn.cases.classes.map import TIMES, Map, off_the_map
 from quickreturn.cases.classes.measurement import LEVELS, REFUSED, Reach
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.units import in_si
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.registry import engine
@@ -104,7 +105,7 @@ def _held_against(case: Case, reach: Reach) -> Reach:
 
 
 def _time(seconds: float | None) -> str:
-    return "-" if seconds is None else f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
+    return "-" if seconds is None else f"{seconds / in_si('ms'):.3g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
 
 
 def _remark(reach: Reach) -> str:

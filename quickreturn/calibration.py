@@ -81,7 +81,7 @@ def uncertainty(
     Raises:
         CaseError: an invalid argument; the sentence says what is accepted.
     """
-    from quickreturn.cases.sweep.rows import Asked
+    from quickreturn.cases.sweep.rows import MeasureRequest
     from quickreturn.cases.uncertainty.propagation import planned
 
     if isinstance(uncertain, Mapping):
@@ -92,7 +92,7 @@ def uncertainty(
         case, measures, distributions = case or study["case"], measures or study["measures"], study["uncertain"]
     if case is None or not measures:
         raise CaseError(source, "measures" if case else "case", None, "is missing", 'give one, such as "post.frequency" or "thesis-24"')
-    asked = Asked(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
+    asked = MeasureRequest(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
     return planned(one_case(case), distributions, asked, samples, source).scatter(opened(jobs, quiet))
 
 

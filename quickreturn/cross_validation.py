@@ -49,7 +49,7 @@ class CrossValidation(Shown):
     @property
     def passed(self) -> bool | None:
         """Whether all engines delivered and none departs from another by more than both claim; None if nothing could be judged."""
-        judged = [passed for result in self.results if (passed := result.whole.passed) is not None]
+        judged = [passed for result in self.results if (passed := result.with_tables.passed) is not None]
         return all(judged) if judged else None
 
     @property
@@ -59,7 +59,7 @@ class CrossValidation(Shown):
         Each has the measured quantity (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
         `its`, with `value`, `estimate` and `uncertainty`. Empty if no engine departs; `passed` is None if none could be judged.
         """
-        found = {result.case.name: result.whole.departures for result in self.results}
+        found = {result.case.name: result.with_tables.departures for result in self.results}
         return {(case, *pair): checks for case, pairs in found.items() for pair, checks in pairs.items()}
 
     def __getitem__(self, place: tuple[str, str]) -> Run:

@@ -4,11 +4,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from quickreturn.cases.jobs.display import compilation_told
+from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.solving import frequencies_job
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.engines.settings import as_texts
-from quickreturn.solution import answered, found_engine, opened_store
+from quickreturn.solution import answered, engine_from, opened_store
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,9 +51,9 @@ def modes(
     if not (isinstance(count, int) and count > 0):
         raise ValueError(f"count={count!r}: a whole number from 1 on is needed")
     angles = given.tolist()
-    scene, chosen, texts = one_case(case), found_engine(engine), as_texts(settings or {})
+    scene, chosen, texts = one_case(case), engine_from(engine), as_texts(settings or {})
     job = frequencies_job(chosen.name, scene.mechanism, engine, [math.radians(angle) for angle in angles], count, texts)
-    with compilation_told(quiet):
+    with compilation_announced(quiet):
         found, _ = answered(job, opened_store() if store else None)
     table = pd.DataFrame(found.values, index=pd.Index(angles, name="crank angle [deg]"))
     table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])

@@ -9,7 +9,7 @@ import numpy as np
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import PATHS, si_value
 from quickreturn.cases.errors import CaseError, as_written
-from quickreturn.cases.jobs.display import compilation_told
+from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, one_case
@@ -159,7 +159,7 @@ def resonance(
     """
     chosen = one_case(case)
     varied, held = range_of(key, range, "range"), speed_of(speed, "speed")
-    with compilation_told(quiet):
+    with compilation_announced(quiet):
         return Resonance(resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
 from quickreturn.cases.columns import known_column
-from quickreturn.cases.jobs.display import compilation_told
+from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.jobs.here import ThisProcess
 from quickreturn.cases.jobs.job import Job, T
 from quickreturn.cases.jobs.store import Store, StoreError
@@ -62,7 +62,7 @@ class Solution(Shown):
     @classmethod
     def of(cls, case: Case, request: TrajectoryRequest, answer: Answer, store: Store | None, stored: bool) -> "Solution":
         """The solution of an answer. EngineFailure: the run failed."""
-        chosen = found_engine(request.engine)
+        chosen = engine_from(request.engine)
         found = answer.result(request, chosen)
         if isinstance(found, EngineFailure):
             raise found
@@ -232,7 +232,7 @@ def simulate(
         ValueError: `accuracy` is out of range, or is given without an estimate.
         EngineFailure: the run failed; `partial` holds the trajectory up to then.
     """
-    chosen, scene = found_engine(engine), one_case(case)
+    chosen, scene = engine_from(engine), one_case(case)
     if sentence := machine_code.warning_if_not_kept():
         warnings.warn(sentence, stacklevel=2)
     request = TrajectoryRequest(
@@ -246,7 +246,7 @@ def simulate(
         time_limit=time_limit,
     )
     kept = opened_store() if store else None
-    with compilation_told(quiet):
+    with compilation_announced(quiet):
         answer, stored = answered(request.job(chosen.name), kept)
     return Solution.of(scene, request, answer, kept, stored)
 
@@ -269,7 +269,7 @@ def opened_store(tell: Callable[[str], object] = warnings.warn) -> Store | None:
         return None
 
 
-def found_engine(engine: "str | AnyEngine") -> AnyEngine:
+def engine_from(engine: "str | AnyEngine") -> AnyEngine:
     """A usable engine by its name; an engine is returned as it is. UnknownEngine: there is none. Refusal: it cannot be used here."""
     given = engine_given(engine)
     return given if isinstance(given, Engine) else usable_engine(given)

@@ -14,7 +14,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.reading import parse_case
 from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, si_text
 from quickreturn.cases.sweep.measures import MEASURES, Measure, measure
-from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import Path, Study, study
 from quickreturn.catalogue import AnyCase, Listing, one_case
 from quickreturn.cross_validation import given_settings, opened
@@ -97,7 +97,7 @@ def computed(
     for name in {engine, *(name for each in axes if each.key == ENGINE for name in each.texts)}:
         usable_engine(name)
     texts = given_settings({engine: settings or {}})[engine]
-    asked = Asked(
+    asked = MeasureRequest(
         measures=tuple(dict.fromkeys(measure(name).name for name in names)),
         engine=engine,
         claims=claims,

@@ -57,13 +57,13 @@ class TableComparison(Shown):
     @property
     def accuracy_class(self) -> str | None:
         """The least of 0.1, 0.3, 1, 3 and 10 % that covers its deviation from `reference`, or "worse"; None if `reference` did not run."""
-        return self.result.whole.accuracy_class(self.name)
+        return self.result.with_tables.accuracy_class(self.name)
 
     @property
     def verdict(self) -> str:
         """The outcome as a sentence."""
         if not self.rows:
-            return f"{self.name} could not be judged: {self.run.remark or self.result.whole.reason}"
+            return f"{self.name} could not be judged: {self.run.remark or self.result.with_tables.reason}"
         others = " and ".join(dict.fromkeys(check.other for check in self.missed or self.rows))
         if not self.missed:
             return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons"

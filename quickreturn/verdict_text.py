@@ -25,7 +25,7 @@ _HEADS: Final = (
 
 def parts_of(result: CaseResult) -> list[Cell]:
     """Rows of the engines and recorded tables, their remarks, the loads on the parts, and the verdict."""
-    whole = result.whole
+    whole = result.with_tables
     rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
     remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
     judged = [f"  {line}" for line in _verdict(whole)]

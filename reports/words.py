@@ -73,7 +73,7 @@ def settings_words(settings: Mapping[str, Any]) -> str:
 
 def duration(seconds: float) -> str:
     """A time span to two figures, in ms below a second."""
-    value, unit = (1e3 * seconds, "ms") if seconds < 0.9995 else (seconds, "s")
+    value, unit = (seconds / in_si("ms"), "ms") if seconds < 0.9995 else (seconds, "s")
     return f"{number(value, '.0f' if value >= 9.95 else '.1f' if value >= 0.995 else '.2f')}{TIED}{unit}"
 
 

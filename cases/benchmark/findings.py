@@ -16,13 +16,13 @@ class Measured:
 
     degrees_of_freedom: int
     errors: dict[str, float | None]  # relative error of each column; None if the column is zero throughout
-    solve_seconds: float  # the least
+    solve_seconds: float  # the least of the repetitions
     solve_seconds_median: float
     solve_seconds_largest: float
     repetitions: int
-    setup_seconds: float  # the least
+    setup_seconds: float  # the least of the repetitions
     statistics: dict[str, float]  # statistics of the engine, and errors of the joint
-    calls_per_period: float | None  # right-hand sides in a period of the highest mode; None for methods other than the reference
+    calls_per_period: float | None  # calls of the right-hand side per period of the highest mode; None for methods other than `reference`
     # set-up and solve time of the other runs for the engine's error estimate; None if not measured, or if there is no estimate
     estimate_seconds: float | None = None
 
@@ -65,7 +65,7 @@ def pareto_front(points: Sequence[Point], column: str = "tip_deflection") -> lis
     front: list[Point] = []
     least = np.inf
     done = [(measured.solve_seconds, error, point) for point, measured in completed(points) if (error := point.error(column)) is not None]
-    for _, error, point in sorted(done, key=lambda found: found[:2]):
+    for _, error, point in sorted(done, key=lambda entry: entry[:2]):
         if error < least:
             front.append(point)
             least = error
@@ -75,7 +75,7 @@ def pareto_front(points: Sequence[Point], column: str = "tip_deflection") -> lis
 def fastest_at(points: Sequence[Point], level: float) -> dict[str, tuple[Point, Measured]]:
     """The fastest point of each method with an error of the tip deflection of at most `level`; fastest method first."""
     best: dict[str, tuple[Point, Measured]] = {}
-    for point, measured in sorted(completed(points), key=lambda found: found[1].solve_seconds):
+    for point, measured in sorted(completed(points), key=lambda pair: pair[1].solve_seconds):
         error = point.error()
         if error is not None and error <= level:
             best.setdefault(point.method, (point, measured))
@@ -85,7 +85,7 @@ def fastest_at(points: Sequence[Point], level: float) -> dict[str, tuple[Point, 
 def soonest_at(points: Sequence[Point], level: float) -> list[tuple[str, float]]:
     """The methods of `fastest_at` whose error estimate was timed, with their waiting time (s); the least first."""
     waited = [(name, measured.waited_seconds) for name, (_, measured) in fastest_at(points, level).items()]
-    return sorted(((name, seconds) for name, seconds in waited if seconds is not None), key=lambda found: found[1])
+    return sorted(((name, seconds) for name, seconds in waited if seconds is not None), key=lambda pair: pair[1])
 
 
 def observed_order(points: Sequence[Point], method: str) -> float | None:

@@ -28,7 +28,7 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
-#: Largest number of repetitions of a point, and the largest sum (s) of their solve times.
+#: Largest number of repetitions of a point, and largest sum, s, of their solve times.
 REPETITIONS: Final = 5
 BUDGET: Final = 4.0
 #: Solve time (s) beyond which the finer settings of a method are not tried.
@@ -74,30 +74,30 @@ def benchmark(
     Raises:
         UnknownEngine: no engine has this name.
         EngineFailure: the solution that defines errors cannot be computed.
-        Refusal: likewise.
+        Refusal: the engine of that solution cannot model the scene.
     """
-    points = [Attempt(method, settings) for method in methods(names, case) for settings in method.ladder]
+    attempts = [Attempt(method, settings) for method in methods(names, case) for settings in method.ladder]
     truth = truth_of(case)
     confirmation = confirmation_of(case, truth)
-    for method in {point.method.name: point for point in points}.values():
-        announce(method.method.engine.name)
-        method.warm_up(case)
+    for attempt in {attempt.method.name: attempt for attempt in attempts}.values():
+        announce(attempt.method.engine.name)
+        attempt.warm_up(case)
     for repetition in range(repetitions):
         slow: set[str] = set()
-        for point in points:
-            if repetition == 0 and point.method.name in slow:
-                point.status = f"{NOT_TRIED}: coarser settings took longer than {longest:g} s"
-            announce(point.method.engine.name)
-            point.repeat(case, repetition)
-            if repetition == 0 and point.times and point.times[0] > longest:
-                slow.add(point.method.name)
+        for attempt in attempts:
+            if repetition == 0 and attempt.method.name in slow:
+                attempt.status = f"{NOT_TRIED}: coarser settings took longer than {longest:g} s"
+            announce(attempt.method.engine.name)
+            attempt.repeat(case, repetition)
+            if repetition == 0 and attempt.times and attempt.times[0] > longest:
+                slow.add(attempt.method.name)
     return Benchmark(
         case.name,
         case.title,
         case.duration,
         converged(case, truth),
         confirmation,
-        _with_estimates(case, points, [point.told(case, truth) for point in points], announce),
+        _with_estimates(case, attempts, [attempt.point(case, truth) for attempt in attempts], announce),
         repetitions,
         longest,
         _machine(names),
@@ -107,15 +107,15 @@ def benchmark(
 def _with_estimates(
     case: Case, attempts: Sequence["Attempt"], points: Sequence[Point], announce: Callable[[str], None]
 ) -> tuple[Point, ...]:
-    """The points; a method's fastest point to an error at which methods are compared also has the time of its error estimate."""
+    """The points; each method's fastest point within an error of `LEVELS` also has the time of its error estimate."""
     chosen = {id(point) for level in LEVELS for point, _ in fastest_at(points, level).values()}
-    found = []
+    timed = []
     for attempt, point in zip(attempts, points, strict=True):
         if id(point) in chosen and point.measured is not None:
             announce(point.engine)
             point = replace(point, measured=replace(point.measured, estimate_seconds=attempt.estimate_seconds(case)))
-        found.append(point)
-    return tuple(found)
+        timed.append(point)
+    return tuple(timed)
 
 
 def pinned(case: Case, names: Sequence[str], repetitions: int) -> Benchmark:
@@ -148,7 +148,7 @@ def _machine(names: Sequence[str]) -> dict[str, str]:
 
 def seconds_of(runs: Iterable[Made]) -> float:
     """Time to set up and solve some runs, s; parts kept from an earlier run count each time they are used."""
-    return sum(made.simulation.setup_seconds + made.trajectory.solve_seconds for made in runs)
+    return sum(run.simulation.setup_seconds + run.trajectory.solve_seconds for run in runs)
 
 
 class Attempt:
@@ -166,7 +166,7 @@ class Attempt:
         self.trajectory: Trajectory | None = None
 
     def warm_up(self, case: Case) -> None:
-        """Run one output step, so that no time below contains compilation, loading or the first use of memory."""
+        """Run one output step, so that no measured time contains compilation, loading or the first use of memory."""
         with contextlib.suppress(EngineFailure, Refusal, SettingError):  # errors show in the timed runs
             run_once(self.method.engine, case.mechanism, standard_start(case.mechanism), case.output_step, case.output_step, self.settings)
 
@@ -177,30 +177,27 @@ class Attempt:
         if repetition and sum(self.times) + min(self.times) > BUDGET:
             return
         try:
-            made = run_of(self.method.engine, case, self.settings)
+            run = run_of(self.method.engine, case, self.settings)
         except (EngineFailure, Refusal, SettingError) as failure:
             self.status = str(failure)
             return
-        self.status, self.trajectory = COMPLETED, made.trajectory
-        self.times.append(made.trajectory.solve_seconds)
-        self.setup.append(made.simulation.setup_seconds)
+        self.status, self.trajectory = COMPLETED, run.trajectory
+        self.times.append(run.trajectory.solve_seconds)
+        self.setup.append(run.simulation.setup_seconds)
 
     def estimate_seconds(self, case: Case) -> float | None:
-        """Time to set up and solve the other runs for the error estimate with these settings, s.
-
-        None if there is no estimate.
-        """
+        """Time to set up and solve the other runs for the error estimate with these settings, s; None if there is no estimate."""
         start, texts = standard_start(case.mechanism), as_texts(self.settings.as_dict())
         try:
-            found = simulate(self.method.engine, case.mechanism, start, case.duration, case.output_step, texts)
+            result = simulate(self.method.engine, case.mechanism, start, case.duration, case.output_step, texts)
         except (EngineFailure, Refusal, SettingError):
             return None
-        if found.error_estimate is None:
+        if result.error_estimate is None:
             return None
-        return seconds_of(made for settings, made in found.runs.items() if settings != found.settings)
+        return seconds_of(run for settings, run in result.runs.items() if settings != result.settings)
 
-    def told(self, case: Case, truth: Trajectory) -> Point:
-        """The measurements, with errors against `truth`."""
+    def point(self, case: Case, truth: Trajectory) -> Point:
+        """The attempt as a point of the table, with errors against `truth`."""
         return Point(
             method=self.method.name,
             engine=self.method.engine.name,
@@ -236,11 +233,11 @@ class Attempt:
 
 def _joint(trajectory: Trajectory) -> dict[str, float]:
     """Errors of the joint: the largest gap in m, and the spurious work over the drive's, if there are such columns."""
-    found: dict[str, float] = {}
+    errors: dict[str, float] = {}
     columns = trajectory.columns
     if "constraint_gap" in columns:
-        found["largest_gap"] = float(np.max(np.abs(columns["constraint_gap"])))
+        errors["largest_gap"] = float(np.max(np.abs(columns["constraint_gap"])))
     moved = trajectory.statistics.get("spurious_energy_moved")
     if moved is not None and "drive_work" in columns and columns["drive_work"][-1] != 0.0:
-        found["spurious_share"] = moved / abs(float(columns["drive_work"][-1]))
-    return found
+        errors["spurious_share"] = moved / abs(float(columns["drive_work"][-1]))
+    return errors

@@ -9,7 +9,7 @@ from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 
-#: AnyEngine -> name of a variant, and the settings that make it.
+#: Name of an engine -> its variants: name, and the settings that distinguish it.
 VARIANTS: Final[Mapping[str, tuple[tuple[str, Mapping[str, str]], ...]]] = {
     "multiplier": (("multiplier, elements", {"family": "hermite"}),),
     "nodal-load": (("nodal-load, linear", {"distribution": "both linear"}),),
@@ -38,11 +38,11 @@ def methods(names: Sequence[str], case: Case) -> list[Method]:
     Raises:
         UnknownEngine: no engine has this name.
     """
-    found = []
+    methods = []
     for name in names:
         chosen = engine(name)
         ladder = () if chosen.unavailable() else chosen.ladder(case.mechanism)
-        found.append(Method(name, chosen, ladder))
+        methods.append(Method(name, chosen, ladder))
         for variant, texts in VARIANTS.get(name, ()):
-            found.append(Method(variant, chosen, tuple(settings.with_texts(dict(texts)) for settings in ladder)))
-    return found
+            methods.append(Method(variant, chosen, tuple(settings.with_texts(dict(texts)) for settings in ladder)))
+    return methods

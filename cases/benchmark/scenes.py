@@ -6,15 +6,15 @@ from typing import Any, Final
 
 from quickreturn.cases.benchmark.measurement import REPETITIONS, Benchmark, last_at_work, pinned
 from quickreturn.cases.benchmark.methods import methods
+from quickreturn.cases.benchmark.truth import run_of
 from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.job import Executor, Job, Limits
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.solving import inputs_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.settings import SettingError
-from quickreturn.engines.start import standard_start
 
 #: Run 24; the run with the least strain; two hard scenes, one with a soft follower and one in which the slider reaches 96 % of the
 #: follower; and run 24 at a prescribed crank speed, because one method requires this.
@@ -25,8 +25,8 @@ ENGINES: Final = (*MAIN, *RIVALS)
 
 def stored(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES) -> Benchmark | None:
     """The latest result that this code and these libraries computed, or None."""
-    found = workshop.stored(_job(case, names, ()))
-    return None if found is None else found.value
+    outcome = workshop.stored(_job(case, names, ()))
+    return None if outcome is None else outcome.value
 
 
 def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repetitions: int = REPETITIONS) -> Benchmark:
@@ -39,7 +39,7 @@ def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repe
         EngineFailure, Refusal: the solution that defines the errors cannot be computed, or the process ended without an answer.
         KeyboardInterrupt: Ctrl-C.
     """
-    limits, failures = workshop.executor.limits, tried(case, workshop.executor, names)
+    limits, failures = workshop.executor.limits, unsafe_engines(case, workshop.executor, names)
     while True:
         sound = tuple(name for name in names if name not in failures)
         allowed = Limits(None if limits.seconds is None else limits.seconds * (1 + len(sound)), limits.memory)
@@ -63,7 +63,7 @@ def measure(case: Case, workshop: Workshop, names: Sequence[str] = ENGINES, repe
     return result
 
 
-def tried(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str]:
+def unsafe_engines(case: Case, executor: Executor, names: Sequence[str]) -> dict[str, str]:
     """Engines that must not run in the common process, with the reason.
 
     Each engine runs its coarsest settings in a process of its own. An engine that reports a failure may run in the common process: the
@@ -82,11 +82,11 @@ def _try(case: Case, name: str) -> str:
     """Run the coarsest settings; return why the engine cannot be used here, "" if it can."""
     for method in methods([name], case)[:1]:
         if method.ladder:
-            run_once(method.engine, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, method.ladder[0])
+            run_of(method.engine, case, method.ladder[0])
     return engine(name).unavailable() or ""
 
 
 def _job(case: Case, names: Sequence[str], arguments: tuple[Any, ...]) -> Job[Benchmark]:
     """The job that measures a scene. Its key contains the scene and the engines, but neither the repetitions nor the time limit."""
-    inputs = (case.mechanism, case.duration, case.output_step)
-    return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=("quickreturn.cases.benchmark",), inputs=inputs)
+    code = ("quickreturn.cases.benchmark",)
+    return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=code, inputs=inputs_of(case))

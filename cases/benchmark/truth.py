@@ -66,18 +66,18 @@ def converged(case: Case, truth: Trajectory) -> Converged:
 
 
 def confirmation_of(case: Case, truth: Trajectory, name: str = CONFIRMING_ONE) -> Confirmation:
-    """The difference of the solution of an engine in `CONFIRMING` from `truth`, or the reason why there is none."""
-    found = Confirmation(name, {}, failure="no settings")
+    """How far the solution of an engine in `CONFIRMING` differs from `truth`, or why there is none."""
+    confirmation = Confirmation(name, {}, failure="no settings")
     for texts in CONFIRMING[name]:
         settings = _settings(name, texts, case)
         try:
-            found = Confirmation(name, settings.as_dict(), errors_of(run_of(engine(name), case, settings).trajectory, truth))
+            confirmation = Confirmation(name, settings.as_dict(), errors_of(run_of(engine(name), case, settings).trajectory, truth))
         except (EngineFailure, Refusal) as failure:
-            found = Confirmation(name, settings.as_dict(), failure=str(failure))
+            confirmation = Confirmation(name, settings.as_dict(), failure=str(failure))
             continue
-        if found.confirms or found.differences["tip_deflection"] is None:
+        if confirmation.confirms or confirmation.differences["tip_deflection"] is None:
             break
-    return found
+    return confirmation
 
 
 def run_of(chosen: AnyEngine, case: Case, settings: Settings) -> Made:
@@ -92,4 +92,5 @@ def errors_of(columns: Trajectory | Mapping[str, Any], truth: Trajectory) -> dic
 
 
 def _settings(name: str, texts: Mapping[str, str], case: Case) -> Settings:
+    """The engine's settings for an accuracy of 1e-4, with some replaced."""
     return engine(name).settings_for(1e-4, case.mechanism).with_texts(dict(texts))

@@ -9,6 +9,7 @@ from typing import Final
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes.groups import Groups, scene_of
 
+#: Values of `Groups.speed` and `Groups.tip` on the map.
 SPEEDS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5)
 TIPS: Final = (0.0, 0.5, 2.0)
 #: Centre of the variations of the other groups; the damping is that of run 24, 0.0031, rounded.
@@ -17,7 +18,7 @@ CENTRE: Final = Groups(speed=0.2, tip=0.5, crank=0.25, damping=0.003, joint=math
 VARIED: Final[Mapping[str, tuple[tuple[float, ...], tuple[float, ...]]]] = MappingProxyType(
     {"crank": ((0.15, 0.38), (0.05, 0.2, 0.5)), "damping": ((0.0, 0.03), (0.2, 0.5)), "joint": ((1000.0, 100.0), (0.05, 0.2))}
 )
-#: A scene's time in turns of the crank, and the rows of its trajectory.
+#: Duration of a scene, in turns of the crank, and number of output steps in it.
 TURNS: Final = 1
 ROWS: Final = 1000
 

@@ -51,7 +51,7 @@ def scene_of(groups: Groups) -> Mechanism:
     base = library_case("thesis-24").mechanism
     arm, mass = base.follower, groups.tip * base.follower.mass
     stiffness = groups.joint * arm.bending_stiffness / arm.length**3
-    made = changed(
+    slow = changed(
         base,
         {
             "crank.length": groups.crank * base.pivot_distance,
@@ -61,9 +61,9 @@ def scene_of(groups: Groups) -> Mechanism:
             "slider": Slider(joint_stiffness=stiffness),
         },
     )
-    lowest = stiffness_ratio(made)  # at a speed of 1 rad/s this is the angular frequency of the lowest mode, rad/s
+    lowest = stiffness_ratio(slow)  # at a speed of 1 rad/s this is the angular frequency of the lowest mode, rad/s
     damping = 2.0 * groups.damping * lowest * arm.mass_per_length
-    return changed(made, {"crank.drive.speed": groups.speed * lowest, "follower.damping": damping})
+    return changed(slow, {"crank.drive.speed": groups.speed * lowest, "follower.damping": damping})
 
 
 def groups_of(mechanism: Mechanism) -> Groups | None:

@@ -1,7 +1,6 @@
 """The map of classes: the winners by each time, and the place of a machine on the map."""
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -18,8 +17,8 @@ from quickreturn.reference_model.scene_values import NAMED, values_of
 TIMES: Final[Mapping[str, str]] = MappingProxyType({"solve time": "solve_seconds", "waiting time": "waited_seconds"})
 #: Values of `Reach.status`.
 STATUSES: Final = (REACHED, NOT_REACHED, TOO_SLOW, FAILED, REFUSED)
-#: Group -> place of a value on an axis whose unit is about a row or a column of the map. Tip and damping may be zero; a joint counts as
-#: rigid from ten times the stiffest one of the map on.
+#: Group -> place of a value on an axis whose unit is about a row or a column of the map. Tip and damping may be zero; a joint that is ten
+#: times as stiff as the stiffest of the map counts as rigid.
 _AXES: Final[Mapping[str, Callable[[float], float]]] = MappingProxyType(
     {
         "speed": math.log2,
@@ -51,27 +50,26 @@ class Map:
     def ranked(self, scene: ClassScene, level: float, by: str) -> dict[str, float]:
         """The engines that reach an error on a scene, each with its time (s) by one of `TIMES`, fastest first."""
         times = {reach.engine: seconds for reach in self.at(scene, level) if (seconds := getattr(reach, TIMES[by])) is not None}
-        return dict(sorted(times.items(), key=lambda found: found[1]))
+        return dict(sorted(times.items(), key=lambda item: item[1]))
 
     def factors(self, level: float, by: str) -> dict[str, list[float]]:
         """Winner -> the runner-up's time over its own in each scene that it wins (infinite without one), the most frequent winner first."""
-        found: dict[str, list[float]] = {}
+        factors: dict[str, list[float]] = {}
         for ranked in (self.ranked(scene, level, by) for scene in self.scenes):
             if ranked:
                 first, second, *_ = *ranked.values(), math.inf
-                found.setdefault(next(iter(ranked)), []).append(second / first)
-        order = Counter({name: len(factors) for name, factors in found.items()}).most_common()
-        return {name: found[name] for name, _ in order}
+                factors.setdefault(next(iter(ranked)), []).append(second / first)
+        return dict(sorted(factors.items(), key=lambda item: -len(item[1])))
 
     def nearest(self, groups: Groups) -> tuple[ClassScene, float]:
         """The nearest scene, and its distance in steps. ValueError: the map is empty."""
-        return min(((scene, distance(scene.groups, groups)) for scene in self.scenes), key=lambda found: found[1])
+        return min(((scene, distance(scene.groups, groups)) for scene in self.scenes), key=lambda pair: pair[1])
 
     def outside(self, groups: Groups) -> dict[str, tuple[float, float]]:
         """The groups in which a machine lies outside all scenes, each with its range on the map."""
-        each = {name: [getattr(scene.groups, name) for scene in self.scenes] for name in vars(groups)}
-        found = {name: (min(values), max(values)) for name, values in each.items()}
-        return {name: (low, high) for name, (low, high) in found.items() if not 0.999 * low <= getattr(groups, name) <= 1.001 * high}
+        values = {name: [getattr(scene.groups, name) for scene in self.scenes] for name in vars(groups)}
+        ranges = {name: (min(of_scenes), max(of_scenes)) for name, of_scenes in values.items()}
+        return {name: (low, high) for name, (low, high) in ranges.items() if not 0.999 * low <= getattr(groups, name) <= 1.001 * high}
 
 
 def distance(one: Groups, other: Groups) -> float:
@@ -83,8 +81,8 @@ def off_the_map(mechanism: Mechanism) -> list[str]:
     """Sentences on features of a machine that no scene of the map has: their effect on the methods is unknown."""
     given = {f"{section}.{key}": value for section, values in values_of(mechanism).items() for key, value in values.items()}
     others = [name for name, value in given.items() if name in NAMED and name not in _GROUPED and value != NAMED[name].default]
-    found = [f"{name} is given, but no scene of the map has it" for name in others]
+    sentences = [f"{name} is given, but no scene of the map has it" for name in others]
     reach, usual = (each.follower.length / each.pivot_distance for each in (mechanism, library_case("thesis-24").mechanism))
     if abs(reach / usual - 1.0) > _SIMILAR:
-        found.append(f"follower.length over mechanism.pivot_distance is {reach:.3g}, on the map it is {usual:.3g}")
-    return found
+        sentences.append(f"follower.length over mechanism.pivot_distance is {reach:.3g}, on the map it is {usual:.3g}")
+    return sentences

@@ -20,10 +20,10 @@ from quickreturn.engines.trajectory import REQUIRED, Trajectory
 
 #: Errors of the tip deflection at which the map compares methods.
 LEVELS: Final = ALL_LEVELS[:2]
-#: Limit of processor time (s) for a method's ladder, and for an answer to an error. A run is not begun if it would end later, should it
-#: take as long as the run before.
+#: Limit of processor time, s, for the runs of a method's ladder, and for its answer to a request for an error. A run is not begun if it
+#: would end later, assuming that it takes as long as the one before.
 LIMIT: Final = 5.0
-#: Largest number of repetitions of a run, and of an answer that takes less than this (s); the least time counts.
+#: Largest number of repetitions of a run, and of an answer that takes less than `BRIEF` (s); the least time counts.
 REPETITIONS: Final = 3
 BRIEF: Final = 1.0
 
@@ -40,15 +40,15 @@ OF_ITSELF: Final = "its estimate covers another error"
 
 @dataclass(frozen=True)
 class Reach:
-    """A method on a scene at an error of the tip deflection."""
+    """Whether and how fast a method reaches an error of the tip deflection on a scene."""
 
-    scene: str
-    engine: str  # the method
-    level: float  # the error
+    scene: str  # name of the scene
+    engine: str  # name of the method
+    level: float  # the error, relative
     status: str  # `REACHED` by settings of its ladder, or why not
     solve_seconds: float | None = None  # solve time with the fastest settings within the level; None if there are none
-    # set-up and solve time of all runs when the engine is asked for this error, including those for its estimate; None if it does not reach
-    # it, or its estimate does not show it
+    # set-up and solve time of all runs if the engine is asked for this error, with those for its estimate; None if it does not reach the
+    # error, or its estimate does not show that
     waited_seconds: float | None = None
     error: float | None = None  # error of its result when asked; if no settings are within the level, the least error of its ladder
     remark: str = ""  # the reason in words
@@ -60,9 +60,9 @@ def truth(groups: Groups) -> tuple[Trajectory, Confirmation]:
     EngineFailure: there is none, for example because the slider leaves the follower.
     """
     case = case_of(groups)
-    found = truth_of(case)
-    kept = replace(found, columns={name: found[name] for name in REQUIRED})
-    return kept, confirmation_of(case, kept)
+    converged = truth_of(case)
+    required = replace(converged, columns={name: converged[name] for name in REQUIRED})
+    return required, confirmation_of(case, required)
 
 
 def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
@@ -81,7 +81,7 @@ def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
         if clock.late:
             break
         attempt.repeat(case, 0)
-        points.append(attempt.told(case, true))
+        points.append(attempt.point(case, true))
         if (error := points[-1].error()) is not None and error <= LEVELS[-1]:
             break
     return [_reach(each, attempts[: len(points)], points, clock, case, true) for each in unknown]
@@ -116,7 +116,7 @@ class _Limited:
         return getattr(self._engine, name)
 
     def prepare(self, *arguments: Any) -> Any:
-        """As the engine. EngineFailure: it is too late."""
+        """As the engine's `prepare`. EngineFailure: the time does not suffice."""
         if self._clock.late:
             raise EngineFailure(0.0, "time has run out", "ask for less")
         return self._engine.prepare(*arguments)
@@ -134,10 +134,10 @@ def _reach(unknown: Reach, attempts: list[Attempt], points: list[Point], clock: 
     attempt = next(each for each, point in zip(attempts, points, strict=True) if point is best[0])
     for repetition in range(len(attempt.times), REPETITIONS):
         attempt.repeat(case, repetition)
-    return _asked(replace(unknown, status=REACHED, solve_seconds=min(attempt.times)), attempt.method.engine, case, true)
+    return _answered(replace(unknown, status=REACHED, solve_seconds=min(attempt.times)), attempt.method.engine, case, true)
 
 
-def _asked(reach: Reach, engine: AnyEngine, case: Case, true: Trajectory) -> Reach:
+def _answered(reach: Reach, engine: AnyEngine, case: Case, true: Trajectory) -> Reach:
     """The result with the answer of the engine when it is asked for the level, unless its estimate covers another error."""
     if engine.estimates != "total":
         return replace(reach, remark=OF_ITSELF)
@@ -146,13 +146,13 @@ def _asked(reach: Reach, engine: AnyEngine, case: Case, true: Trajectory) -> Rea
         began, clock = time.perf_counter(), _Clock()
         limited: Any = _Limited(engine, clock)
         try:
-            found = simulate(limited, case.mechanism, start, case.duration, case.output_step, accuracy=reach.level)
+            result = simulate(limited, case.mechanism, start, case.duration, case.output_step, accuracy=reach.level)
         except EngineFailure as failure:
             return replace(reach, remark=SLOW_ANSWER if clock.ran_out else str(failure))
-        times.append(max(time.perf_counter() - began - found.compile_seconds, seconds_of(found.runs.values())))
-    error = relative_error(found.trajectory["tip_deflection"], true["tip_deflection"])
-    if error > reach.level and found.reached:
-        return replace(reach, error=error, remark=f"it claims {found.error_estimate:.1e}")
-    if not found.reached:
-        return replace(reach, error=error, remark=SLOW_ANSWER if clock.ran_out else found.remark)
+        times.append(max(time.perf_counter() - began - result.compile_seconds, seconds_of(result.runs.values())))
+    error = relative_error(result.trajectory["tip_deflection"], true["tip_deflection"])
+    if error > reach.level and result.reached:
+        return replace(reach, error=error, remark=f"it claims {result.error_estimate:.1e}")
+    if not result.reached:
+        return replace(reach, error=error, remark=SLOW_ANSWER if clock.ran_out else result.remark)
     return replace(reach, error=error, waited_seconds=min(times))

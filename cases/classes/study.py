@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 from quickreturn.cases.benchmark.truth import CONFIRMING_ONE, TRUTH, Confirmation
 from quickreturn.cases.classes.grid import case_of, grid, name_of
@@ -11,6 +11,7 @@ from quickreturn.cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLO
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Job, Outcome, default_limits
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.solving import inputs_of
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.trajectory import Trajectory
 
@@ -39,15 +40,15 @@ class ClassScene:
 def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[ClassScene], list[Reach]]:
     """The scenes, and the result of each method on each of them; results that are missing in the workshop are left out.
 
-    `among`: scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; finished measurements are stored.
+    `among`: groups of the scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; finished measurements are stored.
     """
     groups = list(grid() if among is None else among)
     truths = workshop.outcomes([_truth_job(each) for each in groups], "solutions to measure against")
-    scenes = [_scene(each, found) for each, found in zip(groups, truths, strict=True) if not found.missing]
+    scenes = [_scene(each, solution) for each, solution in zip(groups, truths, strict=True) if not solution.missing]
     jobs = [
-        _job(each, name, found.value[0])
-        for each, found in zip(groups, truths, strict=True)
-        if found.value is not None
+        _job(each, name, solution.value[0])
+        for each, solution in zip(groups, truths, strict=True)
+        if solution.value is not None
         for name in ENGINES
         if not engine(name).unavailable()
     ]
@@ -57,18 +58,13 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
 
 def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
     engines = (TRUTH[0], CONFIRMING_ONE)
-    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, _inputs(groups))
+    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, inputs_of(case_of(groups)))
 
 
 def _job(groups: Groups, name: str, true: Trajectory) -> Job[list[Reach]]:
     arguments = (groups, name, true)
     limits = replace(default_limits(), seconds=STOP)
-    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, _inputs(groups), limits)
-
-
-def _inputs(groups: Groups) -> Any:
-    case = case_of(groups)
-    return case.mechanism, case.duration, case.output_step
+    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, inputs_of(case_of(groups)), limits)
 
 
 def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> ClassScene:
@@ -80,11 +76,11 @@ def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) ->
 
 
 def _kept(workshop: Workshop, outcome: Outcome[list[Reach]]) -> Outcome[list[Reach]]:
-    """The outcome, or one that says why there is none. A stopped method is stored and not tried again, a crashed one is."""
+    """The outcome; for a method that ended without one results that say why: of a stopped method they are stored, of a crashed one not."""
     if outcome.completed:
         return outcome
     groups, name, _ = outcome.job.arguments
     slow = outcome.failure.startswith(STOPPED)
-    found = [Reach(name_of(groups), name, level, TOO_SLOW if slow else FAILED, remark=outcome.explanation) for level in LEVELS]
-    told = Outcome(outcome.job, found)
-    return workshop.kept(told) if slow else told
+    status = TOO_SLOW if slow else FAILED
+    without = Outcome(outcome.job, [Reach(name_of(groups), name, level, status, remark=outcome.explanation) for level in LEVELS])
+    return workshop.kept(without) if slow else without

@@ -1,7 +1,7 @@
-"""Does an adapter do what it says? A trial of an engine on mild scenes, against identities, closed forms and `reference`.
+"""Tries whether an adapter does what it says: an engine on mild scenes, against identities, closed forms and `reference`.
 
-A coarse engine still conforms: the engine's own estimate of its error says how far a column may be off. Without an estimate a check fails
-only if a mistake explains the difference: a sign, a unit, an exchanged column, an ignored quantity.
+A coarse engine conforms, too: its own error estimate is the tolerance of each column. Without an estimate a check fails only if a mistake
+explains the difference: a sign, a unit, an exchanged column, an ignored quantity.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import Final
 
 from quickreturn.cases.conformance.alone import alone
-from quickreturn.cases.conformance.bench import Bench, found_engine
+from quickreturn.cases.conformance.bench import Bench, engine_from
 from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
 from quickreturn.cases.conformance.failures import failures
 from quickreturn.cases.conformance.frequencies import frequencies
 from quickreturn.cases.conformance.motion import motion
 from quickreturn.cases.conformance.quantities import quantities
-from quickreturn.cases.conformance.repetition import NOT_TRIED, Elsewhere, elsewhere, repetition
+from quickreturn.cases.conformance.repetition import NOT_TRIED, OtherProcesses, elsewhere, repetition
 from quickreturn.cases.conformance.resolution import resolution
 from quickreturn.cases.jobs.display import watched
 from quickreturn.cases.jobs.here import ThisProcess
@@ -31,7 +31,7 @@ __all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job"]
 class Group:
     """A group of checks."""
 
-    checks: Callable[[Bench, Elsewhere], Iterator[Check]]  # makes them
+    checks: Callable[[Bench, OtherProcesses], Iterator[Check]]  # makes them
     runs: tuple[int, int]  # approximate number of runs of the engine, and of runs with an error estimate
     share: float  # share of a limited time
 
@@ -72,11 +72,11 @@ def conform(
         UnknownEngine: there is no engine of this name.
         Refusal: it cannot be used here.
     """
-    name = found_engine(engine).name
+    name = engine_from(engine).name
     executor = executor or ThisProcess(quiet)
-    every = sum(GROUPS[group].share for group in groups)
-    shares = {group: None if seconds is None else GROUPS[group].share / every * seconds for group in groups}
-    # a job's process may have no process of its own
+    total = sum(GROUPS[group].share for group in groups)
+    shares = {group: None if seconds is None else GROUPS[group].share / total * seconds for group in groups}
+    # here, because the process of a job may not start processes
     other = elsewhere(engine, shares["repetition"]) if "repetition" in groups else NOT_TRIED
     jobs: list[Job[list[Check]]] = []
     for group, share in shares.items():
@@ -84,41 +84,34 @@ def conform(
         limits = None if allotted is None else Limits(2.0 * allotted + _TO_BEGIN, executor.limits.memory)
         jobs.append(Job(group, checks_of, (group, engine, other, allotted), limits=limits))
     outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
-    told = {group: _told(group, outcomes[group]) for group in groups}
-    return Conformance(name, _verdict(told), tuple(check for checks in told.values() for check in checks))
+    checks = {group: _checks_by(group, outcomes[group]) for group in groups}
+    return Conformance(name, _verdict(checks), tuple(check for of_group in checks.values() for check in of_group))
 
 
-def _verdict(told: Mapping[str, list[Check]]) -> bool | None:
+def _verdict(checks: Mapping[str, list[Check]]) -> bool | None:
     """Whether an engine conforms: no check fails, and one passes; if checks were left out, one of its motion must pass."""
-    judged = {check.status for checks in told.values() for check in checks}
-    if "failed" in judged:
+    statuses = {check.status for of_group in checks.values() for check in of_group}
+    if "failed" in statuses:
         return False
-    left_out = any(check.left_out for checks in told.values() for check in checks)
-    counted = {check.status for check in told.get("motion", [])} if left_out else judged
+    left_out = any(check.left_out for of_group in checks.values() for check in of_group)
+    counted = {check.status for check in checks.get("motion", [])} if left_out else statuses
     return True if "passed" in counted else None
 
 
 def job(engine: str) -> Job[Conformance]:
     """The stored form of `conform` for an installed engine: for this version and code of the engine."""
-    return Job(
-        f"conformance of {engine}",
-        conform,
-        (engine,),
-        "conformance",
-        (engine,),
-        (__name__, "quickreturn.cases.explanation", "quickreturn.cases.mistakes"),
-    )
+    code = (__name__, "quickreturn.cases.explanation", "quickreturn.cases.mistakes")
+    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), code)
 
 
-def checks_of(group: str, engine: AnyEngine | str, other: Elsewhere = NOT_TRIED, seconds: float | None = None) -> list[Check]:
+def checks_of(group: str, engine: AnyEngine | str, other: OtherProcesses = NOT_TRIED, seconds: float | None = None) -> list[Check]:
     """The checks of one group; engine and seconds as for `conform`; `other`: its results in other processes.
 
     An exception that no engine may raise ends them.
     """
-    found = found_engine(engine)
     checks: list[Check] = []
     try:
-        bench = Bench(found, seconds)
+        bench = Bench(engine_from(engine), seconds)
         bench.expected = _expected(bench, GROUPS[group])
     except Refusal as refusal:
         return [Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]
@@ -144,8 +137,8 @@ def _expected(bench: Bench, group: Group) -> int:
     return plain + estimated * len(others)
 
 
-def _told(group: str, outcome: Outcome[list[Check]]) -> list[Check]:
-    """The checks of a process, or how it ended. Raises UnknownEngine or Refusal if the engine cannot be used."""
+def _checks_by(group: str, outcome: Outcome[list[Check]]) -> list[Check]:
+    """The checks of a group from its process, or one on how the process ended. UnknownEngine, Refusal: the engine cannot be used."""
     if isinstance(outcome.error, (Refusal, UnknownEngine)):
         raise outcome.error
     if outcome.failure.startswith(STOPPED):

@@ -5,15 +5,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, truth
-from quickreturn.cases.conformance.checks import Check, Fault, looked_at, some
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, truth
+from quickreturn.cases.conformance.checks import Check, Fault, check_by, some
 from quickreturn.cases.conformance.models import acts_as_if
 from quickreturn.cases.conformance.motion import findings
 from quickreturn.cases.conformance.quantities import followed
 from quickreturn.cases.conformance.scenes import BASE, Change
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, Tip
 
 _DURATION: Final = 0.6  # s: the base has turned steadily for a while
@@ -44,21 +43,19 @@ def alone(bench: Bench) -> Iterator[Check]:
         yield Check("the follower alone", "passed", f"refused: {refusal}")
         return
     told = set[str]()
-    check = looked_at("the follower alone", _columns, bench, SCENE, told)
+    check = check_by("the follower alone", _columns, bench, SCENE, told)
     yield check
     if check.status == "failed" and not told:
         yield Check("the follower alone: quantities", "not judged", "its motion is wrong already", "mend that first")
         return
     look = functools.partial(followed, wrong=False, told=told)
-    checks = [
-        looked_at(f"the follower alone: {change.name}", look, bench, SCENE, replace(change, duration=_DURATION)) for change in CHANGES
-    ]
+    checks = [check_by(f"the follower alone: {change.name}", look, bench, SCENE, replace(change, duration=_DURATION)) for change in CHANGES]
     yield from checks
     words = "the follower alone, with everything on"
     if any(check.status == "failed" for check in checks):
         yield Check(words, "not judged", "its quantities are not followed one by one", "mend those first")
     else:
-        yield looked_at(words, _columns, bench, _everything(), told)
+        yield check_by(words, _columns, bench, _everything(), told)
 
 
 def _everything() -> FollowerAlone:
@@ -71,18 +68,17 @@ def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
     """The columns against reference; columns with wrong rows are added to `told`."""
     motion = Motion(scene, _DURATION)
     try:
-        found = findings(bench, motion, told)
+        wrong = findings(bench, motion, told)
     except EngineFailure as failure:
         raise Fault(f"none is delivered: {failure.cause}", failure.advice) from failure
-    run, known = bench.run(motion), truth(motion).columns
-    off = {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known)}
-    if not found:
+    run, right, off = bench.run(motion), truth(motion).columns, bench.errors(motion)
+    if not wrong:
         return f"{len(off)} columns, the worst off by {share_of(max(off.values()))}"
-    if all(finding.explained for finding in found.values()):
-        told.update(found)
-        raise Fault("; ".join(finding.cause for finding in list(found.values())[:3]), next(iter(found.values())).advice)
-    moves = {name: run[name] for name in columns_of(run, DECISIVE, known) if name not in told}
+    if all(finding.explained for finding in wrong.values()):
+        told.update(wrong)
+        raise Fault("; ".join(finding.cause for finding in list(wrong.values())[:3]), next(iter(wrong.values())).advice)
+    moves = {name: run[name] for name in compared_columns(run, DECISIVE, right) if name not in told}
     if model := acts_as_if(motion, moves, bench.tolerances(motion)):
         raise Fault(model.cause, model.advice)
-    worst = sorted(found, key=lambda name: -off[name])
+    worst = sorted(wrong, key=lambda name: -off[name])
     raise Fault(f"{some([f'{name} is off by {share_of(off[name])}' for name in worst])}", "compare it with reference's follower alone")

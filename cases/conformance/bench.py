@@ -26,25 +26,25 @@ from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 #: Columns that are not compared with `reference`: the grid, and residuals of a model's own numerics.
-_OWN: Final = ("time", "constraint_gap", "axial_stretch")
+_NOT_COMPARED: Final = ("time", "constraint_gap", "axial_stretch")
 #: Columns that are compared with `reference`, if the engine delivers them.
-COMPARED: Final = tuple(name for name in COLUMNS if name not in _OWN)
+COMPARED: Final = tuple(name for name in COLUMNS if name not in _NOT_COMPARED)
 #: Columns from which a mistake of the model is recognised: the others follow from them.
 DECISIVE: Final = (*(name for name in REQUIRED if name != "time"), "crank_torque", "kinetic_energy", "strain_energy", "dissipated_energy")
 
-#: Tables of more than five modes take seconds to build, and five leave 1e-5 of the tip deflection in the mild scene.
+#: Settings of the converged solution: five modes leave an error of 1e-5 of the tip deflection in the mild scene, and tables of more modes
+#: take seconds to build. Its uncertainty comes from a run with the settings `_FINE`.
 _FINEST: Final = ReferenceSettings(modes=5, tolerance=1e-8)
 _FINE: Final = ReferenceSettings(modes=4, tolerance=1e-8)
-#: Factor of its own estimate by which a column may be off: of the claims measured in 59 scenes the worst was exceeded 2.5-fold; for a
-#: column without a claim the estimate is this module's.
-BENEFIT: Final = 3.0
+#: Tolerance of a column over its error estimate: in 59 measured scenes the worst claim of this project's engines was exceeded 2.5-fold.
+TOLERANCE_FACTOR: Final = 3.0
 #: Number of rungs above the default that are tried until an error falls: on a ladder of small steps one rung changes little.
 _SHARPENED: Final = 3
 #: Part of a column's size that counts as rounding of sums.
 ROUNDING: Final = 1e-6
 
 
-def found_engine(engine: AnyEngine | str) -> AnyEngine:
+def engine_from(engine: AnyEngine | str) -> AnyEngine:
     """The engine itself, or the usable one of this name. Raises UnknownEngine, Refusal as `usable_engine`."""
     return engine if isinstance(engine, Engine) else usable_engine(engine)
 
@@ -124,8 +124,8 @@ class Bench:
 
     def settings(self, scene: Scene) -> Settings:
         """The engine's default settings for a scene."""
-        found: Settings = self.engine.settings_for(self.engine.default_accuracy, scene)
-        return found
+        settings: Settings = self.engine.settings_for(self.engine.default_accuracy, scene)
+        return settings
 
     def run(self, motion: Motion, settings: Settings | None = None) -> Trajectory:
         """A complete and finite run. Raises as `run_once`, and LeftOut."""
@@ -164,9 +164,9 @@ class Bench:
 
     def finer(self, scene: Scene, settings: Settings) -> Settings | None:
         """The next rung for an error that is twice as large as allowed."""
-        parts = len(self.engine.comparisons(settings, scene, 1e-3))
-        found: Settings | None = self.engine.finer(settings, (2.0,) * max(1, parts), 1e-3)
-        return found
+        parts = len(self.engine.comparisons(settings, scene, OUTPUT_STEP))
+        next_rung: Settings | None = self.engine.finer(settings, (2.0,) * max(1, parts), OUTPUT_STEP)
+        return next_rung
 
     def sharpened(self, motion: Motion) -> Iterator[Trajectory]:
         """Runs of a few rungs above the default: an error that falls with them is one of the resolution."""
@@ -190,6 +190,11 @@ class Bench:
         except EngineFailure:
             return None
 
+    def errors(self, motion: Motion) -> dict[str, float]:
+        """Name -> RMS error of a column that is compared with `reference`, over its RMS."""
+        run, right = self.run(motion), truth(motion).columns
+        return {name: rms(run[name] - right[name]) / rms(right[name]) for name in compared_columns(run, right=right)}
+
     @property
     def claims(self) -> bool:
         """Whether the engine estimates its distance from the solution of the scene."""
@@ -203,7 +208,7 @@ class Bench:
                 if pair.run == pair.other:
                     return None
                 runs = compared(pair, functools.partial(self.run, motion))
-                for name in columns_of(runs.run):
+                for name in compared_columns(runs.run):
                     parts[name] = parts.get(name, 0.0) + runs.part(lambda a, b, name=name: rms(a[name] - b[name]))  # type: ignore[misc]
         except EngineFailure:
             return None
@@ -214,15 +219,15 @@ class Bench:
         estimates = self.estimates(motion) if self.claims else None
         if estimates is None:
             return None
-        known = truth(motion)
+        right = truth(motion)
         return {
-            name: BENEFIT * (estimate + known.uncertainty[name]) + ROUNDING * rms(known.columns[name])
+            name: TOLERANCE_FACTOR * (estimate + right.uncertainty[name]) + ROUNDING * rms(right.columns[name])
             for name, estimate in estimates.items()
-            if name in known.columns
+            if name in right.columns
         }
 
 
-def columns_of(run: Trajectory, among: Iterable[str] = COMPARED, known: Mapping[str, Array] | None = None) -> tuple[str, ...]:
-    """The columns that are compared with `reference`: those in `among` that `reference` has (`known`) and that are not zero."""
+def compared_columns(run: Trajectory, among: Iterable[str] = COMPARED, right: Mapping[str, Array] | None = None) -> tuple[str, ...]:
+    """Names of the columns of `run` that are in `among` and, if columns by `reference` are given (`right`), not zero in these."""
     names = [name for name in among if name in run.columns]
-    return tuple(name for name in names if known is None or (name in known and rms(known[name]) > 0.0))
+    return tuple(name for name in names if right is None or (name in right and rms(right[name]) > 0.0))

@@ -61,7 +61,7 @@ class Conformance(Shown):
 
     @property
     def verdict(self) -> str:
-        """In words."""
+        """The outcome in words."""
         failed = f"does not conform: {len(self.failed)} check{'s' * (len(self.failed) > 1)} failed"
         verdict = {True: "conforms", False: failed, None: "not judged"}[self.conforms]
         return f"{verdict}, as far as there was time: {len(self.left_out)} checks are left out" if self.left_out else verdict
@@ -87,8 +87,8 @@ class LeftOut(Unjudged):
     """A check was not begun, because it would have exceeded the time."""
 
 
-def looked_at(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
-    """The check that `look` makes: it raises `Fault`, or returns a remark. The engine may refuse, or raise anything."""
+def check_by(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
+    """The check by a function, which raises `Fault` or returns a remark. The engine that it runs may refuse, or raise anything."""
     try:
         return Check(name, "passed", look(*arguments) or "")
     except Refusal as refusal:

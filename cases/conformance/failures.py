@@ -8,18 +8,18 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.conformance.bench import Bench, Motion
-from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import changed
 
-#: A slack follower: the slider reaches its bent end at the farthest place.
+#: Changes of the mild scene, SI: a slack follower whose bent end the slider reaches at the farthest place.
 _PUSHED_OFF: Final = {"crank.length": 0.1795, "crank.initial_angle": 0.5, "follower.bending_stiffness": 10.0, "tip.mass": 0.1}
-_UNTIL: Final = 0.4  # s
-#: Relative error allowed for the time at which the slider leaves, for a coarse engine.
-_WHEN: Final = 0.3
+_UNTIL: Final = 0.4  # s, duration of this motion
+#: Allowed relative error of the time at which the slider leaves.
+_TIME_ERROR: Final = 0.3
 _RAISE: Final = "raise engines.base.EngineFailure(time, cause, advice, partial)"
 #: Words in the cause of an unintended failure -> what is wrong, and the advice.
 _UNSAID: Final = {
@@ -36,13 +36,14 @@ def failures(bench: Bench) -> Iterator[Check]:
         "a start that cannot be": _impossible_start,
         "a step that explodes": _explodes,
     }.items():
-        yield looked_at(f"failures: {name}", look, bench)
+        yield check_by(f"failures: {name}", look, bench)
 
 
 def _attempt(bench: Bench, motion: Motion) -> Trajectory | EngineFailure:
+    """The engine's trajectory, or the failure that it reports. Fault: it fails without a report."""
     bench.check(motion.scene)
     try:
-        return motion.by(bench.engine, bench.settings(bench.scene))  # made for the mild scene, as a fixed step would be
+        return motion.by(bench.engine, bench.settings(bench.scene))  # those for the mild scene, like a fixed step
     except EngineFailure as failure:
         for words, (wrong, advice) in _UNSAID.items():
             if words in failure.cause:
@@ -57,20 +58,20 @@ def _leaves(bench: Bench) -> str:
     try:
         motion.by(reference, reference.settings_for(1e-3, motion.scene))
     except EngineFailure as failure:
-        known = failure.time
+        right_time = failure.time
     else:
         raise Unjudged("the slider stays on the follower in this scene")
-    found = _attempt(bench, motion)
-    if isinstance(found, Trajectory):
-        furthest = float(found["slider_position"].max())
+    result = _attempt(bench, motion)
+    if isinstance(result, Trajectory):
+        furthest = float(result["slider_position"].max())
         if furthest <= length * 1.001 and not bench.claims:
             return "coarse: it stays on in this model"
         cause = f"the run goes on as if nothing had happened; the slider is at {furthest:.4g} m of {length:.4g} m"
         raise Fault(cause, f"watch the slider's place: where it passes the length, {_RAISE}")
-    if abs(found.time - known) > _WHEN * known and bench.claims:
-        cause = f"it is said for t = {found.time:.4g} s, in reference the slider leaves at {known:.4g} s"
+    if abs(result.time - right_time) > _TIME_ERROR * right_time and bench.claims:
+        cause = f"it is said for t = {result.time:.4g} s, in reference the slider leaves at {right_time:.4g} s"
         raise Fault(cause, "`time` is that of the last good row, from the start of the simulation")
-    if found.partial is not None and found.partial["slider_position"].max() > 1.01 * length:
+    if result.partial is not None and result.partial["slider_position"].max() > 1.01 * length:
         raise Fault("rows behind the follower's end are kept in `partial`", "cut them where the slider leaves")
     return ""
 
@@ -82,22 +83,22 @@ def _impossible_start(bench: Bench) -> str:
     bent = CubicSpline(x, 0.45 * length * (x / length) ** 2)
     scene = changed(bench.scene, {"crank.length": length - bench.scene.pivot_distance - 1e-3})
     start = Start(math.pi, standard_start(scene).crank_speed, bent)
-    found = _attempt(bench, Motion(scene, duration=0.01, start=start))
-    if isinstance(found, Trajectory):
+    result = _attempt(bench, Motion(scene, duration=0.01, start=start))
+    if isinstance(result, Trajectory):
         cause = "a follower that is bent too much to reach the slider is simulated all the same"
         raise Fault(cause, "begin with engines.start_state.reconstruct, which raises EngineFailure")
-    if found.time != 0.0:
-        raise Fault(f"it fails at t = {found.time:g} s, not at 0", "raise EngineFailure in `prepare`, at time 0")
+    if result.time != 0.0:
+        raise Fault(f"it fails at t = {result.time:g} s, not at 0", "raise EngineFailure in `prepare`, at time 0")
     return ""
 
 
 def _explodes(bench: Bench) -> str:
     """Check a follower a thousand times as stiff, with settings for a soft one: a fixed step is unstable there."""
     scene = changed(bench.scene, {"follower.bending_stiffness": 2e4})
-    found = _attempt(bench, Motion(scene, duration=0.1))
-    if isinstance(found, EngineFailure):
-        return f"said: {found.cause}"
-    largest = float(np.abs(found["tip_deflection"]).max())
+    result = _attempt(bench, Motion(scene, duration=0.1))
+    if isinstance(result, EngineFailure):
+        return f"said: {result.cause}"
+    largest = float(np.abs(result["tip_deflection"]).max())
     if largest > 0.1 * scene.follower.length:
         raise Fault(f"a follower a thousand times as stiff bends by {largest:.3g} m, in silence", f"watch the size of the state: {_RAISE}")
     return ""

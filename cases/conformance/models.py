@@ -12,24 +12,24 @@ from quickreturn.cases.conformance.bench import Motion, solution
 from quickreturn.cases.conformance.checks import Array
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
-from quickreturn.cases.variation import Variation, imagined, value_at
+from quickreturn.cases.variation import Variation, possible_results, value_at
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, PrescribedSpeed, Scene, TorqueDrive
 
-#: Relative change of a quantity to see its effect; small enough for a proportional effect. The inertias of base and tip are small beside
-#: the follower's.
+#: Factor by which a quantity is changed to see its effect, which is then proportional; and that of the inertias of base and tip, which are
+#: small compared with the follower's.
 _TRIED: Final = 1.02
 _TRIED_OF_SMALL: Final = 2.0
-#: First factors of the search. The others are tried if the first finds nothing and a column is off by more than this part of itself,
-#: because only small mistakes have a proportional effect.
+#: Factors on a quantity from which the search begins. The others are tried if the first one leads to nothing and a column is off by more
+#: than the part `_SMALL` of itself, because only small mistakes have a proportional effect.
 _BEGIN: Final = (1.0, 1.3, 0.75)
 _SMALL: Final = 0.1
-#: Number of scenes that are tried for one quantity; the part of the difference that a first, proportional trial may leave; and the part
-#: that the result may leave.
+#: Largest number of steps of the search for one quantity.
 _ROUNDS: Final = 4
+#: Largest part of the difference that a proportional effect may leave for the search to go on, and the part at which it ends.
 _PROMISING: Final = 0.9
-_FOUND: Final = 0.02
+_EXPLAINED: Final = 0.02
 #: Common mistakes by a factor.
 _SIMPLE: Final = {0.5: "half", 2.0: "twice"}
 _SCALED: Final = (
@@ -37,7 +37,7 @@ _SCALED: Final = (
     "crank.inertia", "crank.center_of_mass", "crank.drive.torque", "crank.drive.damping", "crank.drive.initial_speed", "tip.mass",
     "tip.inertia", "base.inertia", "spin_up.speed", "spin_up.time",
 )  # fmt: skip
-#: The weighted difference that a scene makes.
+#: Scene -> the weighted difference of its motion from that of the scene asked for, column after column.
 Departure = Callable[[Scene], Array]
 
 
@@ -49,12 +49,12 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
         moves: columns of the engine.
         tolerances: tolerances of the columns; None: the engine does not say.
     """
-    known, scene = solution(motion), motion.scene
+    right, scene = solution(motion), motion.scene
     part, allowed = (0.01, dict[str, float]()) if tolerances is None else (1e-4, tolerances)
-    sizes = {name: rms(known[name]) for name in moves if rms(known[name]) > 0.0}
+    sizes = {name: rms(right[name]) for name in moves if rms(right[name]) > 0.0}
 
     def stacked(columns: Mapping[str, Array]) -> Array:
-        weighted = [(columns[name] - known[name]) / (part * size + allowed.get(name, 0.0)) for name, size in sizes.items()]
+        weighted = [(columns[name] - right[name]) / (part * size + allowed.get(name, 0.0)) for name, size in sizes.items()]
         return np.concatenate(weighted)
 
     def effect(other: Scene) -> Array:
@@ -63,12 +63,12 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     shown = stacked(moves)
     if rms(shown) <= 1.0:  # these columns are as good as they may be
         return None
-    small = all(rms(moves[name] - known[name]) <= _SMALL * size for name, size in sizes.items())
+    small = all(rms(moves[name] - right[name]) <= _SMALL * size for name, size in sizes.items())
     tried = list(_others(scene, effect))
     for begin in _BEGIN[:1] if small else _BEGIN:
         tried += _factors(scene, shown, effect, begin)
-        if found := explain(shown, 0.0 * shown, tried, noise=1.0):
-            return Finding(f"the motion is that with {found.words}", found.advice, found.left)
+        if explained := explain(shown, 0.0 * shown, tried, noise=1.0):
+            return Finding(f"the motion is that with {explained.words}", explained.advice, explained.remainder)
     return None
 
 
@@ -84,7 +84,7 @@ def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
     tried = [Variation(words, values) for words, values in others.items()]
     for path in _scaled(scene):
         tried += [Variation(f"{_key(path)} {words} as large", scaled={path: factor}) for factor, words in _SIMPLE.items()]
-    for words, values in imagined(scene, tried, effect):
+    for words, values in possible_results(scene, tried, effect):
         yield Hypothesis(words, _advice(words), values)
 
 
@@ -143,7 +143,7 @@ def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Ite
                 before, factor = there, factor + step
                 there = times(factor)
                 left = shown - there
-                if rms(left) <= _FOUND * rms(shown):
+                if rms(left) <= _EXPLAINED * rms(shown):
                     break
                 slope = (there - before) / step
             words = f"{_key(path)} {factor:.4g} times as large"

@@ -11,8 +11,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import DECISIVE, ROUNDING, Bench, Motion, bent_start, columns_of, solution, truth
-from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, looked_at, some
+from quickreturn.cases.conformance.bench import DECISIVE, ROUNDING, Bench, Motion, bent_start, compared_columns, solution, truth
+from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, check_by, some
 from quickreturn.cases.conformance.models import acts_as_if
 from quickreturn.cases.conformance.rows import output_steps, pieces
 from quickreturn.cases.conformance.scenes import OUTPUT_STEP, SOFT
@@ -26,17 +26,17 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism, Scene, changed
 
 _BENT_DURATION: Final = 0.25  # s
-#: Mistake -> the start that is left with it.
+#: Mistake -> the fields of the start that it changes.
 _IGNORED: Final[Mapping[str, Mapping[str, Any]]] = {
     "the start's deflection and its rate are ignored: the follower begins straight": {"deflection": None, "deflection_rate": None},
     "the start's deflection rate is ignored: the follower begins bent and is not bending": {"deflection_rate": None},
     "the start's deflection is ignored: the follower begins straight": {"deflection": None},
 }
-#: Part of the bend that a start may miss.
+#: Relative RMS difference of the later bend up to which no part of a bent start counts as ignored.
 _IGNORABLE: Final = 0.05
-#: A finer rung that leaves no more than this part of a difference shows that it comes from the resolution.
+#: A difference of which a finer rung leaves at most this part comes from the resolution.
 FALLS: Final = 0.7
-#: Largest number of wrong columns that are reported one by one, unless they are off by this many times their size.
+#: Largest number of unexplained columns that are reported one by one, unless one is off by `_WILD` times its size.
 _ONE_BY_ONE: Final = 3
 _WILD: Final = 1.0
 #: Smallest relative difference for which a column is called coarse.
@@ -46,85 +46,84 @@ _COARSE: Final = 0.02
 def motion(bench: Bench) -> Iterator[Check]:
     """All checks of a trajectory, in order."""
     try:
-        late, depending, found, model = amiss(bench)
+        late, depending, wrong_columns, model = mistakes_in_mild_scene(bench)
     except EngineFailure as failure:
         yield Check("a trajectory", "failed", f"none is delivered in a mild scene: {failure.cause}", failure.advice)
         return
     wrong = set(late)
-    yield looked_at("pieces continue", pieces, bench, wrong | set(depending))
+    yield check_by("pieces continue", pieces, bench, wrong | set(depending))
     yield from late.values()
-    yield from _columns(bench, bench.mild, "column", wrong, found, model)
+    yield from _columns(bench, bench.mild, "column", wrong, wrong_columns, model)
     yield from dict.fromkeys(check for column, check in depending.items() if column not in wrong)  # an explained column is reported once
     wrong.update(depending)
     yield from _identities(bench.run(bench.mild), bench.scene, wrong)
-    yield looked_at("first row of the standard start", _first_row, bench, bench.mild, wrong)
+    yield check_by("first row of the standard start", _first_row, bench, bench.mild, wrong)
     yield from _bent(bench, wrong)
 
 
-class Amiss(NamedTuple):
-    """The mistakes in the mild scene."""
+class MistakesInMildScene(NamedTuple):
+    """An engine's mistakes in the mild scene, by column."""
 
     late: Mapping[str, Check]  # columns that come late with a coarser output step
-    depending: Mapping[str, Check]  # columns that depend on it otherwise
-    found: Mapping[str, Finding]  # others that are wrong
-    model: Finding | None  # a mistake of the model that explains them
+    depending: Mapping[str, Check]  # columns that depend on the output step in another way
+    findings: Mapping[str, Finding]  # other wrong columns
+    model: Finding | None  # a mistake of the model that explains these findings
 
     @property
     def columns(self) -> frozenset[str]:
         """Columns whose own rows are wrong: no other check reports them again."""
-        explained = {name for name, finding in self.found.items() if finding.explained and self.model is None}
+        explained = {name for name, finding in self.findings.items() if finding.explained and self.model is None}
         return frozenset({*self.late, *self.depending, *explained})
 
     @property
     def motion(self) -> bool:
-        """Whether more than rows is wrong."""
-        return self.model is not None or not all(finding.explained for finding in self.found.values())
+        """Whether the motion itself is wrong, not only the rows of some columns."""
+        return self.model is not None or not all(finding.explained for finding in self.findings.values())
 
 
-def already_amiss(bench: Bench) -> Amiss:
-    """As `amiss`, for other checks; without other output steps if there is no time for them."""
-    return amiss(bench, steps=bench.seconds is None)
+def known_mistakes(bench: Bench) -> MistakesInMildScene:
+    """As `mistakes_in_mild_scene`, for other checks; without other output steps if the time is limited."""
+    return mistakes_in_mild_scene(bench, steps=bench.seconds is None)
 
 
 @functools.lru_cache(maxsize=1)
-def amiss(bench: Bench, *, steps: bool = True) -> Amiss:
-    """The mistakes in the mild scene's trajectory; `steps`: also with other output steps. Raises EngineFailure if there is none."""
+def mistakes_in_mild_scene(bench: Bench, *, steps: bool = True) -> MistakesInMildScene:
+    """The mistakes in the mild scene's trajectory, with `steps` also with other output steps. EngineFailure: there is no trajectory."""
     run, (late, depending) = bench.run(bench.mild), output_steps(bench) if steps else ({}, {})
-    found = findings(bench, bench.mild, late)
-    if len(found) < 2:
-        return Amiss(late, depending, found, None)
-    of_rows = {name for name in found if found[name].explained and len(found) == 2}
-    moves = {name: run[name] for name in columns_of(run, DECISIVE) if name not in late and name not in of_rows}
-    return Amiss(late, depending, found, acts_as_if(bench.mild, moves, bench.tolerances(bench.mild)))
+    wrong = findings(bench, bench.mild, late)
+    if len(wrong) < 2:
+        return MistakesInMildScene(late, depending, wrong, None)
+    of_rows = {name for name in wrong if wrong[name].explained and len(wrong) == 2}
+    moves = {name: run[name] for name in compared_columns(run, DECISIVE) if name not in late and name not in of_rows}
+    return MistakesInMildScene(late, depending, wrong, acts_as_if(bench.mild, moves, bench.tolerances(bench.mild)))
 
 
 def _columns(
-    bench: Bench, motion: Motion, kind: str, wrong: set[str], found: Mapping[str, Finding], model: Finding | None = None
+    bench: Bench, motion: Motion, kind: str, wrong: set[str], wrong_columns: Mapping[str, Finding], model: Finding | None = None
 ) -> Iterator[Check]:
     """Each column against `reference`; or the model, if it explains several at once."""
-    run, known = bench.run(motion), truth(motion).columns
-    off = {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known) if name not in wrong}
+    run, off = bench.run(motion), {name: error for name, error in bench.errors(motion).items() if name not in wrong}
     if model is not None:
-        worst = max(found, key=lambda name: off[name])
+        worst = max(wrong_columns, key=lambda name: off[name])
         yield Check(f"{kind}s together", "failed", f"{model.cause} ({worst} is off by {share_of(off[worst])})", model.advice)
         wrong.update(off)
         return
     before = sorted(wrong & set(run.columns))
     by_itself = "" if bench.tolerances(motion) is not None else ", and makes no claim that it is not"
-    puzzling = [name for name in found if not found[name].explained]
+    puzzling = [name for name in wrong_columns if not wrong_columns[name].explained]
     if len(puzzling) > _ONE_BY_ONE and all(off[name] < _WILD for name in puzzling):
         yield _together(f"{kind}s together", puzzling, off)
         wrong.update(puzzling)
-    told = [name for name in off if name in found and name not in wrong]
+    told = [name for name in off if name in wrong_columns and name not in wrong]
     wrong.update(told)
     for names in _of_a_kind(told):
-        cause, several = found[names[0]].cause, len(names) > 1
+        cause, several = wrong_columns[names[0]].cause, len(names) > 1
         more = f"; {len(names) - 1} more of {names[0]} to {names[-1]} are so, or wrong otherwise" if several else ""
-        yield Check(_named(kind, names), "failed", f"{cause}{more}", found[names[0]].advice)
+        yield Check(_named(kind, names), "failed", f"{cause}{more}", wrong_columns[names[0]].advice)
     passed = {name: f"coarse: {share_of(part)} from reference{by_itself}" if part > _COARSE else "" for name, part in off.items()}
-    right = [name for name in off if name not in found]
-    yield from (Check(f"{kind} {name}", "passed", passed[name]) for name in right if passed[name])
-    yield from (Check(_named(kind, names), "passed") for names in _of_a_kind([name for name in right if not passed[name]]))
+    agreeing = [name for name in off if name not in wrong_columns]
+    yield from (Check(f"{kind} {name}", "passed", passed[name]) for name in agreeing if passed[name])
+    yield from (Check(_named(kind, names), "passed") for names in _of_a_kind([name for name in agreeing if not passed[name]]))
     if before:
         yield Check(f"{kind} {some(before)}", "not judged", "they are wrong already", "mend those first")
 
@@ -149,59 +148,59 @@ def _together(check: str, names: Sequence[str], off: Mapping[str, float]) -> Che
 
 
 def findings(bench: Bench, motion: Motion, left_out: Iterable[str]) -> dict[str, Finding]:
-    """The mistake in each column."""
-    run, known, tolerances = bench.run(motion), truth(motion).columns, bench.tolerances(motion)
-    found: dict[str, Finding] = {}
-    for name in columns_of(run, known=known):
+    """The mistake in each wrong column, by its name; `left_out`: columns that are not looked at."""
+    run, right, tolerances = bench.run(motion), truth(motion).columns, bench.tolerances(motion)
+    wrong: dict[str, Finding] = {}
+    for name in compared_columns(run, right=right):
         if name not in left_out:
             tolerance = None if tolerances is None else tolerances[name]
-            finding = _diagnosed(name, run[name], known[name], tolerance, known, motion.scene)
+            finding = _diagnosed(name, run[name], right[name], tolerance, right, motion.scene)
             if finding is not None:
-                found[name] = finding
+                wrong[name] = finding
     if tolerances is None:
-        return _alike_in_all_places(found, run)
-    puzzling = [name for name, finding in found.items() if not finding.explained or finding.fitted]
+        return _alike_in_all_places(wrong, run)
+    puzzling = [name for name, finding in wrong.items() if not finding.explained or finding.fitted]
     if puzzling:
         for name in falling(bench, motion, puzzling):
-            del found[name]
-    return found
+            del wrong[name]
+    return wrong
 
 
-def _alike_in_all_places(found: dict[str, Finding], run: Trajectory) -> dict[str, Finding]:
+def _alike_in_all_places(wrong: dict[str, Finding], run: Trajectory) -> dict[str, Finding]:
     """Findings for a model without an error estimate; findings at places along the follower count only if all places show the same."""
-    kept = dict(found)
-    for names in _of_a_kind(columns_of(run)):
-        causes = {found[name].cause.removeprefix(name) if name in found else "" for name in names}
+    kept = dict(wrong)
+    for names in _of_a_kind(compared_columns(run)):
+        causes = {wrong[name].cause.removeprefix(name) if name in wrong else "" for name in names}
         if len(names) > 1 and len(causes) > 1:
             kept = {name: finding for name, finding in kept.items() if name not in names}
     return kept
 
 
 def falling(bench: Bench, motion: Motion, names: Iterable[str]) -> list[str]:
-    """Columns whose error depends on the resolution: the mistake is an estimate that is too small, which another check reports.
+    """Columns whose error falls with finer settings, or was larger with coarser ones.
 
-    It falls with finer settings, or was larger with coarser ones.
+    Their mistake is an estimate that is too small, which another check reports.
     """
-    run, known, left = bench.run(motion), truth(motion).columns, list(names)
+    run, right, left = bench.run(motion), truth(motion).columns, list(names)
     fallen, finest = list[str](), True
     for finer in bench.sharpened(motion):
         finest = False
-        fallen += [name for name in left if rms(finer[name] - known[name]) <= FALLS * rms(run[name] - known[name])]
+        fallen += [name for name in left if rms(finer[name] - right[name]) <= FALLS * rms(run[name] - right[name])]
         left = [name for name in left if name not in fallen]
         if not left:
             break
     if finest and (coarser := bench.coarsened(motion)) is not None:
-        fallen += [name for name in left if rms(run[name] - known[name]) <= FALLS * rms(coarser[name] - known[name])]
+        fallen += [name for name in left if rms(run[name] - right[name]) <= FALLS * rms(coarser[name] - right[name])]
     return fallen
 
 
 def _diagnosed(
-    name: str, found: Array, expected: Array, tolerance: float | None, beside: Mapping[str, Array], scene: Scene
+    name: str, found: Array, expected: Array, tolerance: float | None, right: Mapping[str, Array], scene: Scene
 ) -> Finding | None:
     """As `diagnose`; a column may also come late, whatever the output step."""
     off = rms(found - expected)
     late = lateness(found, expected) if off > ROUNDING * rms(expected) else ()
-    return diagnose(name, found, expected, tolerance, beside, scene, late)
+    return diagnose(name, found, expected, tolerance, right, scene, late)
 
 
 def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[Check]:
@@ -222,8 +221,8 @@ def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[
             yield Check(check, "not judged", f"{tainted[0]} is wrong already", "mend that first")
             continue
         inner = slice(3, -3)  # differences are one-sided at the ends
-        beside = {column: values[inner] for column, values in run.columns.items()}
-        finding = _diagnosed(name, run[name][inner], expected[inner], part * rms(expected[inner]), beside, scene)
+        columns = {column: values[inner] for column, values in run.columns.items()}
+        finding = _diagnosed(name, columns[name], expected[inner], part * rms(expected[inner]), columns, scene)
         yield Check(check, "passed") if finding is None else Check(check, "failed", finding.cause, finding.advice)
 
 
@@ -245,10 +244,10 @@ def _first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6
         "tip_deflection": float(b2 @ (tip - [scene.pivot_distance, 0.0])),
     }
     for name, value in expected.items():
-        found, second = map(float, run[name][:2])
-        if name not in wrong and abs(found - value) > part * (abs(start.crank_speed) if name == "crank_speed" else 1.0):
-            cause = f"{name} is {found:.6g} in the first row, the start puts it at {value:.6g}"
-            if abs(found - second) < abs(found - value) and name != "crank_speed":
+        first, second = map(float, run[name][:2])
+        if name not in wrong and abs(first - value) > part * (abs(start.crank_speed) if name == "crank_speed" else 1.0):
+            cause = f"{name} is {first:.6g} in the first row, the start puts it at {value:.6g}"
+            if abs(first - second) < abs(first - value) and name != "crank_speed":
                 cause += "; the first row is not the start"
             raise Fault(cause, "deliver the state of the start as the first row, before any step")
 
@@ -265,16 +264,16 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
         advice = "see engines.start_state.reconstruct: it closes the loop for any start"
         yield Check(check, "failed", f"it is not accepted: {cause}", advice)
         return
-    known, tolerances = truth(motion).columns, bench.tolerances(motion)
-    # a start is met as closely as the model can bend, which its own error of the deflection tells
-    deflection = rms(known["tip_deflection"])
+    right, tolerances = truth(motion).columns, bench.tolerances(motion)
+    # the model reproduces a bent start to about its own error of the deflection
+    deflection = rms(right["tip_deflection"])
     part = 0.5 * deflection if tolerances is None else tolerances["tip_deflection"] + 0.02 * deflection
-    first = looked_at(f"first row of {check}", _first_row, bench, motion, wrong, part)
+    first = check_by(f"first row of {check}", _first_row, bench, motion, wrong, part)
     if ignored := _ignored(run.columns, motion, start):
         yield Check(check, "failed", ignored, "see engines.start_state.reconstruct: it tells place and velocity of every point")
         return
     yield first
-    if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, soft)) < 0.3 * rms(_bow(known, soft)):
+    if not {"slider_position", "crank_angle"} & wrong and rms(_bow(run.columns, soft)) < 0.3 * rms(_bow(right, soft)):
         cause = "slider_position is the straight distance from the pivot, not the arc length"
         yield Check(f"{check}: slider_position", "failed", cause, "integrate along the bent centre line")
         wrong.add("slider_position")
@@ -286,18 +285,18 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
 
 def _ignored(run: Mapping[str, Array], motion: Motion, start: Start) -> str:
     """The part of a bent start that is ignored, recognised from the later bend; "" if none is."""
-    known = truth(motion).columns
+    right = truth(motion).columns
 
     def bend(columns: Mapping[str, Array]) -> Array:
-        return np.concatenate([columns[name] / rms(known[name]) for name in ("tip_deflection", "strain_1", "strain_2", "strain_3")])
+        return np.concatenate([columns[name] / rms(right[name]) for name in ("tip_deflection", "strain_1", "strain_2", "strain_3")])
 
-    if rms(bend(run) - bend(known)) <= _IGNORABLE:
+    if rms(bend(run) - bend(right)) <= _IGNORABLE:
         return ""
     others = (
         Hypothesis(cause, "", bend(solution(replace(motion, start=replace(start, **left_out))))) for cause, left_out in _IGNORED.items()
     )
-    found = explain(bend(run), bend(known), others, coarse=True)
-    return "" if found is None else found.words
+    explained = explain(bend(run), bend(right), others, coarse=True)
+    return "" if explained is None else explained.words
 
 
 def _to_slider(columns: Mapping[str, Array], scene: Mechanism) -> Array:

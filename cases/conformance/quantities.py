@@ -6,28 +6,29 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, solution, truth
-from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, looked_at, some
-from quickreturn.cases.conformance.motion import Amiss, already_amiss, falling, findings
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, solution, truth
+from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by, some
+from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, known_mistakes
 from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.conformance.together import together
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import share_of
-from quickreturn.cases.variation import imagined
+from quickreturn.cases.variation import possible_results
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, changed
 
 #: Part of the effect below which a quantity counts as without effect.
 _NONE: Final = 0.02
-#: Range of a quantity's effect in a coarse model, and the tolerance of its own effect.
+#: Accepted from an engine without an error estimate: the range of the ratio of a quantity's effect to the right one, and the largest
+#: difference of the effects, relative to the right one.
 _HALF_TO_DOUBLE: Final = (0.5, 2.0)
 _APART: Final = 0.9
-#: An effect that is off by this much is examined further, even if the engine's claim allows it.
+#: An effect with a larger relative error is examined further, even if the engine's claim allows it.
 _SUSPICIOUS: Final = 0.3
 #: Columns of the motion without the follower's bend: they show mistakes that a scene can only imitate as a whole.
 _RIGID: Final = ("crank_angle", "crank_speed", "follower_angle", "slider_position")
-#: Number of ignored quantities from which on the scene counts as ignored.
+#: Part of the quantities above which, if so many are ignored, the whole scene counts as ignored.
 _MOST: Final = 0.6
 _IGNORED: Final = "is ignored in silence: another value changes nothing"
 
@@ -35,7 +36,7 @@ _IGNORED: Final = "is ignored in silence: another value changes nothing"
 def quantities(bench: Bench) -> Iterator[Check]:
     """A check for each of `CHANGES`, and one of all together, which comes first if there is no time for all."""
     try:
-        wrong = already_amiss(bench)
+        wrong = known_mistakes(bench)
     except EngineFailure:
         yield Check("quantities", "not judged", "there is no trajectory in the mild scene", "mend that first")
         return
@@ -51,10 +52,10 @@ def quantities(bench: Bench) -> Iterator[Check]:
         yield from together(bench, wrong)
 
 
-def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
+def _each(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
     """A check for each of `CHANGES`; a single check if most are ignored."""
     told = set(wrong.columns)
-    checks = [looked_at(f"quantity {change.name}", followed, bench, bench.scene, change, wrong.motion, told) for change in CHANGES]
+    checks = [check_by(f"quantity {change.name}", followed, bench, bench.scene, change, wrong.motion, told) for change in CHANGES]
     ignored = [check for check in checks if check.cause.endswith(_IGNORED)]
     if len(ignored) > _MOST * len(checks):
         names = some([check.check.removeprefix("quantity ") for check in ignored])
@@ -67,10 +68,11 @@ def _each(bench: Bench, wrong: Amiss) -> Iterator[Check]:
 def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str]) -> str:
     """Check that the engine follows a change of a scene; its motion without the change is right or `wrong`.
 
-    Columns with wrong rows are reported once: those found here are added to `told`. Raises as a function for `looked_at` may.
+    Columns with wrong rows are reported once: those found here are added to `told`. Raises as a function for `check_by` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
-    if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and _of_drive(change):
+    of_drive = any(path.startswith("crank.drive.") for path in change.given)
+    if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and of_drive:
         return "refused: a driven crank is not modelled"
     context = changed(scene, change.context)
     before, after = Motion(context, change.duration), Motion(change.of(context), change.duration)
@@ -80,20 +82,20 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         bench.check(after.scene)
         runs = [bench.run(motion) for motion in (before, after)]
     except EngineFailure as failure:
-        kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # raised, returned: no adapter says so
+        kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # "raised" or "returned": words for what no adapter reports
         raise kind(f"with another value the run breaks down: {failure.cause}", failure.advice) from failure
-    found, known = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
-    names = list(columns_of(runs[0], DECISIVE, known[1]))
-    effect = _Effects(known, names)
-    shown, due = effect.between(*found), effect.between(*known)
+    given, right = (runs[0].columns, runs[1].columns), (solution(before), solution(after))
+    names = list(compared_columns(runs[0], DECISIVE, right[1]))
+    effect = _Effects(right, names)
+    shown, due = effect.between(*given), effect.between(*right)
     if rms(shown) <= _NONE * rms(due):
         raise Fault(f"{change.name} {_IGNORED}", advice)
     if left_out := told & set(names):
-        everything, effect = rms(due) * math.sqrt(len(names)), _Effects(known, [name for name in names if name not in left_out])
-        if not effect.names or rms(due := effect.between(*known)) * math.sqrt(len(effect.names)) <= _NONE * everything:
+        everything, effect = rms(due) * math.sqrt(len(names)), _Effects(right, [name for name in names if name not in left_out])
+        if not effect.names or rms(due := effect.between(*right)) * math.sqrt(len(effect.names)) <= _NONE * everything:
             raise Unjudged(f"it shows in {', '.join(sorted(left_out))} alone, whose rows are wrong already", "mend those first")
-        shown = effect.between(*found)
-    worst = _worst(bench, (before, after), [name for name in columns_of(runs[1], known=known[1]) if name not in told])
+        shown = effect.between(*given)
+    worst = _worst(bench, (before, after), [name for name in compared_columns(runs[1], right=right[1]) if name not in told])
     share = float(shown @ due / (due @ due))
     left = rms(shown - due) / rms(due)
     if worst == "" and left <= _SUSPICIOUS:
@@ -102,7 +104,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
     if worst and not wrong:
         _tell_of_rows(bench, after, told)
-    if mistake := _mistake(change, context, found, known, effect, worst, None if worst is None or wrong else share):
+    if mistake := _mistake(change, context, given, right, effect, worst, None if worst is None or wrong else share):
         raise Fault(mistake, advice)
     off = f"the effect is off by {share_of(left)}"
     if worst == "":
@@ -117,11 +119,11 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
 
 
 class _Effects:
-    """The effect of a change on columns, each relative to its effect in `reference`."""
+    """The effect of a change on columns, each relative to the column's range in `reference`."""
 
-    def __init__(self, known: Sequence[Mapping[str, Array]], names: Sequence[str]) -> None:
+    def __init__(self, right: Sequence[Mapping[str, Array]], names: Sequence[str]) -> None:
         self.names = list(names)
-        self._sizes = {name: max(rms(each[name] - np.mean(each[name])) for each in known) + 1e-6 * rms(known[1][name]) for name in names}
+        self._sizes = {name: max(rms(run[name] - np.mean(run[name])) for run in right) + 1e-6 * rms(right[1][name]) for name in names}
 
     def between(self, first: Mapping[str, Array], second: Mapping[str, Array], among: Iterable[str] | None = None) -> Array:
         """The effect as one array, column after column; `among`: these columns, None: all."""
@@ -129,16 +131,12 @@ class _Effects:
         return np.concatenate([(second[name] - first[name]) / self._sizes[name] for name in names]) if names else np.zeros(0)
 
 
-def _of_drive(change: Change) -> bool:
-    return any(path.startswith("crank.drive.") for path in change.given)
-
-
 def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:
     """Fault if only one or two columns are wrong with the change: then their rows are wrong, not the quantity."""
-    found = findings(bench, after, told)
-    if 0 < len(found) <= 2 and all(finding.explained for finding in found.values()):
-        told.update(found)
-        raise Fault("; ".join(finding.cause for finding in found.values()), next(iter(found.values())).advice)
+    wrong = findings(bench, after, told)
+    if 0 < len(wrong) <= 2 and all(finding.explained for finding in wrong.values()):
+        told.update(wrong)
+        raise Fault("; ".join(finding.cause for finding in wrong.values()), next(iter(wrong.values())).advice)
 
 
 def _worst(bench: Bench, motions: Sequence[Motion], names: Sequence[str]) -> str | None:
@@ -160,18 +158,18 @@ def _error(bench: Bench, motions: Sequence[Motion], name: str) -> Array:
 def _mistake(
     change: Change,
     context: Scene,
-    found: tuple[Mapping[str, Array], Mapping[str, Array]],
-    known: tuple[Mapping[str, Array], Mapping[str, Array]],
+    given: tuple[Mapping[str, Array], Mapping[str, Array]],
+    right: tuple[Mapping[str, Array], Mapping[str, Array]],
     effect: _Effects,
     worst: str | None,
     share: float | None,
 ) -> str:
     """The engine's mistake with the quantity, in words; "" if no simple mistake explains it."""
-    scenes = list(imagined(context, change.mistakes(), lambda scene: solution(Motion(scene, change.duration))))
+    scenes = list(possible_results(context, change.mistakes(), lambda scene: solution(Motion(scene, change.duration))))
     for among in (None, _RIGID) if worst else (None,):
-        shown, due = (effect.between(first, second, among) for first, second in (found, known))
+        shown, due = (effect.between(first, second, among) for first, second in (given, right))
         tried = [Hypothesis(f"{change.name} acts with the wrong sign", "", -due)]
-        tried += [Hypothesis(words, "", effect.between(known[0], columns, among)) for words, columns in scenes]
+        tried += [Hypothesis(words, "", effect.between(right[0], columns, among)) for words, columns in scenes]
         if share is not None and among is None:
             words = f"{change.name} acts {share:.3g} times as strongly as it should"
             tried.append(Hypothesis(words, "", share * due, fitted=True))

@@ -11,8 +11,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, columns_of, found_engine, solution
-from quickreturn.cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, looked_at
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, engine_from, solution
+from quickreturn.cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, check_by
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.isolation import STOPPED
@@ -25,8 +25,8 @@ from quickreturn.reference_model.mechanism import Mechanism, changed
 _DURATION: Final = 0.1  # s
 #: Relative difference that is allowed in a column.
 _SAME: Final = 1e-6
-#: Allowed difference as a part of the engine's own error, by what its estimate covers. Different last digits lead a step size control to
-#: other steps, and the integration's error to another value of the same size; this is a small part of the whole error.
+#: Allowed difference as a part of the engine's own error, by what its estimate covers. With different last digits a step size control takes
+#: other steps, so that the integration's error has another value of the same size, which is a small part of the total error.
 _OF_ERROR: Final = {"total": 0.02, "integration": 1.0, "unverified": 0.02}
 #: Part of a scene -> its change, which reveals a kept state.
 PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
@@ -37,52 +37,52 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
 _FIRST: Final = "the mild scene"
 _KEEP: Final = "keep nothing between runs: no class attribute, module variable, random number or clock"
 
-#: Results of each scene in a process: columns, or why there are none.
-Found = Mapping[str, Mapping[str, Array]]
+#: Scene -> its columns in a process.
+Results = Mapping[str, Mapping[str, Array]]
 
 
 @dataclasses.dataclass(frozen=True)
-class Elsewhere:
+class OtherProcesses:
     """Results of an engine in other processes."""
 
     # each scene after the others, in one process; the mild scene again, and once more at the end
-    in_turn: Found = dataclasses.field(default_factory=dict)
-    alone: Found = dataclasses.field(default_factory=dict)  # each scene in a process of its own, the mild one twice
+    in_turn: Results = dataclasses.field(default_factory=dict)
+    alone: Results = dataclasses.field(default_factory=dict)  # each scene in a process of its own, the mild one twice
     reason: str = ""  # why there are no results; "" if there are
 
 
-NOT_TRIED: Final = Elsewhere(reason="not tried")
+NOT_TRIED: Final = OtherProcesses(reason="not tried")
 
 
 def scenes_in_turn(engine: AnyEngine | str) -> dict[str, dict[str, Array]]:
     """Columns of the mild scene, of the same again, of each of `PARTS` changed, and of the mild scene after them."""
-    found = found_engine(engine)
-    return {name: _columns(found, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
+    tested = engine_from(engine)
+    return {name: _columns(tested, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
 
 
 def one_scene(engine: AnyEngine | str, name: str) -> dict[str, Array]:
-    """Columns of one of these scenes."""
-    return _columns(found_engine(engine), name)
+    """Columns of the scene with one of `PARTS` changed, or of the mild scene for any other name."""
+    return _columns(engine_from(engine), name)
 
 
-def elsewhere(engine: AnyEngine | str, seconds: float | None = None) -> Elsewhere:
+def elsewhere(engine: AnyEngine | str, seconds: float | None = None) -> OtherProcesses:
     """Results of the engine in separate processes; `seconds`: limit of wall time for each, None: no limit."""
     try:
         pickle.dumps(engine)
     except Exception as error:  # of whatever kind pickle makes it
-        return Elsewhere(reason=f"pickle raised {type(error).__name__}: {error}")
+        return OtherProcesses(reason=f"pickle raised {type(error).__name__}: {error}")
     limits = None if seconds is None else Limits(seconds, default_limits().memory)
-    if found_engine(engine).compiles:  # compiled and loaded code may differ in the last digits: all processes shall load it
+    if engine_from(engine).compiles:  # compiled and loaded code may differ in the last digits: all processes shall load it
         answers(LocalProcesses(1, limits), [Job("compiling", one_scene, (engine, _FIRST))], "other processes")
     names = (_FIRST, "in another process", *PARTS)
     jobs: list[Job[Any]] = [Job("scenes in turn", scenes_in_turn, (engine,)), *(Job(name, one_scene, (engine, name)) for name in names)]
     first, *others = answers(LocalProcesses(2, limits), jobs, "other processes")
     for outcome in (first, *others):
         if outcome.failure.startswith(STOPPED):
-            return Elsewhere(reason=f"{LEFT_OUT}: it was {outcome.failure}")
+            return OtherProcesses(reason=f"{LEFT_OUT}: it was {outcome.failure}")
         if outcome.value is None:
-            return Elsewhere(reason=outcome.explanation)
-    return Elsewhere(first.value or {}, {name: outcome.value or {} for name, outcome in zip(names, others, strict=True)})
+            return OtherProcesses(reason=outcome.explanation)
+    return OtherProcesses(first.value or {}, {name: outcome.value or {} for name, outcome in zip(names, others, strict=True)})
 
 
 def _scene(bench: Bench, name: str) -> Mechanism:
@@ -92,10 +92,10 @@ def _scene(bench: Bench, name: str) -> Mechanism:
 def _columns(engine: AnyEngine, name: str) -> dict[str, Array]:
     bench = Bench(engine)
     run = Motion(_scene(bench, name), _DURATION).by(engine, bench.settings(bench.scene))
-    return {column: run[column] for column in columns_of(run)}
+    return {column: run[column] for column in compared_columns(run)}
 
 
-def repetition(bench: Bench, other: Elsewhere) -> Iterator[Check]:
+def repetition(bench: Bench, other: OtherProcesses) -> Iterator[Check]:
     """Checks of the same scene again, after other scenes, and in another process."""
     if other.reason.startswith(LEFT_OUT):
         yield Check("twice the same", "not judged", other.reason, "try it without --quick")
@@ -103,20 +103,20 @@ def repetition(bench: Bench, other: Elsewhere) -> Iterator[Check]:
     if other.reason:
         # a class that exists in this process alone: its last digits may depend on threads, which its own error covers
         try:
-            in_turn: Found = {name: _columns(bench.engine, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
+            in_turn: Results = {name: _columns(bench.engine, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
         except EngineFailure as failure:
             yield Check("twice the same", "not judged", failure.cause, failure.advice)
             return
     else:
         in_turn = other.in_turn
-    yield looked_at("twice the same", _same, bench, in_turn[_FIRST], in_turn["the second time"], "the second time")
-    yield looked_at("the same behind another scene", _same, bench, in_turn[_FIRST], in_turn["behind other scenes"], "behind other scenes")
-    yield looked_at("the same from another process", _same_there, bench, other)
+    yield check_by("twice the same", _same, bench, in_turn[_FIRST], in_turn["the second time"], "the second time")
+    yield check_by("the same behind another scene", _same, bench, in_turn[_FIRST], in_turn["behind other scenes"], "behind other scenes")
+    yield check_by("the same from another process", _same_there, bench, other)
     for part in PARTS:
         if other.reason:
             yield Check(f"nothing kept of an earlier {part}", "not judged", "it takes other processes")
         else:
-            yield looked_at(f"nothing kept of an earlier {part}", _nothing_kept, bench, part, in_turn[part], other.alone[part])
+            yield check_by(f"nothing kept of an earlier {part}", _nothing_kept, bench, part, in_turn[part], other.alone[part])
 
 
 def _same(bench: Bench, first: Mapping[str, Array], second: Mapping[str, Array], when: str) -> None:
@@ -140,7 +140,7 @@ def _differing(first: Mapping[str, Array], second: Mapping[str, Array], errors: 
     return ""
 
 
-def _same_there(bench: Bench, other: Elsewhere) -> None:
+def _same_there(bench: Bench, other: OtherProcesses) -> None:
     """Fault if two processes differ, or if there is none; Unjudged if the class does not exist there."""
     if other.reason:
         words = other.reason.lower()

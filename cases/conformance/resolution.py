@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import Final
 
 from quickreturn.cases.conformance.bench import Bench, Truth, truth
-from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
-from quickreturn.cases.conformance.motion import Amiss, already_amiss
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by
+from quickreturn.cases.conformance.motion import MistakesInMildScene, known_mistakes
+from quickreturn.cases.conformance.scenes import OUTPUT_STEP
 from quickreturn.cases.conformance.settings import settings_at_work, stated_errors
 from quickreturn.engines.base import Comparison, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED
@@ -15,7 +16,7 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.simple import SimpleEngine
 
-#: Largest number of rungs of a ladder: half of the number of settings in the longest of this project.
+#: Largest number of rungs of a ladder.
 _MOST_RUNGS: Final = 200
 #: Accuracy of coarse settings, or the engine's default if that is coarser.
 _COARSE: Final = 0.05
@@ -23,10 +24,11 @@ _COARSE: Final = 0.05
 _RUN: Final = 3
 _SLOW: Final = 5.0
 #: Largest ratio of an error to its estimate in the mild scene, by what the estimate covers: errors of an integration with adaptive steps
-#: scatter. Largest ratio of a finer rung's error to a coarser one's: some are better than expected by chance.
+#: scatter.
 _MISSED: Final = {"total": 1.5, "integration": 2.5}
+#: Largest ratio of a finer rung's error to a coarser one's: some rungs are better than expected by chance.
 _WORSE: Final = 1.1
-#: Errors of the tip deflection below this are not compared: they are errors of the integration.
+#: Smaller relative errors of the tip deflection are not compared: they are errors of the integration.
 _NOISE: Final = 5e-5
 #: An order or factor is as stated within this factor.
 _ABOUT: Final = 2.5
@@ -35,22 +37,22 @@ _ABOUT: Final = 2.5
 def resolution(bench: Bench) -> Iterator[Check]:
     """All checks of the ladder."""
     coarse, default = bench.engine.settings_for(max(_COARSE, bench.engine.default_accuracy), bench.scene), bench.settings(bench.scene)
-    yield looked_at("ladder: ends", _ends, bench, coarse)
+    yield check_by("ladder: ends", _ends, bench, coarse)
     try:
-        wrong, known = already_amiss(bench), _truth(bench)
-        errors, above = _climb(bench, known, coarse, _RUN), _climb(bench, known, default, 2)
-        finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), known)
+        wrong, right = known_mistakes(bench), _truth(bench)
+        errors, above = _climb(bench, right, coarse, _RUN), _climb(bench, right, default, 2)
+        finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), right)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
         return
-    yield looked_at("ladder: gets finer", _gets_finer, errors, above, wrong)
-    yield looked_at("ladder: a smaller accuracy is finer", _smaller_accuracy, bench, errors[0], finer)
+    yield check_by("ladder: gets finer", _gets_finer, errors, above, wrong)
+    yield check_by("ladder: a smaller accuracy is finer", _smaller_accuracy, bench, errors[0], finer)
     for words, chosen in {"coarse settings": coarse, "default settings": default}.items():
         if words == "default settings" or chosen != default:
-            yield looked_at(f"estimates hold, {words}", _estimates, bench, chosen, wrong)
+            yield check_by(f"estimates hold, {words}", _estimates, bench, chosen, wrong)
     yield from settings_at_work(bench)
     if isinstance(bench.engine, SimpleEngine):
-        yield looked_at("ladder: stated errors", stated_errors, bench.engine, bench.seconds)
+        yield check_by("ladder: stated errors", stated_errors, bench.engine, bench.seconds)
 
 
 def _ends(bench: Bench, settings: Settings) -> str:
@@ -72,33 +74,33 @@ def _truth(bench: Bench) -> Truth:
         return truth(bench.mild)
     settings = bench.settings(bench.scene)
     for _ in range(_RUN):
-        settings = bench.engine.finer(settings, (2.0,), 1e-3) or settings
+        settings = bench.engine.finer(settings, (2.0,), OUTPUT_STEP) or settings
     return Truth(bench.run(bench.mild, settings).columns, {})
 
 
-def _error(bench: Bench, settings: Settings, known: Truth) -> float:
+def _error(bench: Bench, settings: Settings, right: Truth) -> float:
     """Relative error of the tip deflection."""
-    right = known.columns["tip_deflection"]
-    return rms(bench.run(bench.mild, settings)["tip_deflection"] - right) / (rms(right) or 1.0)
+    deflection = right.columns["tip_deflection"]
+    return rms(bench.run(bench.mild, settings)["tip_deflection"] - deflection) / (rms(deflection) or 1.0)
 
 
-def _climb(bench: Bench, known: Truth, settings: Settings, most: int) -> list[float]:
+def _climb(bench: Bench, right: Truth, settings: Settings, most: int) -> list[float]:
     """Errors of the tip deflection from rung to rung, of at most `most` rungs; it stops after a rung that takes long."""
-    errors = [_error(bench, settings, known)]
+    errors = [_error(bench, settings, right)]
     while len(errors) < most and bench.run(bench.mild, settings).solve_seconds <= _SLOW:
         finer = bench.finer(bench.scene, settings)
         if finer is None:
             break
         settings = finer
-        errors.append(_error(bench, settings, known))
+        errors.append(_error(bench, settings, right))
     return errors
 
 
-def _gets_finer(errors: list[float], above: list[float], wrong: Amiss) -> str:
+def _gets_finer(errors: list[float], above: list[float], wrong: MistakesInMildScene) -> str:
     """Check that errors fall from the coarsest rung on, and above the default."""
-    for found in (errors, above):
-        if any(after > max(_WORSE * before, 0.3 * errors[0], _NOISE) for before, after in itertools.pairwise(found)):
-            cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {_listed(found)}"
+    for rungs in (errors, above):
+        if any(after > max(_WORSE * before, 0.3 * errors[0], _NOISE) for before, after in itertools.pairwise(rungs)):
+            cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {_listed(rungs)}"
             raise Fault(cause, "return settings with a smaller error; look at the direction of steps and sizes")
     if len(errors) == 1:
         raise Unjudged("there is no rung above the coarsest, or it takes long")
@@ -123,24 +125,24 @@ def _smaller_accuracy(bench: Bench, coarse: float, picked: float) -> str:
     return f"errors {coarse:.2g} and {picked:.2g}"
 
 
-def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:
+def _estimates(bench: Bench, settings: Settings, wrong: MistakesInMildScene) -> str:
     of = bench.engine.estimates
     if of == "unverified":
         raise Unjudged("the engine states that its estimates are not verified")
-    pairs = bench.engine.comparisons(settings, bench.scene, 1e-3)
-    found = bench.estimates(bench.mild, settings)
-    if found is None:
+    pairs = bench.engine.comparisons(settings, bench.scene, OUTPUT_STEP)
+    estimates = bench.estimates(bench.mild, settings)
+    if estimates is None:
         raise Unjudged(f"no estimate can be made of {settings}", "let `comparisons` name a run that is not the same and completes")
-    known, run = _truth(bench), bench.run(bench.mild, settings)
-    if of == "integration" and _error(bench, settings, known) < _NOISE:
+    right, run = _truth(bench), bench.run(bench.mild, settings)
+    if of == "integration" and _error(bench, settings, right) < _NOISE:
         return "the integration's error is too small to be measured"
     missed, allowed = {}, _MISSED[of]
     for column in (name for name in ESTIMATED if name not in wrong.columns):
-        size = rms(known.columns[column])
-        error, estimate = rms(run[column] - known.columns[column]), found[column]
-        if size > 0.0 and error > allowed * estimate + 3.0 * known.uncertainty.get(column, 0.0) and error > _NOISE * size:
+        size = rms(right.columns[column])
+        error, estimate = rms(run[column] - right.columns[column]), estimates[column]
+        if size > 0.0 and error > allowed * estimate + 3.0 * right.uncertainty.get(column, 0.0) and error > _NOISE * size:
             missed[column] = (error / max(estimate, 1e-300), error / size, estimate / size)
-    single = _factor_shown(bench, pairs, known) if len(pairs) == 1 else None
+    single = _factor_shown(bench, pairs, right) if len(pairs) == 1 else None
     stated = pairs[0].factor if len(pairs) == 1 else math.nan
     if single is not None and (single > 1.0) != (stated > 1.0) and not 1.0 / _ABOUT < single < _ABOUT:
         cause = f"the factor of `comparisons` is upside down, overclaimed if above 1: {stated:g}, the errors' ratio is {single:.3g}"
@@ -156,14 +158,14 @@ def _estimates(bench: Bench, settings: Settings, wrong: Amiss) -> str:
             cause = f"the factor {stated:g} of `comparisons` is overclaimed: the errors' ratio is {single:.3g}; {cause}"
         advice = "state the factor that runs show: error of `other` over that of `run`, on the safe side; or compare with a finer run"
         raise Fault(cause, advice)
-    relative = found["tip_deflection"] / (rms(known.columns["tip_deflection"]) or 1.0)
-    return f"error {_error(bench, settings, known):.2g}, estimate {relative:.2g}"
+    relative = estimates["tip_deflection"] / (rms(right.columns["tip_deflection"]) or 1.0)
+    return f"error {_error(bench, settings, right):.2g}, estimate {relative:.2g}"
 
 
-def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], known: Truth) -> float | None:
+def _factor_shown(bench: Bench, pairs: tuple[Comparison, ...], right: Truth) -> float | None:
     """Ratio of the other run's error to the run's, for the tip deflection; None if one of them is within the noise."""
     try:
-        error, other = (_error(bench, settings, known) for settings in (pairs[0].run, pairs[0].other))
+        error, other = (_error(bench, settings, right) for settings in (pairs[0].run, pairs[0].other))
     except EngineFailure:
         return None
     return other / error if error > 0.2 * _NOISE else None

@@ -7,11 +7,12 @@ from typing import Final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.conformance.bench import Bench, columns_of, solution
+from quickreturn.cases.conformance.bench import Bench, compared_columns, solution
 from quickreturn.cases.conformance.checks import Array, Check, Fault, LeftOut, some
 from quickreturn.cases.conformance.scenes import OUTPUT_STEP
 from quickreturn.cases.explanation import explain
 from quickreturn.cases.mistakes import IN_TIME, lateness, share_of
+from quickreturn.cases.units import in_si
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
@@ -37,7 +38,8 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
     tolerances, run = bench.tolerances(bench.mild), bench.run(bench.mild)
     name = "the same with another output step"
     for times in _STEPS:
-        step, told = times * OUTPUT_STEP, f"{times:g} ms between rows in place of {1e3 * OUTPUT_STEP:g}"
+        step, ms = times * OUTPUT_STEP, in_si("ms")
+        told = f"{step / ms:g} ms between rows in place of {OUTPUT_STEP / ms:g}"
         rows = int((len(run) - 1) // times) if times == _STEPS[0] else _ROWS
         motion = replace(bench.mild, duration=step * rows, output_step=step)
         try:
@@ -47,14 +49,14 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
         except EngineFailure as failure:
             return late | {"time": Check(name, "failed", f"with {told}: {failure.cause}", failure.advice)}, depending
         changed = dict[str, float]()
-        known, right = solution(motion), solution(bench.mild)
-        for column in columns_of(run, known=right):
+        exact, right = solution(motion), solution(bench.mild)
+        for column in compared_columns(run, right=right):
             if column in late or column in depending:
                 continue
             fine, at = run[column], times * np.arange(len(there), dtype=np.float64)
             expected = CubicSpline(np.arange(len(fine)), fine)(at)
             off = rms(there[column] - expected)
-            blurred = max(rms(known[column] - CubicSpline(np.arange(len(fine)), right[column])(at)), _roughness(fine) if times % 1 else 0.0)
+            blurred = max(rms(exact[column] - CubicSpline(np.arange(len(fine)), right[column])(at)), _roughness(fine) if times % 1 else 0.0)
             if off <= allowed(column, fine, tolerances, 1e-4) + _INTERPOLATED * blurred:
                 continue
             mistakes = lateness(there[column], there[column], np.array([at, np.full(len(at), times - 1.0)]), fine)
@@ -80,7 +82,7 @@ def _changed(name: str, told: str, shares: Mapping[str, float]) -> dict[str, Che
 
 
 def allowed(column: str, values: Array, tolerances: Mapping[str, float] | None, part: float, times: float = 1.0) -> float:
-    """Allowed difference of a column from another run's: the engine's estimate, and a part of the column's range."""
+    """Allowed difference of a column from another run's, in its unit: `times` its tolerance, or `part` of its range if that is more."""
     return _SAME * _swing(values) if tolerances is None else max(times * tolerances.get(column, 0.0), part * _swing(values))
 
 
@@ -120,7 +122,7 @@ def pieces(bench: Bench, wrong: Iterable[str]) -> None:
             raise Fault(cause, "add the duration to it in each advance")
         off = [
             column
-            for column in columns_of(run)
+            for column in compared_columns(run)
             if rms(piece[column] - run[column][begin : begin + len(piece)])
             > max(allowed(column, run[column], tolerances, 1e-3, 3.0), 1e-12)
             if column not in wrong

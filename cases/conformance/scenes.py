@@ -16,7 +16,7 @@ from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechani
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
-SPEED: Final = 12.0  # rad/s
+SPEED: Final = 12.0  # of the crank, rad/s
 
 _TIP: Final = Tip(mass=0.05, inertia=2e-6)
 BASE: Final = Mechanism(
@@ -46,23 +46,23 @@ PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
 
 @dataclass(frozen=True)
 class Change(Variation):
-    """A quantity of the scene, by its key in a case file, with a new value that an engine must follow."""
+    """A quantity of the scene, named by its key in a case file, with a new value that an engine must follow."""
 
     # other values that the quantity needs to have an effect, before and after the change
     context: dict[str, Any] = dataclasses.field(default_factory=dict)
-    # mistakes with it: words -> the scene with the mistake
+    # mistake with the quantity, in words -> values with which the scene behaves as with this mistake
     alike: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
     duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
 
     def mistakes(self) -> list[Variation]:
         """The scene with each mistake of `alike`, and with the quantity half and twice as large."""
-        found = [Variation(words, values) for words, values in self.alike.items()]
+        mistakes = [Variation(words, values) for words, values in self.alike.items()]
         if len(self.given) == 1:
             ((path, value),) = self.given.items()
             if isinstance(value, float) and math.isfinite(value):
                 half_and_twice = {"half": 0.5 * value, "twice": 2.0 * value}.items()
-                found += [Variation(f"{self.name} acts as if it was {words} as large", {path: other}) for words, other in half_and_twice]
-        return found
+                mistakes += [Variation(f"{self.name} acts as if it was {words} as large", {path: other}) for words, other in half_and_twice]
+        return mistakes
 
 
 #: A crank of the same inertia without a first moment.
@@ -73,9 +73,10 @@ _SOFTER_JOINT: Final = {"slider.joint_stiffness": 2e3}
 _TWO_ROLLERS: Final = {"slider.joint_stiffness_plus": 2e4, "slider.joint_stiffness_minus": 2e4}
 _EXCHANGED: Final = "the stiffness of the two rollers is exchanged"
 _GENTLE_FRICTION: Final = {"slider.friction_speed": 0.1}
-#: Less than half a turn (s), in which the slider does not turn back; enough for damping that makes small steps of explicit solvers. Where
-#: the crank starts so that the slider moves outwards.
+#: Duration, s, of less than half a turn, in which the slider does not turn back; it is also long enough for a damping with which explicit
+#: solvers need small steps.
 _ONE_WAY: Final = 0.2
+#: Start angle of the crank, rad, from which the slider moves outwards.
 _OUTWARDS: Final = {"crank.initial_angle": 0.2}
 _TOOL: Final = {"tip.force": (0.0, 1.5)}
 _SLOT: Final = {"tip.force_from": math.radians(200.0), "tip.force_to": math.radians(300.0)}
@@ -149,7 +150,7 @@ CHANGES: Final = (
             "follower.damping is taken for the damping of the base": {"base.damping": 8.0},
             "follower.damping acts on velocities in the fixed frame, not relative to the base": {
                 "follower.damping": 8.0,
-                "base.damping": 8.0 * BASE.follower.length**3 / 3.0,  # what a follower that turns as a whole makes of it
+                "base.damping": 8.0 * BASE.follower.length**3 / 3.0,  # its moment on a follower that turns as a rigid body
             },
         },
     ),
@@ -207,7 +208,7 @@ CHANGES: Final = (
     Change("slider.friction_speed", {"slider.friction_speed": 0.8}, {"slider.friction_force": 2.0}),
 )  # fmt: skip
 
-#: A softer follower, which bends by 10 mm: exact geometry shows.
+#: A softer follower (N m^2), which bends by 10 mm, so that mistakes of the geometry show.
 SOFT: Final = {"follower.bending_stiffness": 8.0}
-#: Time (s) until its state serves as a start: the follower is bent and its bend changes.
+#: Time, s, after which its state serves as a bent start in motion.
 UNTIL_BENT: Final = 0.2

@@ -11,7 +11,7 @@ import numpy as np
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.conformance.bench import Bench, Motion, solution
-from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by
 from quickreturn.cases.conformance.together import everything
 from quickreturn.cases.jobs.display import span
 from quickreturn.engines.base import EngineFailure
@@ -22,15 +22,16 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 #: Duration of the runs that compare settings, s: 50 rows.
 _DURATION: Final = 0.05
-#: Factors by which a number is changed until it has an effect; zero becomes this part of the largest accepted value.
+#: Factors by which a number is changed until it has an effect; zero becomes the part `_OF_ZERO` of the largest accepted value.
 _FACTORS: Final = (0.5, 2.0, 0.01, 100.0)
 _OF_ZERO: Final = 0.1
-#: Ratio of run times that counts as a change, and the number of runs of which the shortest counts.
+#: Least ratio of run times that counts as a change; each is the shortest of `_TIMED` runs.
 _COST: Final = 1.5
 _TIMED: Final = 3
-#: Case and duration (s) for which the errors of a `SimpleEngine` are stated, and the time in which one may be measured.
+#: Case and duration (s) for which the errors of a `SimpleEngine` are stated.
 _MEASURED_IN: Final = "thesis-24"
 _MEASURED_OVER: Final = 2.0
+#: Longest wall time, s, for the measurement of one of them.
 _AFFORDABLE: Final = 60.0
 #: Largest ratio of a measured error to the stated one.
 _UNDERSTATED: Final = 1.5
@@ -39,10 +40,11 @@ _UNDERSTATED: Final = 1.5
 def settings_at_work(bench: Bench) -> Iterator[Check]:
     """A check for each setting."""
     for field in dataclasses.fields(bench.engine.settings_type):
-        yield looked_at(f"setting {field.name}", _does_something, bench, field)
+        yield check_by(f"setting {field.name}", _does_something, bench, field)
 
 
 def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
+    """Check that another value of a setting changes the motion or its cost."""
     tried = list[Any]()
     for scene, settings in _where_it_may_act(bench):
         motion = Motion(scene, _DURATION)
@@ -74,7 +76,8 @@ def _where_it_may_act(bench: Bench) -> Iterator[tuple[Mechanism, Settings]]:
 
 def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Settings]) -> bool:
     """Whether two runs differ in cost: by the counts of their solvers, or by their times if these count nothing."""
-    counts = [{key: value for key, value in bench.run(motion, each).statistics.items() if not key.endswith("seconds")} for each in settings]
+    statistics = (bench.run(motion, each).statistics for each in settings)
+    counts = [{key: value for key, value in of_run.items() if not key.endswith("seconds")} for of_run in statistics]
     if any(counts):
         return counts[0] != counts[1]
     plain, other = (min(motion.by(bench.engine, each).solve_seconds for _ in range(_TIMED)) for each in settings)
@@ -83,21 +86,21 @@ def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Set
 
 def _others(field: "dataclasses.Field[Any]", present: Any) -> Iterator[Any]:
     """Other accepted values of a setting."""
-    known: Mapping[str, Any] = field.metadata
+    accepted: Mapping[str, Any] = field.metadata
     if isinstance(present, bool):
         yield not present
     elif isinstance(present, (int, float)):
-        low, high = known.get("low", -np.inf), known.get("high", np.inf)
+        low, high = accepted.get("low", -np.inf), accepted.get("high", np.inf)
         candidates = [factor * present for factor in _FACTORS] if present else [_OF_ZERO * high, _OF_ZERO**2 * high]
-        kept = [min(max(value, low), high) for value in candidates if np.isfinite(value)]
+        within = [min(max(value, low), high) for value in candidates if np.isfinite(value)]
         kind = type(present)
-        yield from (value for value in dict.fromkeys(kind(value) for value in kept) if value != present)
+        yield from (value for value in dict.fromkeys(kind(value) for value in within) if value != present)
     else:
-        yield from (choice for choice in known.get("choices", ()) if choice != present)
+        yield from (choice for choice in accepted.get("choices", ()) if choice != present)
 
 
 def stated_errors(engine: SimpleEngine, seconds: float | None) -> str:
-    """The error of the coarsest resolution, in run 24 over two seconds as `SimpleEngine.errors` are defined."""
+    """Check the stated error of the coarsest resolution, in run 24 over two seconds as `SimpleEngine.errors` are defined."""
     resolution, stated = min(engine.errors.items())
     scene = load_case(_MEASURED_IN).mechanism
     engine.check(scene)

@@ -4,12 +4,11 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from quickreturn.cases.conformance.bench import Bench, Motion, columns_of, truth
-from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, looked_at, some
-from quickreturn.cases.conformance.motion import Amiss, findings
+from quickreturn.cases.conformance.bench import Bench, Motion
+from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by, some
+from quickreturn.cases.conformance.motion import MistakesInMildScene, findings
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism, changed
 
 #: Duration of the motion, s: three quarters of a turn.
@@ -36,32 +35,32 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "base.friction_torque": {"base.friction_torque": 0.03},
     "follower.material_damping": {"follower.material_damping": 1e-3},
 }  # fmt: skip
-#: Largest part of an error that may remain without a quantity that contributes to it.
+#: Largest part of an error that remains if a quantity that causes it is left out of the scene.
 _VANISHES: Final = 0.3
 _NAME: Final = "quantities together"
 
 
-def together(bench: Bench, wrong: Amiss) -> Iterator[Check]:
+def together(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
     """Check the scene with everything: its columns, and the quantities that are wrong together."""
     if wrong.motion:
         yield Check(_NAME, "not judged", "the motion in the mild scene is wrong already", "mend that first")
     else:
-        yield looked_at(_NAME, _look, bench, wrong)
+        yield check_by(_NAME, _look, bench, wrong)
 
 
-def _look(bench: Bench, wrong: Amiss) -> str:
+def _look(bench: Bench, wrong: MistakesInMildScene) -> str:
     scene, parts = everything(bench)
     motion = Motion(scene, _DURATION)
     try:
-        found = findings(bench, motion, wrong.columns)
+        wrong_columns = findings(bench, motion, wrong.columns)
     except EngineFailure as failure:
         raise Fault(f"with {', '.join(parts)} at once the run breaks down: {failure.cause}", failure.advice) from failure
-    if not found:
+    if not wrong_columns:
         return f"{len(parts)} at once: {', '.join(parts)}"
-    if len(found) <= 2 and all(finding.explained for finding in found.values()):
-        raise Fault("; ".join(finding.cause for finding in found.values()), next(iter(found.values())).advice)
-    off = _off(bench, motion)
-    worst = max(found, key=lambda name: off[name])
+    if len(wrong_columns) <= 2 and all(finding.explained for finding in wrong_columns.values()):
+        raise Fault("; ".join(finding.cause for finding in wrong_columns.values()), next(iter(wrong_columns.values())).advice)
+    off = bench.errors(motion)
+    worst = max(wrong_columns, key=lambda name: off[name])
     told = f"with everything at once {worst} is off by {share_of(off[worst])}"
     if not (concerned := [name for name in parts if _vanishes_without(bench, name, parts, worst, off[worst])]):
         raise Fault(f"{told}; no single quantity is to blame ({', '.join(parts)})", "leave out one after the other")
@@ -84,12 +83,6 @@ def everything(bench: Bench) -> tuple[Mechanism, list[str]]:
     return scene, parts
 
 
-def _off(bench: Bench, motion: Motion) -> dict[str, float]:
-    """The error of each column, relative to its size."""
-    run, known = bench.run(motion), truth(motion).columns
-    return {name: rms(run[name] - known[name]) / rms(known[name]) for name in columns_of(run, known=known)}
-
-
 def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, off: float) -> bool:
     """Whether a column is right in the scene without one of its parts."""
     scene = bench.scene
@@ -98,6 +91,6 @@ def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, of
             if other != name:
                 scene = changed(scene, PARTS[other])
         bench.engine.check(scene)
-        return _off(bench, Motion(scene, _DURATION)).get(column, 0.0) <= _VANISHES * off
+        return bench.errors(Motion(scene, _DURATION)).get(column, 0.0) <= _VANISHES * off
     except (Refusal, EngineFailure, ImpossibleMechanism):  # a damper needs its spring
         return False

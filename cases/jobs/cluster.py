@@ -20,7 +20,7 @@ from quickreturn.engines.registry import OWN
 if TYPE_CHECKING:
     from distributed import Client
 
-#: How long the scheduler may take to answer, and then the first worker to join, s. A busy machine takes a few.
+#: Longest time, s, in which the scheduler must answer, and then the first worker join. On a busy machine they take a few seconds.
 PATIENCE: Final = 10.0
 
 
@@ -52,7 +52,7 @@ def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "
 
 
 class Cluster:
-    """See `cluster`, which makes it."""
+    """An executor on a cluster, made by `cluster`; see `cases.jobs.job.Executor`."""
 
     def __init__(self, client: "Client", limits: Limits, quiet: bool) -> None:
         self._client, self.limits, self.quiet = client, limits, quiet
@@ -77,7 +77,7 @@ class Cluster:
 
 
 async def _answers(address: str) -> None:
-    """OSError or ValueError: nothing answers at the address. A client without a scheduler would hang at its end."""
+    """Raise OSError or ValueError if nothing answers at the address: a client without a scheduler would hang when it is closed."""
     from distributed import Security
     from distributed.comm.core import connect
 
@@ -86,16 +86,17 @@ async def _answers(address: str) -> None:
 
 
 def _check(client: "Client", address: str) -> None:
+    """Raise ExecutorError unless there are workers, all with this machine's versions, which may start processes."""
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError as error:
         raise ExecutorError(f"cluster {address}: it has no worker; start one with `dask worker {address}`") from error
     here = installed()
-    for worker, found in client.run(_worker, on_error="return").items():
+    for worker, answer in client.run(_worker, on_error="return").items():
         place = f"cluster {address}: worker {worker}"
-        if isinstance(found, Exception):
-            raise ExecutorError(f"{place} has no quickreturn of this version ({type(found).__name__}: {found}); install it there")
-        daemon, there = found
+        if isinstance(answer, Exception):
+            raise ExecutorError(f"{place} has no quickreturn of this version ({type(answer).__name__}: {answer}); install it there")
+        daemon, there = answer
         differing = [name for name in here if there.get(name) != here[name]]
         if differing:
             name = differing[0]
@@ -117,7 +118,7 @@ def _worker() -> tuple[bool, dict[str, str]]:
 
 
 def _on_worker(job: Job[V], key: str, limits: Limits) -> Outcome[V]:
-    """On a worker: compute a job, for as long as it is wanted. A worker that joined late was not checked, so the key is."""
+    """On a worker: compute a job until it is cancelled. Its key shows other code or libraries, as on a worker that joined unchecked."""
     from distributed import Status, get_worker
 
     worker = get_worker()

@@ -19,14 +19,14 @@ from quickreturn.reference_model.machine import machine_code
 if TYPE_CHECKING:
     from quickreturn.engines.progress import Progress
 
-#: Time until the first line, and between lines, s.
-FIRST: Final = 0.3
-EVERY: Final = 5.0
-#: Processor seconds before a message says that code is compiled. Loading compiled code takes one, compilation 15 to 40.
-UNTOLD: Final = 2.0
-#: Interval of that check, s.
-EVERY_LOOK: Final = 0.2
-#: Largest number of jobs on a line.
+#: Time until the first line of progress, and between lines, s.
+FIRST_LINE_AFTER: Final = 0.3
+LINE_INTERVAL: Final = 5.0
+#: Processor time, s, after which a message says that code is being compiled: loading compiled code takes one second, compilation 15 to 40.
+COMPILING_AFTER: Final = 2.0
+#: Interval of the checks of this time, s.
+LOOK_INTERVAL: Final = 0.2
+#: Largest number of jobs that a line names.
 _MOST_AT_WORK: Final = 4
 
 
@@ -48,8 +48,8 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
 def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
     """The outcome of each job, in their order; these results are not stored. Raises as `Executor.run`."""
     with closing(watched(executor, jobs, title)) as computed:
-        found = {id(outcome.job): outcome for outcome in computed}
-    return [found[id(job)] for job in jobs]
+        by_job = {id(outcome.job): outcome for outcome in computed}
+    return [by_job[id(job)] for job in jobs]
 
 
 class Tally:
@@ -65,7 +65,7 @@ class Tally:
         self._lock = threading.Lock()
 
     def watch(self, job: Job[Any], progress: "Progress | None") -> None:
-        """Note that a job has begun (None), or its progress."""
+        """Note the progress of a job; None: it has begun."""
         with self._lock:
             began = self._at_work[id(job)][2] if id(job) in self._at_work else time.monotonic()
             self._at_work[id(job)] = job, progress, began
@@ -145,12 +145,12 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
     ended = threading.Event()
 
     def tell() -> None:
-        wait = FIRST
+        wait = FIRST_LINE_AFTER
         while not ended.wait(wait):
             at_work = tally.at_work()
             more = [f"{len(at_work) - _MOST_AT_WORK} more"] if len(at_work) > _MOST_AT_WORK else []
             _say("; ".join([f"{title}: {tally} after {tally.elapsed}", *at_work[:_MOST_AT_WORK], *more]))
-            wait = EVERY
+            wait = LINE_INTERVAL
 
     def done(outcome: Outcome[Any]) -> None:
         if tally.total > 1:
@@ -166,7 +166,7 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
 
 
 @contextlib.contextmanager
-def compilation_told(quiet: bool) -> Iterator[None]:
+def compilation_announced(quiet: bool) -> Iterator[None]:
     """Print one line if this process waits for compilation; nothing if compiled code exists, or if quiet.
 
     Processor time decides, not the clock: on a busy machine loading also takes long.
@@ -189,15 +189,15 @@ def compilation_told(quiet: bool) -> Iterator[None]:
 
 
 def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> None:
-    while not ended.wait(EVERY_LOOK):
-        if time.process_time() - began > UNTOLD:
+    while not ended.wait(LOOK_INTERVAL):
+        if time.process_time() - began > COMPILING_AFTER:
             _say(f"{engine}: compiling its equations, once for this machine; that takes about half a minute ...")
             return
 
 
 @functools.cache
 def _say_what_is_forgotten() -> None:
-    """Print once in a process which notices were lost."""
+    """Print, once in a process, the warning that compiled code is not kept, if there is one."""
     if sentence := machine_code.warning_if_not_kept():
         _say(sentence)
 

@@ -78,18 +78,18 @@ class Process:
             context = _context(preload)
             _without_job.clear()
             pairs = [context.Pipe(duplex=False) for _ in receives]
-            its = [pair[0 if reads else 1] for pair, reads in zip(pairs, receives, strict=True)]
+            worker_ends = [pair[0 if reads else 1] for pair, reads in zip(pairs, receives, strict=True)]
             self.pipes = [pair[1 if reads else 0] for pair, reads in zip(pairs, receives, strict=True)]  # this process' ends
-            self._process = context.Process(target=target, args=its, daemon=True)
+            self._process = context.Process(target=target, args=worker_ends, daemon=True)
             with _hidden_main() if hide_main else contextlib.nullcontext():
                 self._process.start()  # waits until the fork server has completed its imports
             #: Becomes ready when the process, or the fork server that watches it, has ended.
             self.sentinel: int = self._process.sentinel
-        for end in its:  # only the worker may hold these: their closing tells that it ended
+        for end in worker_ends:  # only the worker may hold these: they close when it ends
             end.close()
 
     def exit_code(self, patience: float) -> int | None:
-        """As of `multiprocessing.Process.exitcode`, waiting up to `patience` (s) for it; None: it has not ended."""
+        """The exit code as in `multiprocessing.Process.exitcode`, after up to `patience` (s); None: the process has not ended."""
         connection.wait([self.sentinel], patience)
         with _LOCK:
             return self._process.exitcode
@@ -103,7 +103,7 @@ class Process:
         return True
 
     def kill(self) -> None:
-        """End it, if it has not ended."""
+        """End the process if it has not ended."""
         with contextlib.suppress(ProcessLookupError):
             os.kill(self._process.pid, signal.SIGKILL)
 
@@ -122,13 +122,13 @@ def _context(preload: Sequence[str]) -> Any:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(preload))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # if the tracker was killed: it says so, but nothing here uses what it tracks
-        resource_tracker.ensure_running()  # it lifts the block when it starts, so it must run before
-    # nor does it look for modules where the user stands: a folder `cases` there is not ours
+        warnings.simplefilter("ignore")  # of a tracker that was killed: nothing here uses the resources that it tracks
+        resource_tracker.ensure_running()  # its start unblocks SIGINT, so it must come before the block below
+    # PYTHONSAFEPATH: the server must not import from the current folder, which may hold another folder `cases`
     environment = {**dict.fromkeys(THREADS, "1"), "PYTHONSAFEPATH": "1"}
     before = {name: os.environ.get(name) for name in environment}
     os.environ.update(environment)
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # this process gets a Ctrl-C afterwards
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a Ctrl-C meanwhile reaches this process afterwards
     try:
         forkserver.ensure_running()
     finally:

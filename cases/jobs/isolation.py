@@ -40,7 +40,7 @@ from quickreturn.reference_model.machine import machine_code
 #: Beginning of the failure of a job that exceeded its time.
 STOPPED: Final = "stopped at the time limit"
 _KEPT_OUTPUT: Final = 4000  # bytes: the last of what a job printed
-_EVERY_LOOK: Final = 0.1  # s, interval of checks whether the job is still wanted
+_LOOK_INTERVAL: Final = 0.1  # s, interval of checks whether the job is still wanted
 _GRACE: Final = 2.0  # s, largest time for the end of a process after its answer
 _SIGKILL_HINT: Final = " (by the user, or by the system for lack of memory)"
 
@@ -109,17 +109,17 @@ def _first_alone(job: Job[Any], stopped: Callable[[], bool]) -> Iterator[None]:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 break
             except BlockingIOError:
-                time.sleep(_EVERY_LOOK)
+                time.sleep(_LOOK_INTERVAL)
         yield
         if not os.fstat(file.fileno()).st_size:
             file.write("done")
 
 
 def _may_share(job: Job[Any]) -> bool:
-    return job.brief and not _of_the_script(job)
+    return job.brief and not _defined_in_script(job)
 
 
-def _of_the_script(job: Job[Any]) -> bool:
+def _defined_in_script(job: Job[Any]) -> bool:
     return getattr(job.function, "__module__", None) == "__main__"
 
 
@@ -138,7 +138,7 @@ def _worker_for(job: Job[Any], preload: Sequence[str]) -> "_Worker":
     patience = time.monotonic() + _GRACE
     while True:
         try:
-            return _Worker(preload, hide_main=not _of_the_script(job))
+            return _Worker(preload, hide_main=not _defined_in_script(job))
         except (ConnectionError, EOFError):
             if time.monotonic() >= patience:
                 raise
@@ -154,7 +154,7 @@ class _Worker:
         self._guarded = True  # whether the fork server will report its end
 
     def outcome(self, job: Job[Any], limits: Limits, watch: Watch | None, stopped: Callable[[], bool]) -> Outcome[Any]:
-        """Have the job done."""
+        """Send the job to the process, and wait for its outcome."""
         self._job, self._limits, self._watch = job, limits, watch
         self._text = bytearray()
         order = pickle.dumps((pickle.dumps((job.function, job.arguments)), limits.memory, watch is not None))
@@ -165,15 +165,15 @@ class _Worker:
         except OSError:
             return self._ended(failure=self._cause_of_death())
         while True:
-            ready = connection.wait(self._handles(), min(max(0.0, deadline - time.monotonic()), _EVERY_LOOK))
-            if (outcome := self._told(ready)) is not None:
+            ready = connection.wait(self._handles(), min(max(0.0, deadline - time.monotonic()), _LOOK_INTERVAL))
+            if (outcome := self._outcome_by(ready)) is not None:
                 return outcome
             if time.monotonic() >= deadline or stopped():
                 self._process.kill()
                 return self._ended(failure="stopped" if time.monotonic() < deadline else f"{STOPPED} of {limits.seconds:g} s")
 
     def alive(self) -> bool:
-        """Whether it can take another job."""
+        """Whether the process can take another job."""
         return self._guarded and not connection.wait([self._process.sentinel], 0.0)
 
     def end(self) -> None:
@@ -187,7 +187,7 @@ class _Worker:
         pipes = [pipe for pipe in (self._answer, self._output) if not pipe.closed]
         return [*pipes, self._process.sentinel] if self._guarded else pipes
 
-    def _told(self, ready: list[Any]) -> Outcome[Any] | None:
+    def _outcome_by(self, ready: list[Any]) -> Outcome[Any] | None:
         """The outcome if the job has ended, else None. `ready`: the handles that are ready."""
         if self._output in ready:
             self._read_output()
@@ -196,11 +196,11 @@ class _Worker:
         if self._process.sentinel in ready:
             if not self._process.exists() or self._answer.poll():
                 return self._answered()
-            self._guarded = False  # not the worker ended but the fork server: the worker's answer is still to come
+            self._guarded = False  # the fork server ended, not the worker, whose answer is still to come
         return None
 
     def _answered(self) -> Outcome[Any] | None:
-        """The outcome by the next message, or by the end of all messages; None if the message is a progress report."""
+        """The outcome that the next message tells, or that follows from the end of all messages; None after a report of progress."""
         try:
             kind, *content = pickle.loads(self._answer.recv_bytes())
         except (EOFError, OSError):
@@ -221,7 +221,7 @@ class _Worker:
 
     def _cause_of_death(self) -> str:
         code = self._process.exit_code(_GRACE)
-        if not self._guarded or (code is not None and self._process.exists()):  # the fork server is gone, and what it knew
+        if not self._guarded or (code is not None and self._process.exists()):  # the fork server is gone, and with it the exit code
             return "ended without a result"
         if code is None:
             self._process.kill()
@@ -233,7 +233,7 @@ class _Worker:
 
     def _ended(self, value: Any = None, failure: str = "", error: BaseException | None = None) -> Outcome[Any]:
         seconds = time.monotonic() - self._begin
-        while not self._output.closed and self._output.poll():  # its last words are in the pipe before its answer is
+        while not self._output.closed and self._output.poll():  # all output is in the pipe before the answer is
             self._read_output()
         return Outcome(self._job, value, failure, error, seconds, self._text.decode(errors="replace").strip())
 

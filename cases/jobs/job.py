@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 #: Failure of a job that is not stored if nothing is computed.
 MISSING: Final = "is not stored"
-#: Exceptions that are due to the machine.
+#: Exceptions that are due to the machine, not to the job.
 _OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
 
 T = TypeVar("T")
@@ -34,7 +34,7 @@ def default_limits() -> Limits:
     return Limits(seconds=3600.0, memory=min(8 * 2**30, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
 
 
-def would_come_again(outcome: "Outcome[Any]") -> bool:
+def would_repeat(outcome: "Outcome[Any]") -> bool:
     """Whether the outcome of a job would repeat: a result, or an exception of its own."""
     return outcome.completed or (isinstance(outcome.error, Exception) and not isinstance(outcome.error, _OF_THE_MACHINE))
 
@@ -54,8 +54,8 @@ class Job(Generic[T]):
     # whether it is one of many short jobs whose processes would take longer to start than to compute. A process may do several of them one
     # after the other. A crash or hang loses only its own job and the process.
     brief: bool = False
-    points: int = 1  # its share of the whole, for the display of progress
-    lasts: Callable[["Outcome[Any]"], bool] | None = would_come_again  # whether an outcome is stored; None: the store is not used
+    points: int = 1  # weight of the job in the display of progress
+    lasts: Callable[["Outcome[Any]"], bool] | None = would_repeat  # whether an outcome is stored; None: the store is not used
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Outcome(Generic[T]):
 
     @property
     def explanation(self) -> str:
-        """The failure, in the engine's words if there are any; for a process that died with the last line of a native library."""
+        """The failure, in the engine's words if there are any; for a process that died also the last line of its output."""
         if self.error is not None:
             from quickreturn.engines.base import EngineFailure, Refusal
 

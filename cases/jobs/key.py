@@ -48,9 +48,8 @@ def key_of(job: Job[Any]) -> str:
 def hash_of(content: Any) -> str:
     """SHA-256 (hexadecimal) of content.
 
-    It may be made of mappings, lists, tuples, dataclasses (with their class name and the fields that count where two are compared), texts,
-    whole numbers, floats (told apart to the last bit, infinities and NaN included), booleans, None, paths and numpy arrays; TypeError: of
-    anything else.
+    Content consists of mappings, lists, tuples, dataclasses (class name and fields that count in comparisons), texts, whole numbers, floats
+    (distinguished to the last bit, infinities and NaN included), booleans, None, paths and numpy arrays. TypeError: anything else.
     """
     text = json.dumps(_canonical(content), sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return hashlib.sha256(text.encode("ascii")).hexdigest()

@@ -48,7 +48,7 @@ def _outcome(job: Job[V], future: "Future[Outcome[V]]") -> Outcome[V]:
 
 
 class Pool:
-    """Computes jobs by any executor of `concurrent.futures`, each in a process of its own where that executor calls its functions.
+    """Computes jobs by any executor of `concurrent.futures`, each job in a process of its own on the machine where that executor works.
 
     The executor, e.g. a `ProcessPoolExecutor` or one of a cluster, stays open. Other arguments are those of `cases.jobs.job.Executor`.
     """
@@ -66,10 +66,10 @@ class LocalProcesses:
     """The executor on this machine: several jobs at a time, each in its process, all from one fork server.
 
     Args:
-        at_once: how many jobs at a time; None: one per core. ValueError: it is below 1.
+        at_once: number of jobs at a time; None: one per core. ValueError: it is below 1.
         limits: see `cases.jobs.job.Executor`; None: `default_limits`.
         preload: modules that the fork server imports once; only the first job of a process decides.
-        quiet: see there.
+        quiet: whether progress is not reported.
         meanwhile: modules that this process imports while the fork server imports its own.
     """
 

@@ -1,7 +1,7 @@
-"""Typed results as records of the store, and back: dataclasses become JSON objects of their fields, arrays and bytes stand beside them.
+"""Converts typed results to records of the store and back: dataclasses become JSON objects of their fields, arrays and bytes stay apart.
 
-Understood are dataclasses, tuples, lists, mappings from texts, None, texts, numbers with infinities, numpy arrays, bytes, and unions of
-one of these with None. NaN is not a result: the store refuses it.
+Results may consist of dataclasses, tuples, lists, mappings from texts, None, texts, numbers with infinities, numpy arrays, bytes, and
+unions of one of these with None. NaN is not a result: the store refuses it.
 """
 
 import dataclasses

@@ -24,11 +24,11 @@ def serve(lifeline: Connection, orders: Connection, output: Connection, answer: 
     Args:
         lifeline: nothing is ever sent; its other end closes when the runner ends, in whatever way.
         orders: delivers pickled (work, memory, watched): the pickled (function, arguments), which are opened as a part of the job, so that
-            an import that fails is a failure of the job; how many bytes of address space the job may take on top of what the process has
-            when it begins, or None; and whether somebody wants to know how far it is.
-        output: takes standard output and standard error, of Python and of C libraries; all of a job's is there before its answer is.
-        answer: gets for each job pickled ("progress", how far it is), if watched, and last ("value", value) or ("error", exception or
-            None, one-line description).
+            an import that fails is a failure of the job; bytes of address space that the job may take on top of those of the process at
+            its beginning, or None; and whether progress is reported.
+        output: takes standard output and standard error, of Python and of C libraries; a job's output is complete before its answer.
+        answer: takes for each job pickled ("progress", progress), if watched, and last ("value", value) or ("error", exception or None,
+            one-line description).
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the runner's; it ends its workers
     _die_with_the_runner(lifeline.fileno())
@@ -58,7 +58,7 @@ def _done(work: bytes) -> bytes:
         function, arguments = pickle.loads(work)
         return pickle.dumps(("value", function(*arguments)))
     except BaseException as error:
-        _limit_memory(None)  # telling of it takes memory, too
+        _limit_memory(None)  # the report of the error also takes memory
         traceback.print_exc()
         lines = str(error).splitlines()
         description = f"{type(error).__name__}: {lines[0]}" if lines else type(error).__name__

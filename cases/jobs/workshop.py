@@ -40,13 +40,13 @@ class Workshop:
         """
         keys = [key_of(job) if job.lasts else f"job {number}" for number, job in enumerate(jobs)]
         wanted = dict(zip(reversed(keys), reversed(jobs), strict=True))
-        found = {key: outcome for key in dict.fromkeys(keys) if (outcome := self._stored(wanted[key], key)) is not None}
-        missing = {id(wanted[key]): key for key in dict.fromkeys(keys) if key not in found}
+        outcomes = {key: outcome for key in dict.fromkeys(keys) if (outcome := self._stored(wanted[key], key)) is not None}
+        missing = {id(wanted[key]): key for key in dict.fromkeys(keys) if key not in outcomes}
         with closing(watched(self.executor, [wanted[key] for key in missing.values()], title)) as computed:
             for outcome in computed:
                 key = missing[id(outcome.job)]
-                found[key] = self.kept(outcome, key)
-        return [replace(found[key], job=job) for key, job in zip(keys, jobs, strict=True)]
+                outcomes[key] = self.kept(outcome, key)
+        return [replace(outcomes[key], job=job) for key, job in zip(keys, jobs, strict=True)]
 
     @property
     def as_it_is(self) -> "Workshop":
@@ -72,7 +72,7 @@ class Workshop:
                 record = encoded(outcome.value)
                 self.store.put(key, replace(record, document={"value": record.document}))
                 return replace(outcome, value=decoded(_type_of(outcome.job), record))
-            except (TypeError, ValueError, KeyError) as error:  # a third-party engine may hand anything on
+            except (TypeError, ValueError, KeyError) as error:  # a third-party engine may return anything
                 return replace(outcome, value=None, failure=f"its result cannot be stored: {error}", output="")
         self.store.put(key, Record({"failure": outcome.explanation}))
         return outcome

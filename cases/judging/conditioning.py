@@ -1,4 +1,4 @@
-"""Conditioning of a scene: the change of the tip deflection for 0.1 % of a parameter, by the reference.
+"""Conditioning of a scene: the change of the tip deflection by `reference` if a parameter changes by 0.1 %.
 
 Parameters are never known to 0.1 %. If so small a change moves the answer by several percent, an accuracy of a percent over the whole
 duration has no meaning: two good solutions diverge beyond a horizon, and only energy, extremes and spectrum can be compared there
@@ -23,11 +23,11 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-#: Bands of the spectrum: third octaves. Two motions that diverge keep their band levels, not their lines.
+#: Bands of the spectrum: third octaves. Two motions that diverge have the same band levels, but not the same lines.
 BANDS_PER_OCTAVE: Final = 3
-#: Part by which a parameter is changed.
+#: Relative change of a parameter.
 CHANGE: Final = 1e-3
-#: A scene whose answer moves by more than this is ill-conditioned: fifty times the change.
+#: Relative change of the tip deflection above which a scene is ill-conditioned: fifty times the change of the parameter.
 ILL: Final = 0.05
 #: Least number of rows beyond the horizon for a comparison of spectra.
 FEWEST_LATER: Final = 16
@@ -42,9 +42,8 @@ class Conditioning:
     # parameter ("stiffness", "damping", "speed", "speed at the same crank angle") -> RMS change of the tip deflection over its RMS, for
     # `CHANGE` of the parameter, over the duration or until the scene ends
     changes: Mapping[str, float]
-    # length (s) of the longest stretch from the start on which no change exceeds `ILL`: the duration in a well-conditioned scene, and
-    # where fewer than `FEWEST_LATER` rows are beyond it. A change of speed counts at the same crank angle: an answer that only comes
-    # sooner is not another answer.
+    # length (s) of the longest stretch from the start on which no change exceeds `ILL`; the duration if fewer than `FEWEST_LATER` rows are
+    # beyond that. A change of speed counts at the same crank angle, because the same motion only comes sooner.
     horizon: float
 
 
@@ -84,7 +83,7 @@ def _run(mechanism: Mechanism, duration: float, output_step: float) -> Trajector
 
 
 def _at_same_angle(run: Trajectory, nominal: Trajectory) -> Array:
-    """Difference of the deflections where the cranks stand at the same angle; rows of the nominal run, as far as the other one turns."""
+    """Difference of the deflections at the same crank angle, in the rows of the nominal run up to the last angle of the other one."""
     turned, nominal_turned = (np.abs(each["crank_angle"] - each["crank_angle"][0]) for each in (run, nominal))
     rows = int(np.searchsorted(nominal_turned, turned[-1], side="right"))
     return CubicSpline(turned, run["tip_deflection"])(nominal_turned[:rows]) - nominal["tip_deflection"][:rows]
@@ -123,11 +122,11 @@ def later_differences(columns: dict[str, Array], other: dict[str, Array], since:
     row = float(columns["time"][1] - columns["time"][0])
     levels, their_levels = band_levels(ours, row), band_levels(theirs, row)
     spectrum = float(np.linalg.norm(levels - their_levels) / np.linalg.norm(their_levels))
-    found = {"extremes": extremes, "spectrum": spectrum}
+    differences = {"extremes": extremes, "spectrum": spectrum}
     if "strain_energy" in columns and "strain_energy" in other:
         energies = [float(np.mean(each["strain_energy"][later])) for each in (columns, other)]
-        found["energy"] = abs(energies[0] - energies[1]) / energies[1]
-    return found
+        differences["energy"] = abs(energies[0] - energies[1]) / energies[1]
+    return differences
 
 
 def band_levels(signal: Array, row: float) -> Array:

@@ -1,7 +1,7 @@
 """Gathers the evidence for a verdict: one engine on one scene at several settings, without the right answer.
 
-The engine is asked for an accuracy as a user would ask it (`engines.accurate.simulate`), which climbs its ladder until its own estimate
-is good enough. Its result is then compared with finer settings and the balances of `verdicts`; while these leave a doubt, a smaller error
+The engine is asked for an accuracy as by a user (`engines.accurate.simulate`): its settings become finer until its own estimate is good
+enough. Its result is then compared with finer settings and judged by the balances of `verdicts`; while these leave a doubt, a smaller error
 is asked for. If the slider reaches the follower's end, the run is judged up to shortly before. With finer settings a numerical breakdown
 moves or disappears, but the end of a scene stays.
 """
@@ -29,7 +29,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 ASKED: Final = (1.0, 0.3, 0.1)
 #: A run that breaks down is judged on this part of the time until then: runs with other settings may break down a little earlier.
 BEFORE_BREAKDOWN: Final = 0.95
-#: How often that stretch is shortened because finer settings find an earlier end.
+#: Largest number of times that this stretch is shortened because finer settings find an earlier end.
 _CUTS: Final = 3
 
 
@@ -49,7 +49,7 @@ class TrialScene:
 
 @dataclass(frozen=True)
 class Trial:
-    """An engine in a scene: the result of its climb of the ladder."""
+    """The result of an engine in a scene, with the settings that reach the accuracy asked for or the finest that it has."""
 
     evidence: Evidence  # for `cases.judging.verdicts.judge`
     settings: dict[str, Any]  # settings of the judged run; {} if none ran
@@ -63,24 +63,24 @@ def gather(
 
     `requested`: error of the tip deflection asked for; `asked`: see `ASKED`.
     """
-    found = Trial(scene.evidence(requested), {}, {})
+    trial = Trial(scene.evidence(requested), {}, {})
     try:
         chosen = usable(engine)
         for share in asked:
             run = _Request(chosen, scene, requested, share * requested).run()
             broken = run.evidence.breakdown
-            if found.columns and broken is not None and not broken.at_the_end:
+            if trial.columns and broken is not None and not broken.at_the_end:
                 break  # a breakdown with finer settings does not replace a completed run
-            found, estimate = run, run.evidence.error_estimate
+            trial, estimate = run, run.evidence.error_estimate
             if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
                 break  # no doubt left, or the ladder ends here
     except (Refusal, SettingError) as refusal:
         return Trial(scene.evidence(requested, refused=str(refusal)), {}, {})
-    return found
+    return trial
 
 
 class _Request:
-    """An engine asked for an accuracy in a scene; the evidence is judged by `requested`, which is at least that."""
+    """An engine that is asked for `accuracy` in a scene; its evidence is judged by `requested`, which is no smaller."""
 
     def __init__(self, engine: AnyEngine, scene: TrialScene, requested: float, accuracy: float) -> None:
         self._engine, self._scene, self._accuracy = engine, scene, accuracy
@@ -95,13 +95,14 @@ class _Request:
             broken = Breakdown(time=failure.time, cause=failure.cause)
             return Trial(replace(self._nothing, breakdown=broken), {}, dict(failure.partial.columns) if failure.partial else {})
         assert result is not None
-        whole, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.settings)
+        trajectory, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.settings)
         evidence = replace(self._nothing, stretch=stretch, error_estimate=result.error_estimate, remark=result.remark)
         if failure is not None:
-            evidence = replace(evidence, breakdown=Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(whole)))
-        columns = dict(whole.columns) if whole is not None else {}
+            breakdown = Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(trajectory))
+            evidence = replace(evidence, breakdown=breakdown)
+        columns = dict(trajectory.columns) if trajectory is not None else {}
         estimate = result.error_estimate
-        if estimate is not None and estimate <= evidence.requested and whole is not None:
+        if estimate is not None and estimate <= evidence.requested and trajectory is not None:
             evidence = self._balanced(evidence, columns, *self._finer(result.settings))
         return Trial(evidence, result.settings.as_dict(), columns)
 
@@ -126,10 +127,10 @@ class _Request:
                 break
         return stretch, None, first
 
-    def _balanced(self, evidence: Evidence, whole: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
+    def _balanced(self, evidence: Evidence, columns: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
         """The evidence with finer settings and balances."""
         rows = round(evidence.stretch / evidence.row) + 1
-        shown = {name: values[:rows] for name, values in whole.items()}
+        shown = {name: values[:rows] for name, values in columns.items()}
         difference, later, breakdown, broken = None, None, evidence.breakdown, ""
         if finer is not None and len(finer) >= rows:
             difference = relative_error(finer["tip_deflection"][:rows], shown["tip_deflection"])
@@ -137,8 +138,8 @@ class _Request:
             broken = str(finer_failure)
         if breakdown is not None and finer_failure is not None and self._at_the_end(finer):
             breakdown = replace(breakdown, finer_time=finer_failure.time)
-        if breakdown is None and finer is not None and rows < len(whole["time"]) == len(finer):
-            later = later_differences(whole, dict(finer.columns), evidence.stretch)
+        if breakdown is None and finer is not None and rows < len(columns["time"]) == len(finer):
+            later = later_differences(columns, dict(finer.columns), evidence.stretch)
         rigid = self._scene.mechanism.slider.is_rigid  # another joint has a gap by its nature
         gap = float(np.max(np.abs(shown["constraint_gap"]))) if rigid and "constraint_gap" in shown else None
         return replace(
@@ -147,9 +148,9 @@ class _Request:
             finer_difference=difference,
             finer_failure=broken,
             later=later,
-            energy_residual=energy_residual(whole if breakdown is None else shown),
+            energy_residual=energy_residual(columns if breakdown is None else shown),
             constraint_gap=gap,
-            crank_jump=crank_jump(whole),
+            crank_jump=crank_jump(columns),
         )
 
     def _once(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:

@@ -92,14 +92,14 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
         UnknownEngine: a name that is no engine's.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    known = workshop.outcomes([_conditioning_job(case) for case in cases], "hard scenes")
-    conditionings = {case.name: found.value for case, found in zip(cases, known, strict=True) if found.value}
-    horizons = {case.name: case.duration for case in cases} | {name: found.horizon for name, found in conditionings.items()}
+    outcomes = workshop.outcomes([_conditioning_job(case) for case in cases], "hard scenes")
+    conditionings = {case.name: outcome.value for case, outcome in zip(cases, outcomes, strict=True) if outcome.value}
+    horizons = {case.name: case.duration for case in cases} | {name: of_case.horizon for name, of_case in conditionings.items()}
     jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(case, horizons[case.name], engines).items()}
     trials: dict[tuple[str, str], Trial] = {}
-    for (what, name), found in zip(jobs, workshop.outcomes(list(jobs.values()), "hard scenes"), strict=True):
-        if not found.missing:
-            trials[what, name] = found.value or _broken(jobs[what, name], found)
+    for (what, name), outcome in zip(jobs, workshop.outcomes(list(jobs.values()), "hard scenes"), strict=True):
+        if not outcome.missing:
+            trials[what, name] = outcome.value or _broken(jobs[what, name], outcome)
     cells: dict[tuple[str, str], Judged] = {}
     converged: dict[str, float | None] = {}
     for case in cases:
@@ -127,12 +127,12 @@ def _trial_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str,
 
 
 def trial(engine: str, scene: TrialScene, requested: float) -> Trial:
-    """The stored result of an engine in a scene; NaN becomes infinity, which fails every test."""
-    found = gather(engine, scene, requested)
-    numbers: Any = {name: math.inf for name, value in vars(found.evidence).items() if isinstance(value, float) and math.isnan(value)}
-    later = found.evidence.later and {name: math.inf if math.isnan(value) else value for name, value in found.evidence.later.items()}
-    columns: Columns = {name: found.columns[name] for name in _KEPT if name in found.columns}
-    return replace(found, evidence=replace(found.evidence, later=later, **numbers), columns=columns)
+    """The result of an engine in a scene as it is stored: NaN, which the store refuses, becomes infinity, which fails every test."""
+    result = gather(engine, scene, requested)
+    numbers: Any = {name: math.inf for name, value in vars(result.evidence).items() if isinstance(value, float) and math.isnan(value)}
+    later = result.evidence.later and {name: math.inf if math.isnan(value) else value for name, value in result.evidence.later.items()}
+    columns: Columns = {name: result.columns[name] for name in _KEPT if name in result.columns}
+    return replace(result, evidence=replace(result.evidence, later=later, **numbers), columns=columns)
 
 
 def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
@@ -142,9 +142,10 @@ def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
 
 
 def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Trial | None) -> list[Judged]:
-    own = {name: judge(run.evidence) for name, run in runs.items()}
-    others = {name: verdict for name, verdict in own.items() if name != MODEL}
-    verdicts = own | contradicted(others, _differences(runs, others))
+    """The cells of a scene, from its runs by engine, its converged solution and that of `MODEL`'s own equations."""
+    from_evidence = {name: judge(run.evidence) for name, run in runs.items()}
+    others = {name: verdict for name, verdict in from_evidence.items() if name != MODEL}
+    verdicts = from_evidence | contradicted(others, _differences(runs, others))
     cells = []
     for name, verdict in verdicts.items():
         right = model if name == MODEL else truth
@@ -155,26 +156,26 @@ def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Tr
 
 
 def _differences(runs: Mapping[str, Trial], verdicts: Mapping[str, Verdict]) -> dict[tuple[str, str], float]:
-    """Of every two runs that claim something, over the stretch that both claim."""
+    """The difference of every two runs that claim something, over the stretch that both claim."""
     claiming = [name for name, verdict in verdicts.items() if verdict.stretch is not None]
-    found = {}
+    differences = {}
     for first, second in combinations(claiming, 2):
         stretch = min(runs[first].evidence.stretch, runs[second].evidence.stretch)
-        found[first, second] = _difference(runs[first].columns, runs[second].columns, stretch)
-    return found
+        differences[first, second] = _difference(runs[first].columns, runs[second].columns, stretch)
+    return differences
 
 
 def _difference(columns: Columns, other: Columns, stretch: float) -> float:
+    """Relative RMS difference of the tip deflections of two runs from the start over a stretch, s."""
     rows = int(np.searchsorted(columns["time"], stretch * (1.0 + 1e-9), side="right"))
     rows = min(rows, len(other["time"]))
     return relative_error(columns["tip_deflection"][:rows], other["tip_deflection"][:rows])
 
 
 def _distance(run: Trial, truth: Trial) -> float | None:
-    """Of two converged solutions, over what both claim."""
-    stretches = [judge(each.evidence).stretch for each in (run, truth)]
-    known = [stretch for stretch in stretches if stretch is not None]
-    return _difference(run.columns, truth.columns, min(known)) if len(known) == 2 else None
+    """The difference of two converged solutions over the stretch that both claim; None if one claims nothing."""
+    stretches = [stretch for each in (run, truth) if (stretch := judge(each.evidence).stretch) is not None]
+    return _difference(run.columns, truth.columns, min(stretches)) if len(stretches) == 2 else None
 
 
 def _checked(verdict: Verdict, run: Trial, truth: Trial) -> dict[str, Any]:

@@ -17,7 +17,7 @@ CONTRADICTED: Final = "contradicted"
 ENDED: Final = "ended"
 DIVERGED: Final = "diverged"
 REFUSED: Final = "refused"
-#: Of an engine whose discretization is its model; the matrix finds it (`cases.judging.matrix.Judged.kind`), the run cannot.
+#: Kind for an engine whose discretization is its model; only the matrix can tell (`cases.judging.matrix.Judged.kind`), not the run.
 OWN_EQUATIONS: Final = "solves its own equations"
 
 #: Kind -> its meaning for a reader.
@@ -31,26 +31,28 @@ MEANINGS: Final = {
     REFUSED: "the engine says that it cannot model this scene, and why",
 }
 
-#: Finer settings halve the error at least (every ladder's rungs do, once it converges), so that it is at most twice the difference.
+#: Largest ratio of an error to the difference from finer settings: these at least halve the error, on every ladder once it converges.
 ERROR_PER_DIFFERENCE: Final = 2.0
-#: An amplitude that is off by a part moves the strain energy by twice that part.
+#: Relative error of the strain energy over that of the amplitude: the energy grows with its square.
 ENERGY_PER_ERROR: Final = 2.0
-#: What "accurate" means beyond the stretch: energy, extremes and spectrum of the tip deflection within this part.
+#: Largest relative difference of energy, extremes and spectrum of the tip deflection, beyond the stretch, of an accurate run.
 LATER: Final = 0.1
-#: m; ten times what the loosest of the engines leaves (1e-5), a thousandth of what bends. A gap moves the slider's load, no more.
+#: Largest gap between slider and centre line, m: ten times that of the loosest engine. A gap only moves the place of the slider's load.
 LARGEST_GAP: Final = 1e-4
-#: Share of a row's turn by which the crank angle may miss the trapezoidal rule over its speed. Measured at rows of 1 ms: 7e-4 at most.
+#: Largest deviation of the crank angle from the integral of its speed by the trapezoidal rule, as a part of the turn in a row; 7e-4 was the
+#: largest measured with rows of 1 ms.
 LARGEST_JUMP: Final = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
 class Breakdown:
-    """A run that did not reach its end, and how it goes with finer settings."""
+    """The breakdown of a run, and that with finer settings."""
 
     time: float  # s, last instant known to be good; zero where there is none
     cause: str  # a clause
-    at_the_end: bool = False  # whether the slider stood within a row of the follower's end
-    finer_time: float | None = None  # the same run with finer settings; None where it reached its end, failed elsewhere or there are none
+    at_the_end: bool = False  # whether the slider was about to reach the follower's end
+    # s, time at which the slider reaches the follower's end with finer settings; None if it does not, or there are no finer settings
+    finer_time: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +81,7 @@ class Evidence:
 
     @property
     def claimed_error(self) -> float | None:
-        """The larger of the two estimates; None without the first."""
+        """The larger of the error estimates from coarser and from finer settings; None without the first."""
         if self.error_estimate is None:
             return None
         return max(self.error_estimate, ERROR_PER_DIFFERENCE * (self.finer_difference or 0.0))
@@ -172,7 +174,7 @@ def contradicted(verdicts: Mapping[str, Verdict], differences: Mapping[tuple[str
         differences: pair of engines -> RMS difference of their tip deflections relative to the RMS, over the stretch that both claim.
     """
     claims = {name: v.claimed_error for name, v in verdicts.items() if v.kind in (ACCURATE, ENDED) and v.claimed_error is not None}
-    borne_out = dict.fromkeys(claims, 0)
+    confirmations = dict.fromkeys(claims, 0)
     too_far: dict[tuple[str, str], float] = {}
     for pair in combinations(claims, 2):
         difference = differences.get(pair, differences.get(pair[::-1]))
@@ -182,10 +184,10 @@ def contradicted(verdicts: Mapping[str, Verdict], differences: Mapping[tuple[str
             too_far[pair] = difference
             continue
         for name in pair:
-            borne_out[name] += 1
+            confirmations[name] += 1
     judged = dict(verdicts)
     for pair, difference in too_far.items():
-        weaker = [name for name in pair if borne_out[name] == min(borne_out[other] for other in pair)]
+        weaker = [name for name in pair if confirmations[name] == min(confirmations[other] for other in pair)]
         for name in weaker:
             other = pair[1 - pair.index(name)]
             reason = f"differs from {other} by {difference:.2g}, more than both claim ({claims[name]:.2g}, {claims[other]:.2g})"

@@ -18,15 +18,7 @@ from quickreturn.cases.library import hard
 from quickreturn.cases.reading import case_of
 from quickreturn.cases.text_file import read_text
 
-__all__ = [
-    "CatalogueLine",
-    "Entry",
-    "case_names",
-    "catalogue",
-    "library_case",
-    "library_document",
-    "registered",
-]
+__all__ = ["CatalogueLine", "Entry", "case_names", "catalogue", "library_case", "library_document", "registered"]
 
 GROUP: Final = "quickreturn.cases"
 _FOLDER: Final = Path(__file__).parent

@@ -27,7 +27,7 @@ _AT_EQUILIBRIUM: Final[Values] = {"crank.initial_speed": None}
 
 
 def _speed(factor: int, title: str) -> Variation:
-    """The same torque against a weaker damping."""
+    """A crank speed times a factor: the same torque against a weaker damping."""
     return Variation(title, _AT_EQUILIBRIUM, scaled={"crank.damping": 1.0 / factor})
 
 

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.loads.peak import ErrorAt, Peak, of_column, of_vector
-from quickreturn.cases.loads.resonance import Resonance, of_motion, resonance
+from quickreturn.cases.loads.resonance import Resonance, resonance, shift_of_motion
 from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 if TYPE_CHECKING:
     from quickreturn.cases.runs.request import Run
 
-__all__ = ["ErrorAt", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "of_motion", "resonance"]
+__all__ = ["ErrorAt", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "resonance", "shift_of_motion"]
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class Loads:
 
     stress: ArmStress | None  # along the arm
     modulus: float  # of the arm's material, Pa; infinite for a rigid one
-    # of each of `UNITS`, forces in the bearings P and O and at the slider, drive's torque, tip's deflection
+    # of each quantity in `UNITS`: forces in the bearings P and O and at the slider, the drive's torque, the tip's deflection
     peaks: Mapping[str, Peak | None]
     yield_factor: Factor | None  # yield strength over the largest stress
     fatigue_factor: Factor | None  # fatigue strength over the stress amplitude
@@ -45,7 +45,7 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Load
 
     Args:
         scene: the mechanism, or a follower alone.
-        columns: of it.
+        columns: of the cycle or trajectory, SI, each of shape (rows,).
         claim: error of a column at a crank angle, by the engine's own estimate.
     """
     follower, stress = scene.follower, arm_stress(scene, columns, claim)
@@ -66,7 +66,7 @@ def loads_of_run(mechanism: Mechanism, run: "Run") -> Loads | None:
 
 @dataclass(frozen=True)
 class Claimed:
-    """A run's claim for a column in the half cycle of a crank angle: its estimate, and the distance of its cycle from steady."""
+    """A run's claim for a column in the half cycle of a crank angle: its error estimate and its distance from the steady state."""
 
     run: "Run"
 
@@ -76,5 +76,5 @@ class Claimed:
         estimate = self.run.extreme_estimates.get(column, {}).get(half)
         if estimate is None:
             return None
-        known = (self.run.settling_errors or {}).get(column)
-        return estimate + (known if known is not None else (self.run.settling_error or 0.0) * float(np.ptp(self.run.cycle[column])))
+        settling = (self.run.settling_errors or {}).get(column)
+        return estimate + (settling if settling is not None else (self.run.settling_error or 0.0) * float(np.ptp(self.run.cycle[column])))

@@ -35,23 +35,24 @@ NEEDED: Final = frozenset((*MOMENTS, "time", "follower_angle", "tip_acceleration
 IN_A_TWELFTH: Final = 10
 #: Relative error of the angle at the tip because the curvature is summed from twelfth to twelfth: the rule's error is a twelfth of the
 #: square of the spacing times the jump of the slope at the slider, 0.6 % of the sum where the slider bends the arm.
-OF_ANGLE: Final = 0.01
+ANGLE_ERROR: Final = 0.01
 #: Number of known places that the interpolating polynomial passes through, if a side has as many.
 THROUGH: Final = 6
 #: Twelfths that are nearer to the slider than this part of a twelfth are left out: the slope between two such places would be noise.
 TOO_NEAR: Final = 1.0 / 3.0
-#: A known slope at an end is a further place beyond it, at this part of a twelfth: its moment is off by 5e-5 of what a parabola's is.
+#: A known slope at an end becomes a further known place beyond it, at this part of a twelfth. The moment there, extrapolated linearly, is
+#: off by 5e-5 of its second derivative times the square of a twelfth.
 BEYOND: Final = 0.01
-#: Ratio of the interpolation error with all twelfths to that without every other one. At half the spacing a polynomial of
-#: degree one misses a quarter, one of higher degree less. Half is on the safe side: in 15 combinations of one to five natural modes, in
-#: three scenes, the largest moment was met within it. Single places, most of them beyond a slider near the tip, were off by up to 6e-4
-#: of the peak beyond it.
-REST: Final = 0.5
+#: Ratio of the interpolation error with all twelfths to that without every other one. At half the spacing a polynomial of degree one has a
+#: quarter of the error, one of higher degree less. Half is on the safe side: in 15 combinations of one to five natural modes, in three
+#: scenes, the error of the largest moment was below it. Single places, most of them beyond a slider near the tip, exceeded it by up to 6e-4
+#: of the peak.
+REMAINING_ERROR: Final = 0.5
 
 
 @dataclass(frozen=True)
 class KnownMoments:
-    """Where the moment is known."""
+    """The bending moment at the places where it is known, in each row of a trajectory."""
 
     length: float  # of the arm, m
     twelfths: Array  # moments from the base to the tip, N m, shape (rows, 13)
@@ -79,7 +80,7 @@ class KnownMoments:
         return larger if np.isfinite(self.slider).all() else None
 
     def every(self, step: int) -> "KnownMoments":
-        """The same at every `step`-th row."""
+        """These moments in every `step`-th row."""
         of_rows: dict[str, Any] = {name: value[::step] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         base, tip = self.ends_open
         return replace(self, **of_rows, ends_open=(base[::step], tip[::step]))
@@ -97,7 +98,6 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
     nothing = np.zeros(time.size)
     has_slider = "moment_slider" in columns
     outboard = columns["moment_slider"] if has_slider else nothing
-    rolls = scene.slider.inertia
     known = KnownMoments(
         length=scene.follower.length,
         twelfths=np.column_stack([base, *(columns[name] for name in MOMENTS), nothing]),
@@ -109,26 +109,26 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
         ends_open=(base_open, nothing),
     )
     end, at_slider = _angles(scene, columns, known)
-    if rolls > 0.0:
-        known = replace(known, inboard=outboard - rolls * _second_derivative(time, at_slider)[0])
+    if scene.slider.inertia > 0.0:
+        known = replace(known, inboard=outboard - scene.slider.inertia * _second_derivative(time, at_slider)[0])
         end, _ = _angles(scene, columns, known)
-    turns = nothing, nothing
+    acceleration = nothing, nothing
     if tip.inertia > 0.0 or tip.center_of_mass != 0.0:
         for _ in range(2):  # the moment at the end bends the last twelfth, which turns the end
-            turns = _second_derivative(time, end)
-            known.twelfths[:, -1], off = _at_tip(scene, columns, end, turns)
+            acceleration = _second_derivative(time, end)
+            known.twelfths[:, -1], tip_open = _at_tip(scene, columns, end, acceleration)
             end, _ = _angles(scene, columns, known)
-        known = replace(known, ends_open=(base_open, off))
-    return replace(known, tip_slope=_tip_slope(scene, columns, end, turns[0]))
+        known = replace(known, ends_open=(base_open, tip_open))
+    return replace(known, tip_slope=_tip_slope(scene, columns, end, acceleration[0]))
 
 
 def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
     """Moment at the base, N m, and its error from the spacing of rows; shape (rows,) each."""
     base, time, angle = scene.base, columns["time"], columns["follower_angle"]
     turning = columns.get("base_torque", np.zeros(time.size))
-    acceleration, off = _second_derivative(time, angle)
+    acceleration, error = _second_derivative(time, angle)
     moment = base.inertia * acceleration + base.damping * scipy.interpolate.CubicSpline(time, angle)(time, 1) - turning
-    return moment - _damping(scene, columns, power=1), base.inertia * off
+    return moment - _damping(scene, columns, power=1), base.inertia * error
 
 
 def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
@@ -156,26 +156,29 @@ def _across(vector: Array, angle: Array) -> Array:
     return np.asarray(vector[1] * np.cos(angle) - vector[0] * np.sin(angle))
 
 
-def _at_tip(scene: Scene, columns: Mapping[str, Array], angle: Array, turns: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Moment at the flexible end, N m, and its error from the spacing of rows; `angle` is the end's, rad; shape (rows,) each."""
+def _at_tip(scene: Scene, columns: Mapping[str, Array], angle: Array, acceleration: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Moment at the flexible end, N m, and its error from the spacing of rows, shape (rows,) each.
+
+    `angle`: of the end, rad; `acceleration`: its second derivative and the error of this, rad/s^2.
+    """
     tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
     about_end = tip.inertia + tip.mass * tip.center_of_mass**2
-    turned, static = -about_end * turns[0], tip.mass * tip.center_of_mass * (columns["tip_acceleration"] - weight)
-    return turned - static, about_end * turns[1] + OF_ANGLE * np.abs(turned)
+    rotary, linear = -about_end * acceleration[0], tip.mass * tip.center_of_mass * (columns["tip_acceleration"] - weight)
+    return rotary - linear, about_end * acceleration[1] + ANGLE_ERROR * np.abs(rotary)
 
 
-def _tip_slope(scene: Scene, columns: Mapping[str, Array], angle: Array, turning: Array) -> Array:
-    """Slope of the moment at the flexible end, N, shape (rows,)."""
+def _tip_slope(scene: Scene, columns: Mapping[str, Array], angle: Array, acceleration: Array) -> Array:
+    """Slope of the moment at the flexible end, N, shape (rows,); from the end's angle, rad, and its second derivative, rad/s^2."""
     tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
     force = _across(tip_force(tip, columns["crank_angle"]), angle) if tip.is_forced else 0.0
-    return np.asarray(tip.mass * (columns["tip_acceleration"] + tip.center_of_mass * turning - weight) - force)
+    return np.asarray(tip.mass * (columns["tip_acceleration"] + tip.center_of_mass * acceleration - weight) - force)
 
 
 def _angles(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> tuple[Array, Array]:
     """Angle of the centre line in the fixed frame at the flexible end and at the slider, rad, shape (rows,) each.
 
-    It is that of the base and the curvature summed up by the trapezoidal rule between known places, which misses `OF_ANGLE` of the sum but
-    misses it smoothly in time, as second derivatives need it.
+    It is the angle of the base plus the curvature summed by the trapezoidal rule between known places. The rule's error, the part
+    `ANGLE_ERROR` of the sum, is smooth in time, as second derivatives need it.
     """
     rows, numbers = known.slider.size, np.arange(TWELFTHS + 1.0)
     slider = np.minimum(known.slider / known.spacing, TWELFTHS)
@@ -189,25 +192,28 @@ def _angles(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> 
 
 
 def _second_derivative(time: Array, values: Array) -> tuple[Array, Array]:
-    """That of the cubic spline through a signal, and by how much that through every other sample differs from it."""
-    found = scipy.interpolate.CubicSpline(time, values)(time, 2)
+    """Second derivative of the cubic spline through a signal, and its difference from that of the spline through every other sample."""
+    second = scipy.interpolate.CubicSpline(time, values)(time, 2)
     fewer = np.append(np.arange(0, time.size - 1, 2), time.size - 1)
-    return found, np.abs(scipy.interpolate.CubicSpline(time[fewer], values[fewer])(time, 2) - found)
+    return second, np.abs(scipy.interpolate.CubicSpline(time[fewer], values[fewer])(time, 2) - second)
 
 
 def interpolated(x: Array, known: KnownMoments, parity: int | None = None) -> Array:
-    """Moments at arc lengths `x` (m, shape (m,)), N m, shape (rows, m); with a `parity` from the ends and the twelfths of that parity."""
+    """Moments at arc lengths `x` (m, shape (m,)), N m, shape (rows, m).
+
+    With a `parity`, 0 or 1, they come from the ends and the twelfths with even or odd numbers only.
+    """
     numbers = np.arange(TWELFTHS + 1)
     kept = numbers[(numbers % TWELFTHS == 0) | (numbers % 2 == parity) | (parity is None)]
-    found = np.empty((known.slider.size, x.size))
+    moments = np.empty((known.slider.size, x.size))
     for rows, inner, outer in _groups(known, kept):
-        ahead = np.broadcast_to(x, (rows.size, x.size)) <= known.slider[rows, None]
-        for wanted, nodes in ((ahead, _nodes(known, rows, inner, inner=True)), (~ahead, _nodes(known, rows, outer, inner=False))):
-            some = wanted.any(axis=0)
-            if some.any():
-                block = np.ix_(rows, some)
-                found[block] = np.where(wanted[:, some], _polynomials(*nodes, x[some]), found[block])
-    return found
+        inboard = np.broadcast_to(x, (rows.size, x.size)) <= known.slider[rows, None]
+        for side, nodes in ((inboard, _nodes(known, rows, inner, inner=True)), (~inboard, _nodes(known, rows, outer, inner=False))):
+            places = side.any(axis=0)
+            if places.any():
+                block = np.ix_(rows, places)
+                moments[block] = np.where(side[:, places], _polynomials(*nodes, x[places]), moments[block])
+    return moments
 
 
 def _groups(known: KnownMoments, kept: Numbers) -> Iterator[tuple[Numbers, Numbers, Numbers]]:
@@ -237,22 +243,22 @@ def _nodes(known: KnownMoments, rows: Numbers, numbers: Numbers, inner: bool) ->
 
 
 def _polynomials(nodes: Array, values: Array, x: Array) -> Array:
-    """At `x` (shape (m,)) the polynomials through the nearest of some nodes (shape (rows, n)), in Lagrange's form; shape (rows, m)."""
+    """Values at `x` (shape (m,)) of Lagrange's polynomials through the nearest of the nodes (shape (rows, n)), shape (rows, m)."""
     count = nodes.shape[1]
     through = min(THROUGH, count)
     cell = (x[None, :, None] > nodes[:, None, :]).sum(axis=2) - 1
     first = np.clip(cell - (through - 2) // 2, 0, count - through)
     index = first[..., None] + np.arange(through)
-    near, its = (np.take_along_axis(each[:, None, :], index, axis=2) for each in (nodes, values))
-    found = np.zeros(first.shape)
-    with np.errstate(divide="ignore", invalid="ignore"):  # a slider at the very end leaves a side without length, where nothing is asked
+    near, near_values = (np.take_along_axis(each[:, None, :], index, axis=2) for each in (nodes, values))
+    interpolant = np.zeros(first.shape)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a slider at the very end leaves a side without length, where no `x` lies
         for j in range(through):
             weight = np.ones(first.shape)
             for k in range(through):
                 if k != j:
                     weight *= (x - near[..., k]) / (near[..., j] - near[..., k])
-            found += weight * its[..., j]
-    return found
+            interpolant += weight * near_values[..., j]
+    return interpolant
 
 
 def left_out(known: KnownMoments) -> Array:
@@ -272,7 +278,7 @@ def between(x: Array, missed: Array, known: KnownMoments) -> Array:
     twelfth, (base, tip) = known.spacing, known.ends_open
     cell = np.minimum((x / twelfth).astype(int), TWELFTHS - 1)
     near = [np.clip(cell + step, 0, TWELFTHS) for step in (-1, 0, 1, 2)]
-    worst = REST * np.max([missed[:, numbers] for numbers in near], axis=0)
+    worst = REMAINING_ERROR * np.max([missed[:, numbers] for numbers in near], axis=0)
     distance = np.abs(x - known.slider[:, None])
     for end in (cell, cell + 1):
         used = np.abs(end * twelfth - known.slider[:, None]) > TOO_NEAR * twelfth

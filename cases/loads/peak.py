@@ -32,7 +32,7 @@ class Peak:
         return None if self.estimate is None else self.uncertainty + self.estimate
 
     def times(self, factor: float) -> "Peak":
-        """The same in another unit, or as another quantity proportional to it."""
+        """The peak times a factor: in another unit, or of a quantity proportional to it."""
         estimate = None if self.estimate is None else factor * self.estimate
         return replace(self, value=factor * self.value, uncertainty=factor * self.uncertainty, estimate=estimate)
 
@@ -43,14 +43,14 @@ def peak_of(signal: Array, columns: Mapping[str, Array], claim: Callable[[float]
     Args:
         signal: shape (rows,).
         columns: of a trajectory; its time, and crank angle if there is a crank.
-        claim: crank angle (rad, continuous; 0 without a crank) -> by how much the signal may be off by the engine's own estimate.
-        place: arc length that it is of, m.
+        claim: crank angle (rad, continuous; 0 without a crank) -> error of the signal by the engine's own estimate; None if it has none.
+        place: arc length at which the signal is taken, m; None if it is no quantity of the arm.
     """
     time = columns["time"]
-    found = max(extremes(time, signal, time[0], time[-1]), key=lambda extreme: abs(extreme.value))
-    angle = float(np.interp(found.time, time, columns["crank_angle"])) if "crank_angle" in columns else None
+    largest = max(extremes(time, signal, time[0], time[-1]), key=lambda extreme: abs(extreme.value))
+    angle = float(np.interp(largest.time, time, columns["crank_angle"])) if "crank_angle" in columns else None
     turned = None if angle is None else angle % (2.0 * math.pi)
-    return Peak(abs(found.value), turned, found.time, found.uncertainty, claim(angle or 0.0), place)
+    return Peak(abs(largest.value), turned, largest.time, largest.uncertainty, claim(angle or 0.0), place)
 
 
 def of_column(name: str, columns: Mapping[str, Array], claim: ErrorAt) -> Peak | None:

@@ -12,14 +12,14 @@ from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
 
-#: Crank angles of half a turn, the other half mirrors it, at which frequencies are averaged: the mean of a smooth periodic function by
-#: as many even angles is exact to round-off in all scenes of the library but those whose crank reaches nearly to P.
+#: Number of crank angles in half a turn over which frequencies are averaged; the other half mirrors it. The mean of a smooth periodic
+#: function over so many even angles is exact to round-off in all scenes of the library but those whose crank nearly reaches P.
 ANGLES: Final = 25
 
 
 @dataclass(frozen=True)
 class Resonance:
-    """First mode and crank."""
+    """The first mode's frequency and that of the crank."""
 
     first_mode: float  # mean over the turn of the first frequency with the crank held, Hz
     lowest: float  # least of these frequencies, Hz
@@ -37,21 +37,21 @@ class Resonance:
 
     @property
     def resonant_speed(self) -> float:
-        """Speed of the crank at which that harmonic meets the first mode, rad/s."""
+        """Speed of the crank at which the nearest harmonic meets the first mode, rad/s."""
         return 2.0 * math.pi * self.first_mode / self.harmonic
 
     @property
     def detuning(self) -> float:
-        """Relative change of the crank's speed to that one; negative if it would have to fall."""
+        """Relative change from the crank's speed to the resonant one; negative if that is lower."""
         return self.ratio / self.harmonic - 1.0
 
     @property
     def sentence(self) -> str:
         """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
         ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
-        speed, way = self.resonant_speed / in_si("rpm"), "faster" if self.detuning > 0.0 else "slower"
+        speed, change = self.resonant_speed / in_si("rpm"), "faster" if self.detuning > 0.0 else "slower"
         nearest = f"the {self.harmonic}{ending} harmonic is nearest to the first mode"
-        return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {way}"
+        return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {change}"
 
 
 @cache
@@ -60,11 +60,11 @@ def resonance(mechanism: Mechanism) -> Resonance | None:
     pace = crank_pace(mechanism)
     if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.closed_stiffness == 0.0:
         return None
-    found = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
-    return Resonance(float(np.trapezoid(found) / (ANGLES - 1)), float(found.min()), pace / (2.0 * math.pi))
+    frequencies = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
+    return Resonance(float(np.trapezoid(frequencies) / (ANGLES - 1)), float(frequencies.min()), pace / (2.0 * math.pi))
 
 
-def of_motion(mechanism: Mechanism) -> float:
+def shift_of_motion(mechanism: Mechanism) -> float:
     """Difference of the mean first frequency with a turning, compliant crank from that with the crank held; Hz.
 
     To first order in the coupling of the modes (`cases.measures.moving_mode`); 0 where nothing vibrates.

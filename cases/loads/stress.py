@@ -42,10 +42,10 @@ class ArmStress:
 
     largest: Peak  # magnitude
     amplitude: Peak  # half the range in a cycle, at the place where that is largest; its crank angle is that of the extreme farther from 0
-    mean: float  # mean of the extremes there
+    mean: float  # mean of the extremes at that place
     places: Array  # arc lengths from P, m, shape (places,)
-    lowest: Array  # least stress in the rows at each of them, positive where W'' > 0
-    highest: Array  # greatest, likewise
+    lowest: Array  # least stress at each place over the rows, shape (places,); positive where W'' > 0
+    highest: Array  # greatest stress, likewise
 
 
 def section_modulus(follower: Follower) -> float:
@@ -59,7 +59,7 @@ def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Ar
     Args:
         scene: gives section and bodies.
         columns: of a cycle or a trajectory.
-        claim: by how much a column may be off.
+        claim: error of a column at a crank angle, by the engine's own estimate.
     """
     if not set(columns) >= NEEDED:
         return None
@@ -82,37 +82,37 @@ def safety(strength: float | None, stress: Peak) -> Factor | None:
 class _Field:
     """The moment along the arm in some of the rows."""
 
-    known: KnownMoments  # in all of them
-    moments: Array  # N m, shape (some rows, places)
-    open: Array  # by how much the interpolation may miss each of them, N m, likewise
+    known: KnownMoments  # the known moments in all rows
+    moments: Array  # moments in some rows at `known.places`, N m, shape (some rows, places)
+    open: Array  # interpolation error of each of them, N m, likewise
 
     @classmethod
     def of(cls, known: KnownMoments, step: int) -> "_Field":
-        """The field in every so many rows."""
-        some = known.every(step)
-        return cls(known, interpolated(known.places, some), between(known.places, left_out(some), some))
+        """The field in every `step`-th row."""
+        fewer = known.every(step)
+        return cls(known, interpolated(known.places, fewer), between(known.places, left_out(fewer), fewer))
 
     def series(self, at: int) -> Array:
         """The moment at a place in all rows, N m, shape (rows,)."""
         return interpolated(self.known.places[[at]], self.known)[:, 0]
 
     def beyond(self, row: int, at: int) -> float:
-        """Excess of the moment between places: of the parabola through a place and its neighbours over these, N m."""
+        """Largest excess of the moment between places over that at a place, N m: of the parabola through it and its neighbours."""
         before, middle, after = self.moments[row, np.clip(at, 1, self.moments.shape[1] - 2) + np.arange(-1, 2)]
         return float(abs(before - 2.0 * middle + after)) / 8.0
 
 
 def _largest(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> Peak:
-    """The largest moment: at the slider, which carries the corner along, or at one of the places."""
+    """The largest moment: at the slider, where the moment has its corner, or at one of the places."""
     sizes, known = np.abs(field.moments), field.known
     row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
-    found, beyond = _peak_at(field, at, columns, claim), field.beyond(row, at)
+    peak, beyond = _peak_at(field, at, columns, claim), field.beyond(row, at)
     if known.at_slider is not None:
         at_slider = peak_of(known.at_slider, columns, lambda angle: claim("moment_slider", angle))
-        if at_slider.value >= found.value:
+        if at_slider.value >= peak.value:
             place = float(np.interp(at_slider.time, columns["time"], known.slider))
-            found, beyond = replace(at_slider, place=place), 0.0
-    return replace(found, uncertainty=found.uncertainty + beyond + float((sizes + field.open).max() - sizes.max()))
+            peak, beyond = replace(at_slider, place=place), 0.0
+    return replace(peak, uncertainty=peak.uncertainty + beyond + float((sizes + field.open).max() - sizes.max()))
 
 
 def _amplitude(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> tuple[Peak, float]:
@@ -139,5 +139,5 @@ class _Nearest:
     def __call__(self, angle: float) -> float | None:
         numbers = {min(max(number, 1), len(MOMENTS)) for number in (math.floor(self.twelfth), math.ceil(self.twelfth))}
         errors = [self.claim(MOMENTS[number - 1], angle) for number in numbers]
-        known = [error for error in errors if error is not None]
-        return max(known) if len(known) == len(errors) else None
+        claimed = [error for error in errors if error is not None]
+        return max(claimed) if len(claimed) == len(errors) else None

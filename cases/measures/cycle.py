@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 HALVES = ("pre", "post")
 NO_VIBRATION = (FirstMode("the model has no vibration in this channel"), None)
-END_TOLERANCE = np.radians(5.0)  # largest distance of the first and last sample from the slider's farthest place
+END_TOLERANCE = np.radians(5.0)  # largest distance, rad, of the first and last crank angle from that of the slider's farthest place
 
 
 @dataclass(frozen=True)
@@ -68,57 +68,46 @@ def measure_cycle(
     boundaries = _boundaries(time, crank_angle)
     angle = CubicSpline(time, crank_angle)
     signals = {name: CubicSpline(time, values) for name, values in channels.items()}
-    shown = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
-    here = [name for name in channels if scale is not None and name in scale.channels]
+    filtered = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
+    vibrating = [name for name in channels if scale is not None and name in scale.channels]
     measures: list[Measure] = []
-    agreed: list[Consensus] = []
+    consensuses: list[Consensus] = []
     spans = list(itertools.pairwise(boundaries))
     halves = [half_cycle(scale, start, end, angle) for start, end in spans] if scale else []
-    vibrations = _vibrations([{name: channel_half(scale, half, name, signals[name]) for name in here} for half in halves] if scale else [])
+    vibrations = _vibrations(
+        [{name: channel_half(scale, half, name, signals[name]) for name in vibrating} for half in halves] if scale else []
+    )
     for half, (start, end), fitted in zip(HALVES, spans, vibrations or ({}, {}), strict=True):
         for name in channels:
             first, second = fitted.get(name, NO_VIBRATION)
-            low, high = extremes(time, shown[name], start, end)
-            measures.append(
-                Measure(
-                    half,
-                    name,
-                    first.frequency,
-                    first.frequency_uncertainty,
-                    first.amplitude,
-                    first.amplitude_uncertainty,
-                    second,
-                    low.value,
-                    low.uncertainty,
-                    high.value,
-                    high.uncertainty,
-                    first.reason,
-                )
-            )
-        agreed.append(consensus_of(half, [measure for measure in measures if measure.half == half]))
-    return CycleMeasures(tuple(measures), tuple(agreed))
+            low, high = extremes(time, filtered[name], start, end)
+            vibration = first.frequency, first.frequency_uncertainty, first.amplitude, first.amplitude_uncertainty
+            ends = low.value, low.uncertainty, high.value, high.uncertainty
+            measures.append(Measure(half, name, *vibration, second, *ends, first.reason))
+        consensuses.append(consensus_of(half, [measure for measure in measures if measure.half == half]))
+    return CycleMeasures(tuple(measures), tuple(consensuses))
 
 
 def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[Extreme, Extreme]]:
     """Least and greatest value of any column in each half of a cycle; arguments and errors as of `measure_cycle`."""
-    shown, boundaries = low_pass(time, values) if measured else values, _boundaries(time, crank_angle)
-    return {half: extremes(time, shown, *boundaries[at : at + 2]) for at, half in enumerate(HALVES)}
+    filtered, boundaries = low_pass(time, values) if measured else values, _boundaries(time, crank_angle)
+    return {half: extremes(time, filtered, *boundaries[at : at + 2]) for at, half in enumerate(HALVES)}
 
 
 def consensus_of(half: str, measures: Sequence[Measure]) -> Consensus:
     """Consensus of those measures of a half that resolve the first mode's frequency."""
-    known = [(measure.first_mode_frequency, measure.first_mode_frequency_uncertainty) for measure in measures]
-    found = [(frequency, uncertainty) for frequency, uncertainty in known if frequency is not None and uncertainty is not None]
-    return consensus(half, [frequency for frequency, _ in found], [uncertainty for _, uncertainty in found])
+    pairs = [(measure.first_mode_frequency, measure.first_mode_frequency_uncertainty) for measure in measures]
+    resolved = [(frequency, uncertainty) for frequency, uncertainty in pairs if frequency is not None and uncertainty is not None]
+    return consensus(half, [frequency for frequency, _ in resolved], [uncertainty for _, uncertainty in resolved])
 
 
 def _vibrations(halves: Sequence[Mapping[str, ChannelHalf]]) -> list[dict[str, tuple[FirstMode, float | None]]]:
     """The first mode and the second mode's frequency, by channel, in each half."""
-    found = []
+    vibrations = []
     for channels, first_modes in zip(halves, fit_first_modes(halves), strict=True):
         second_modes = [second_mode_frequency(channels[name], mode.fit) if mode.fit else None for name, mode in first_modes.items()]
-        found.append({name: (mode, second) for (name, mode), second in zip(first_modes.items(), agreeing(second_modes), strict=True)})
-    return found
+        vibrations.append({name: (mode, second) for (name, mode), second in zip(first_modes.items(), agreeing(second_modes), strict=True)})
+    return vibrations
 
 
 def _check(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -> None:

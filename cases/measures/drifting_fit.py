@@ -4,10 +4,11 @@ The signal is modelled as  slow part + (1 + rho sigma) [a (T cos phi + Q sin phi
 
     phi = alpha (theta + kappa drift) + beta (sigma^2 - 1),
 
-Q the channel's response a quarter period late, the drift the part of theta by which the mechanism's frequency departs from its mean,
-and the second mode T2 {1, sigma2} {cos, sin}(alpha2 theta2). beta and kappa do not change the mean frequency: their factors are zero at
-both ends. Linear coefficients are eliminated by orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected
-in the Jacobian (Kaufman, 1975), steps are damped (Levenberg, Marquardt) and kept within bounds.
+theta (rad) the phase by the mechanism's own frequency, sigma this phase scaled to [-1, 1], T the channel's response to the first mode and Q
+the same a quarter period late, the drift the part of theta by which the mechanism's frequency departs from its mean, and the second mode
+T2 {1, sigma2} {cos, sin}(alpha2 theta2). beta and kappa do not change the mean frequency: their factors are zero at both ends. Linear
+coefficients are eliminated by orthogonal projection (Golub and Pereyra, 1973), the projection's own change is neglected in the Jacobian
+(Kaufman, 1975), steps are damped (Levenberg, Marquardt) and kept within bounds. Each half cycle has 240 instants (`half_cycle`).
 
 Several fits run side by side, which takes a third of the time: their arrays are small. They do not depend on each other.
 """
@@ -23,10 +24,10 @@ from quickreturn.cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
 
-PRIOR_STRENGTH = 0.006  # of the signal's RMS, per scale below
-PRIOR_SCALES = np.array([np.inf, 1.5, 0.15, 0.6, np.inf])  # alpha, beta, kappa, rho, alpha2
+PRIOR_STRENGTH = 0.006  # residual, as a part of the signal's RMS, that weighs as much as a parameter that is one of its scales off zero
+PRIOR_SCALES = np.array([np.inf, 1.5, 0.15, 0.6, np.inf])  # alpha, beta, kappa, rho, alpha2; inf: no prior
 MAXIMUM_STEPS = 25
-STEP_TOLERANCE = 1e-5  # in any parameter, a thousandth of the least uncertainty that is ever reported
+STEP_TOLERANCE = 1e-5  # least step of a parameter: a thousandth of the least uncertainty that is ever reported
 RANK: Final = 1e-10  # part of the columns' largest singular value below which a direction is ignored
 
 
@@ -54,20 +55,20 @@ class Fit:
     jacobian: Array  # projected oscillating columns, then projected derivatives with respect to the five parameters, shape (240, 11)
 
     def covariance(self, variance: float, bounds: Bounds) -> Array:
-        """Of weights and parameters, from noise of the given variance at every instant, shape (11, 11); zero where a parameter is fixed.
+        """Covariance of weights and parameters if every instant has noise of a variance, shape (11, 11); zero where a parameter is fixed.
 
         The priors reduce the response of the estimate to noise: with normal matrix N and priors P it is (N + P)^-1 N (N + P)^-1.
         """
-        counted = np.concatenate([np.ones(6, dtype=bool), bounds.free])
-        jacobian = self.jacobian[:, counted]
-        noise = jacobian.T @ jacobian
-        held = noise + np.diag(np.concatenate([np.zeros(6), _prior_weights(self.residual.size) ** 2])[counted])
-        scale = np.sqrt(np.diag(held))
+        free = np.concatenate([np.ones(6, dtype=bool), bounds.free])
+        jacobian = self.jacobian[:, free]
+        normal = jacobian.T @ jacobian
+        with_priors = normal + np.diag(np.concatenate([np.zeros(6), _prior_weights(self.residual.size) ** 2])[free])
+        scale = np.sqrt(np.diag(with_priors))
         scale[scale == 0.0] = 1.0
-        inverse = np.linalg.pinv(held / np.outer(scale, scale), rcond=1e-12) / np.outer(scale, scale)
-        full = np.zeros((counted.size, counted.size))
-        full[np.ix_(counted, counted)] = variance * inverse @ noise @ inverse
-        return full
+        inverse = np.linalg.pinv(with_priors / np.outer(scale, scale), rcond=1e-12) / np.outer(scale, scale)
+        covariance = np.zeros((free.size, free.size))
+        covariance[np.ix_(free, free)] = variance * inverse @ normal @ inverse
+        return covariance
 
     @property
     def residual_rms(self) -> float:
@@ -81,7 +82,7 @@ class Waves:
 
     Attributes:
         theta: phase of the first mode, rad.
-        drift: its part of a rate that changes, rad.
+        drift: part of theta by which the frequency departs from its mean, rad.
         sigma: theta scaled to [-1, 1].
         in_phase: T, the channel's response to the first mode.
         late: Q, the same a quarter period late.
@@ -99,27 +100,19 @@ class Waves:
 
     @classmethod
     def of(cls, channel: ChannelHalf) -> "Waves":
-        """Of one channel."""
+        """The data of one channel."""
         half = channel.half
-        return cls(
-            half.phases[0],
-            half.drift,
-            half.places[0],
-            channel.templates[0],
-            channel.quadrature,
-            half.phases[1],
-            half.places[1],
-            channel.templates[1],
-        )
+        first_mode = half.phases[0], half.drift, half.places[0], channel.templates[0], channel.quadrature
+        return cls(*first_mode, half.phases[1], half.places[1], channel.templates[1])
 
     @classmethod
     def stacked(cls, channels: Sequence[ChannelHalf]) -> "Waves":
-        """Of several channels."""
-        each = [vars(cls.of(channel)) for channel in channels]
-        return cls(**{name: np.array([waves[name] for waves in each]) for name in each[0]})
+        """The data of several channels."""
+        of_channels = [vars(cls.of(channel)) for channel in channels]
+        return cls(**{name: np.array([waves[name] for waves in of_channels]) for name in of_channels[0]})
 
     def at(self, places: NDArray[np.intp]) -> "Waves":
-        """Those of some of several channels."""
+        """The data of some of the channels."""
         return Waves(**{name: values[places] for name, values in vars(self).items()})
 
     def first_mode(self, alpha: Any, beta: Any = 0.0, kappa: Any = 0.0, rho: Any = 0.0) -> Array:
@@ -155,7 +148,7 @@ class Problem:
         channel: the signal with its templates.
         slow: orthonormal basis of the slow part, shape (240, k).
         start: alpha, beta, kappa, rho, alpha2 from which the fit descends, shape (5,).
-        bounds: for these.
+        bounds: least and greatest values of these parameters.
     """
 
     channel: ChannelHalf
@@ -166,30 +159,30 @@ class Problem:
 
 def refined(problems: Sequence[Problem]) -> list[Fit]:
     """Descend to a minimum within the bounds, in each of the problems by itself."""
-    waves = Waves.stacked([each.channel for each in problems])
-    widest = max(each.slow.shape[1] for each in problems)
-    slow = np.array([np.pad(each.slow, ((0, 0), (0, widest - each.slow.shape[1]))) for each in problems])
-    signals = without(slow, np.array([each.channel.signal for each in problems])[..., None])[..., 0]
-    low, high = (np.array([getattr(each.bounds, end) for each in problems]) for end in ("low", "high"))
-    found = _evaluated(waves, slow, signals, np.clip([each.start for each in problems], low, high))
-    damping, going = np.full(len(problems), 1e-3), np.arange(len(problems))
+    waves = Waves.stacked([problem.channel for problem in problems])
+    widest = max(problem.slow.shape[1] for problem in problems)
+    slow = np.array([np.pad(problem.slow, ((0, 0), (0, widest - problem.slow.shape[1]))) for problem in problems])
+    signals = without(slow, np.array([problem.channel.signal for problem in problems])[..., None])[..., 0]
+    low, high = (np.array([getattr(problem.bounds, end) for problem in problems]) for end in ("low", "high"))
+    fits = _evaluated(waves, slow, signals, np.clip([problem.start for problem in problems], low, high))
+    damping, active = np.full(len(problems), 1e-3), np.arange(len(problems))
     for _ in range(MAXIMUM_STEPS):
-        here = found.at(going)
-        trial = np.clip(here.parameters + _steps(here, low[going], high[going], damping[going]), low[going], high[going])
+        here = fits.at(active)
+        trial = np.clip(here.parameters + _steps(here, low[active], high[active], damping[active]), low[active], high[active])
         moves = np.abs(trial - here.parameters).max(axis=1) >= STEP_TOLERANCE
-        going, trial = going[moves], trial[moves]
-        if not going.size:
+        active, trial = active[moves], trial[moves]
+        if not active.size:
             break
-        candidates = _evaluated(waves.at(going), slow[going], signals[going], trial)
-        better = candidates.cost < found.cost[going]
-        found.put(going[better], candidates.at(better))
-        damping[going] *= np.where(better, 0.1, 10.0)
-    return [found.one(at) for at in range(len(problems))]
+        candidates = _evaluated(waves.at(active), slow[active], signals[active], trial)
+        better = candidates.cost < fits.cost[active]
+        fits.put(active[better], candidates.at(better))
+        damping[active] *= np.where(better, 0.1, 10.0)
+    return [fits.one(at) for at in range(len(problems))]
 
 
 @dataclass(frozen=True)
 class _Fits:
-    """The numbers of several fits as `Fit` has them, each with an axis more in front."""
+    """The numbers of several fits as `Fit` has them, each with one more axis in front."""
 
     parameters: Array
     weights: Array
@@ -209,7 +202,7 @@ class _Fits:
 
 
 def _steps(fits: _Fits, low: Array, high: Array, damping: Array) -> Array:
-    """Damped Gauss-Newton steps, shape (m, 5); parameters that would leave their bounds at once stay where they are."""
+    """Damped Gauss-Newton steps, shape (m, 5); parameters at a bound that they would leave stay there."""
     derivatives = -fits.jacobian[:, :, 6:]
     prior = _prior_weights(fits.residual.shape[1])
     normal = np.swapaxes(derivatives, 1, 2) @ derivatives + np.diag(prior**2)

@@ -31,8 +31,8 @@ def low_pass(time: Array, signal: Array) -> Array:
     spectrum = np.fft.rfft(scipy.interpolate.CubicSpline(time, signal)(uniform))
     frequencies = np.fft.rfftfreq(steps, (time[-1] - time[0]) / steps)
     filtered = np.fft.irfft(spectrum / (1.0 + (frequencies / CUT_OFF) ** (2 * ORDER)), steps)
-    whole = scipy.interpolate.CubicSpline(np.append(uniform, time[-1]), np.append(filtered, filtered[0]), bc_type="periodic")
-    return np.asarray(whole(time))
+    periodic = scipy.interpolate.CubicSpline(np.append(uniform, time[-1]), np.append(filtered, filtered[0]), bc_type="periodic")
+    return np.asarray(periodic(time))
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extr
 
 
 def _left_out(time: Array, signal: Array) -> Array:
-    """Error of a spline through every other sample, and the first and last, at those between; shape (n,), zero at the ends."""
+    """Error at each sample of a spline through every other sample and both ends, which leaves it out; shape (n,), zero at the ends."""
     missed = np.zeros(time.size)
     for first in (1, 2):
         between = np.arange(first, time.size - 1, 2)

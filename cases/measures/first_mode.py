@@ -11,22 +11,22 @@ from quickreturn.cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
 
-SCAN = np.linspace(0.70, 1.35, 27)  # of alpha
-SEPARATION = 0.08  # between the two scanned minima that are refined
+SCAN = np.linspace(0.70, 1.35, 27)  # values of alpha at which the fit is tried
+SEPARATION = 0.08  # least difference of alpha between the two scanned minima that are refined
 MARGIN = 0.05  # of alpha beyond the scan
-LOW, HIGH = SCAN[0] - MARGIN, SCAN[-1] + MARGIN
-MAIN = Bounds(np.array([LOW, -2.5, 0.0, -0.95, 0.75]), np.array([HIGH, 2.5, 0.0, 0.95, 1.45]))
-FREE_DRIFT = Bounds(np.array([LOW, -2.5, -0.6, -0.95, 0.75]), np.array([HIGH, 2.5, 0.6, 0.95, 1.45]))
-DEGREE = 5  # of the slow part
-IGNORED_VARIANT = 3.0  # times the main fit's residual
+LEAST_ALPHA, GREATEST_ALPHA = SCAN[0] - MARGIN, SCAN[-1] + MARGIN
+MAIN = Bounds(np.array([LEAST_ALPHA, -2.5, 0.0, -0.95, 0.75]), np.array([GREATEST_ALPHA, 2.5, 0.0, 0.95, 1.45]))
+FREE_DRIFT = Bounds(np.array([LEAST_ALPHA, -2.5, -0.6, -0.95, 0.75]), np.array([GREATEST_ALPHA, 2.5, 0.6, 0.95, 1.45]))
+DEGREE = 5  # of the polynomial that is the slow part
+IGNORED_VARIANT = 3.0  # ratio of residuals: a variant that leaves more than this times the main fit's is ignored
 
 FREQUENCY_FLOOR = 0.003  # of the frequency: error of the mechanism's own path, from pure vibrations of six of the thesis' runs
-#: Ratio of the true distance to that of the fit with free drift: its prior reduces the drift to 0.54 of the true one if vibration is 0.3 of
-#: the slow part, and to 0.84 if it is as large.
+#: Ratio of the true difference of alpha to that in the fit with free drift, whose prior reduces the drift to 0.54 of the true one if
+#: vibration is 0.3 of the slow part, and to 0.84 if it is as large.
 DRIFT_HELD_BACK = 1.3
-SLOW_PART_LEAKAGE = 0.015  # of the slow part's peak, in the amplitude
-NEEDED_RISE = 5.0  # of the residual sum of squares without the oscillation
-NEEDED_AMPLITUDE = 3.0  # times the residual RMS
+SLOW_PART_LEAKAGE = 0.015  # error of the amplitude, as a part of the slow part's peak
+NEEDED_RISE = 5.0  # least ratio of the residual sums of squares without and with the oscillation
+NEEDED_AMPLITUDE = 3.0  # least ratio of the amplitude to the residual's RMS
 #: Relative uncertainty of the amplitude beyond which there may be no vibration, but a slow part of another shape. On pure slow signals it
 #: is 1.03 to 1.05.
 UNCERTAIN_PRESENCE = 0.6  # of the amplitude
@@ -53,8 +53,8 @@ class _Estimate:
     """The estimate from one channel; frequencies in units of alpha, amplitudes in units of the signal's RMS."""
 
     alpha: float  # factor on the mechanism's own frequency
-    own: float  # its relative uncertainty apart from the drift
-    drifting: float  # relative distance of the fit whose drift is free
+    alpha_uncertainty: float  # relative, without the part that is due to the drift
+    drift_distance: float  # relative difference of alpha in the fit with free drift
     amplitude: float  # RMS of the envelope
     amplitude_uncertainty: float  # one standard deviation
     doubts: tuple[str, ...]  # reasons why there may be no first mode
@@ -70,20 +70,21 @@ def fit_first_modes(halves: Sequence[Mapping[str, ChannelHalf]]) -> list[dict[st
     is used for all of them.
     """
     vibrating = [(half, name) for half, channels in enumerate(halves) for name, channel in channels.items() if channel.unit > 0.0]
-    found = dict(zip(vibrating, _estimates([halves[half][name] for half, name in vibrating]), strict=True))
+    estimates = dict(zip(vibrating, _estimates([halves[half][name] for half, name in vibrating]), strict=True))
     return [
-        _of_half(channels, {name: found[half, name] for name in channels if (half, name) in found}) for half, channels in enumerate(halves)
+        _first_modes_of_half(channels, {name: estimates[half, name] for name in channels if (half, name) in estimates})
+        for half, channels in enumerate(halves)
     ]
 
 
-def _of_half(channels: Mapping[str, ChannelHalf], estimates: Mapping[str, _Estimate]) -> dict[str, FirstMode]:
+def _first_modes_of_half(channels: Mapping[str, ChannelHalf], estimates: Mapping[str, _Estimate]) -> dict[str, FirstMode]:
     """The first modes of a half's channels from all their estimates."""
-    seen = [each for each in estimates.values() if not each.doubts]
-    weights = np.array([each.own**-2.0 for each in seen])
-    shared = float(np.sqrt(weights @ np.array([each.drifting**2 for each in seen]) / weights.sum())) if seen else 0.0
+    seen = [estimate for estimate in estimates.values() if not estimate.doubts]
+    weights = np.array([estimate.alpha_uncertainty**-2.0 for estimate in seen])
+    shared = float(np.sqrt(weights @ np.array([estimate.drift_distance**2 for estimate in seen]) / weights.sum())) if seen else 0.0
     constant = FirstMode("the signal is constant")
     return {
-        name: _resolved(channel, estimates[name], float(np.hypot(estimates[name].own, DRIFT_HELD_BACK * shared)))
+        name: _resolved(channel, estimates[name], float(np.hypot(estimates[name].alpha_uncertainty, DRIFT_HELD_BACK * shared)))
         if name in estimates
         else constant
         for name, channel in channels.items()
@@ -103,24 +104,24 @@ def _estimates(channels: Sequence[ChannelHalf]) -> list[_Estimate]:
         variants.append(Problem(channel, columns, main.parameters, FREE_DRIFT))
         variants += [Problem(channel, orthonormal(others), main.parameters, MAIN) for others in other_slow_parts]
     fits = refined(variants)
-    each = (fits[at : at + 4] for at in range(0, len(fits), 4))
-    return [_estimate(*known) for known in zip(channels, slow, best, each, strict=True)]
+    fits_of_channels = (fits[at : at + 4] for at in range(0, len(fits), 4))
+    return [_estimate(*of_channel) for of_channel in zip(channels, slow, best, fits_of_channels, strict=True)]
 
 
 def _estimate(channel: ChannelHalf, slow: Array, main: Fit, others: Sequence[Fit]) -> _Estimate:
     """The estimate of a channel from its fits; `others`: with free drift, then with other slow parts."""
-    drifting, *variants = others
+    free_drift, *variants = others
     alpha, amplitude = main.parameters[0], _amplitude(channel, main)
     statistical_alpha, statistical_amplitude = _statistical_uncertainty(channel, main, slow.shape[1])
     variants = [fit for fit in variants if fit.residual_rms <= IGNORED_VARIANT * main.residual_rms]
     spread_alpha = _spread([fit.parameters[0] for fit in variants], alpha)
-    spread_amplitude = _spread([_amplitude(channel, fit) for fit in (*variants, drifting)], amplitude)
+    spread_amplitude = _spread([_amplitude(channel, fit) for fit in (*variants, free_drift)], amplitude)
     slow_peak = np.abs(slow @ (slow.T @ (channel.signal - _oscillation(channel, main)))).max()
     uncertain = float(np.sqrt(statistical_amplitude**2 + spread_amplitude**2 + (SLOW_PART_LEAKAGE * slow_peak) ** 2))
     return _Estimate(
         alpha=alpha,
-        own=float(np.hypot(np.hypot(statistical_alpha, spread_alpha) / alpha, FREQUENCY_FLOOR)),
-        drifting=abs(drifting.parameters[0] / alpha - 1.0),
+        alpha_uncertainty=float(np.hypot(np.hypot(statistical_alpha, spread_alpha) / alpha, FREQUENCY_FLOOR)),
+        drift_distance=abs(free_drift.parameters[0] / alpha - 1.0),
         amplitude=amplitude,
         amplitude_uncertainty=uncertain,
         doubts=_doubts(channel, slow, main, amplitude, uncertain),
@@ -133,18 +134,18 @@ def _resolved(channel: ChannelHalf, estimate: _Estimate, uncertainty: float) -> 
     if estimate.doubts:
         return FirstMode(f"no frequency, no amplitude: {'; '.join(estimate.doubts)}", estimate.fit)
     reasons, limit = [], GREATEST_FREQUENCY_UNCERTAINTY
-    known: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     if estimate.amplitude_uncertainty < GREATEST_AMPLITUDE_UNCERTAINTY * estimate.amplitude:
-        known |= {"amplitude": estimate.amplitude * channel.unit, "amplitude_uncertainty": estimate.amplitude_uncertainty * channel.unit}
+        numbers |= {"amplitude": estimate.amplitude * channel.unit, "amplitude_uncertainty": estimate.amplitude_uncertainty * channel.unit}
     else:
         limit = GREATEST_WITHOUT_AMPLITUDE
         reasons.append("no amplitude: uncertain by more than a third")
     if uncertainty < limit:
         frequency = float(estimate.alpha * channel.half.mean_frequencies[0])
-        known |= {"frequency": frequency, "frequency_uncertainty": uncertainty * frequency}
+        numbers |= {"frequency": frequency, "frequency_uncertainty": uncertainty * frequency}
     else:
         reasons.insert(0, f"no frequency: uncertain by more than {limit:.0%}")
-    return FirstMode("; ".join(reasons), estimate.fit, **known)
+    return FirstMode("; ".join(reasons), estimate.fit, **numbers)
 
 
 def _best(channels: Sequence[ChannelHalf], slow: Sequence[Array]) -> list[Fit]:
@@ -233,6 +234,6 @@ def _doubts(channel: ChannelHalf, slow: Array, main: Fit, amplitude: float, ampl
         failed.append(f"amplitude below {NEEDED_AMPLITUDE:g} times the residual")
     if not amplitude_uncertainty < UNCERTAIN_PRESENCE * amplitude:
         failed.append(f"amplitude uncertain by more than {UNCERTAIN_PRESENCE:.0%}")
-    if not LOW + 1e-6 < main.parameters[0] < HIGH - 1e-6:
+    if not LEAST_ALPHA + 1e-6 < main.parameters[0] < GREATEST_ALPHA - 1e-6:
         failed.append("frequency at the bounds of the search")
     return tuple(failed)

@@ -10,10 +10,11 @@ from quickreturn.cases.measures.cycle import CycleMeasures, Measure, consensus_o
 
 #: Number of cycles for means if no cycle repeats.
 AVERAGED: Final = 30
-#: Number of groups of successive cycles whose means give the standard error: after five cycles a quarter of a disturbance or less remains
-#: in the thesis' runs. Motions that repeat after two, three or six turns fill whole groups or pairs of them.
+#: Number of groups of successive cycles whose means give the standard error. After the five cycles of a group a quarter of a disturbance or
+#: less remains in the thesis' runs. Motions that repeat after two, three or six turns fill whole groups or pairs of them.
 GROUPS: Final = 6
-#: Uncertainty of a mean extreme, in standard errors. The uncertainty of an extreme is a bound, the others' are standard deviations.
+#: Part of a mean extreme's uncertainty that is due to scatter, in standard errors: for an extreme it is a bound, for other measures a
+#: standard deviation.
 BOUND: Final = 2.0
 #: Part of the cycles that must resolve a first or second mode, so that the mean is not biased by selection.
 RESOLVED: Final = 0.5
@@ -43,21 +44,21 @@ def mean_measures(cycles: Sequence[CycleMeasures]) -> CycleMeasures:
     return CycleMeasures(measures, tuple(consensus_of(half, [each for each in measures if each.half == half]) for half in halves))
 
 
-def _mean(found: Sequence[Measure]) -> Measure:
-    """Mean of one channel's measures in one half."""
-    numbers: dict[str, Any] = {"half": found[0].half, "channel": found[0].channel}
+def _mean(measures: Sequence[Measure]) -> Measure:
+    """Mean of the measures of one channel in one half of successive cycles."""
+    numbers: dict[str, Any] = {"half": measures[0].half, "channel": measures[0].channel}
     for name in ("first_mode_frequency", "first_mode_amplitude", "second_mode_frequency", "minimum", "maximum"):
-        rows = [measure for measure in found if getattr(measure, name) is not None]
-        values, own = ([float(getattr(row, key, 0.0)) for row in rows] for key in (name, f"{name}_uncertainty"))
-        resolved = len(rows) >= RESOLVED * len(found)
+        rows = [measure for measure in measures if getattr(measure, name) is not None]
+        values, uncertainties = ([float(getattr(row, key, 0.0)) for row in rows] for key in (name, f"{name}_uncertainty"))
+        resolved = len(rows) >= RESOLVED * len(measures)
         numbers[name] = float(np.mean(values)) if resolved else None
         if name == "second_mode_frequency":
             continue
         error = standard_error(values)
-        uncertainty = None if not resolved else float(np.mean(own))
+        uncertainty = None if not resolved else float(np.mean(uncertainties))
         if uncertainty is not None:
             uncertainty = uncertainty + BOUND * error if name in ("minimum", "maximum") else math.hypot(uncertainty, error)
         numbers[f"{name}_uncertainty"] = uncertainty
-    reasons = [measure.reason for measure in found if measure.reason]
+    reasons = [measure.reason for measure in measures if measure.reason]
     unresolved = numbers["first_mode_frequency"] is None or numbers["first_mode_amplitude"] is None
     return Measure(**numbers, reason=max(set(reasons), key=reasons.count) if unresolved else "")

@@ -15,10 +15,10 @@ eta_j = 2 A G_j1 s' omega_1/(omega_j^2 - omega_1^2) sin(phi), and its own omega_
   and with the force R_1;
 
 and a frequency that itself changes within a period shifts the rate of the phase by 3/8 omega'^2/omega^3 - omega''/(4 omega^2) (second
-order of the WKB approximation: Bender and Orszag, Advanced Mathematical Methods, 1978, section 10.1). In all that is
--0.6 % where the slider is fastest and +1.1 % at the return on run 24, and +4.7 % at the return on run 8. Of small vibrations on the
-nonlinear model's motion the mean over a half is met to 0.4 %; at single angles the path is up to 1 % off (run 8, 20 degrees from the
-return). Neglected: the slider's own rotary inertia in the coupling, and the effect of the slow deflection.
+order of the WKB approximation: Bender and Orszag, Advanced Mathematical Methods, 1978, section 10.1). Together these change the frequency
+by -0.6 % where the slider is fastest and by +1.1 % at the return in run 24, and by +4.7 % at the return in run 8. For small vibrations
+about the nonlinear model's motion the mean frequency over a half is right to 0.4 %; at single angles it is up to 1 % off (run 8, 20 degrees
+from the return). Neglected: the slider's own rotary inertia in the coupling, and the effect of the slow deflection.
 """
 
 from collections.abc import Sequence
@@ -43,7 +43,8 @@ TINY = np.finfo(np.float64).tiny
 class MovingMode:
     """Changes of the first mode, at the angles of the given modes."""
 
-    dragged: Array  # amplitudes of the modes that A cos(phi) drags along as A q1' sin(phi), s/rad, shape (angles, modes); zero for itself
+    # with A cos(phi) in the first mode the others have this times A q1' sin(phi), s/rad, shape (angles, modes); zero for the first itself
+    dragged: Array
     free_crank: Array  # relative change of the frequency because the crank is free, shape (angles,)
     motion: Array  # the same because the crank turns, per square of its speed, s^2/rad^2, shape (angles,)
 
@@ -84,7 +85,7 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
 
 
 def _moments_of_momentum(mechanism: Mechanism, modes: FrozenModes) -> Array:
-    """About P, for unit rates of the modes, kg^(1/2) m, shape (count,); the support's force balances their change."""
+    """Moment of momentum about P of each mode at unit rate, kg^(1/2) m, shape (count,); the support's force balances its change."""
     follower, tip = mechanism.follower, mechanism.tip_body
     moments = np.zeros(len(modes))
     for start, end in modes.spans:

@@ -8,11 +8,11 @@ from quickreturn.cases.measures.half_cycle import ChannelHalf
 
 Array = NDArray[np.float64]
 
-DEGREE = 9  # of the slow part
-SCAN = np.linspace(0.80, 1.50, 71)  # factor on the mechanism's own second frequency
-NEEDED_FALL = 2.0  # of the residual sum of squares by the second mode
-NEEDED_LEAD = 1.4  # of the next best peak's residual over the best one's
-AGREEMENT = 0.06  # between two channels
+DEGREE = 9  # of the polynomial that is the slow part
+SCAN = np.linspace(0.80, 1.50, 71)  # tried factors on the mechanism's own second frequency
+NEEDED_FALL = 2.0  # least ratio of the residual sums of squares without and with the second mode
+NEEDED_LEAD = 1.4  # least ratio of the second best minimum of this sum, or of its ends, to the best
+AGREEMENT = 0.06  # largest relative difference of two channels' frequencies that agree
 
 
 def second_mode_frequency(channel: ChannelHalf, first_mode: Fit) -> float | None:

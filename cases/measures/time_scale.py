@@ -17,11 +17,11 @@ Array = NDArray[np.float64]
 CHANNELS = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
 MODES = 3
 COUPLED = 4  # number of modes that a moving slider couples with the first one: higher ones add at most 0.01 rad to a phase
-TEMPLATE_FLOOR = 0.15  # of its RMS, for a template that keeps its sign
-COARSER = 3  # of the angles, at which corrections for the motion are made: they err by less than 1e-4 of the frequency between
-ANGLES = 181  # per half turn: the scale is symmetric about the return
-TURN = np.linspace(0.0, 2.0 * np.pi, 2 * ANGLES - 1)
-NOTHING = 1e-6  # of the curvature at the slider: a gauge that sees no more sits at an end that carries no moment
+TEMPLATE_FLOOR = 0.15  # least magnitude of a template that keeps its sign, as a part of its RMS
+COARSER = 3  # corrections for the motion are computed at each third angle, interpolated between: an error below 1e-4 of the frequency
+ANGLES = 181  # number of crank angles in half a turn: the scale is symmetric about the return
+TURN = np.linspace(0.0, 2.0 * np.pi, 2 * ANGLES - 1)  # rad
+NOTHING = 1e-6  # as a part of the curvature at the slider: a gauge with no more sits at an end that carries no moment
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ class TimeScale:
             crank_angle: rad, shape (n,).
             crank_speed: rad/s, shape (n,).
         """
-        found = np.array(self.frequencies(crank_angle))
-        found[:, 0] *= 1.0 + self.free_crank(crank_angle) + self.motion(crank_angle) * crank_speed**2
-        return found
+        frequencies = np.array(self.frequencies(crank_angle))
+        frequencies[:, 0] *= 1.0 + self.free_crank(crank_angle) + self.motion(crank_angle) * crank_speed**2
+        return frequencies
 
 
 def time_scale(mechanism: Mechanism) -> TimeScale | None:
@@ -73,15 +73,15 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
 
 @functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines
 def _tabulated(mechanism: Mechanism) -> TimeScale:
-    """Of a scene whose speed does not matter."""
+    """The scale of a scene with a flexible follower, whatever its speed."""
     angles = np.linspace(0.0, np.pi, ANGLES)
     modes = [frozen_crank_modes(mechanism, angle, COUPLED) for angle in angles]
     signs = _continuous_signs(modes, mechanism)
     frequencies = np.array([mode.frequencies[:MODES] for mode in modes])
     omega = 2.0 * np.pi * frequencies
-    some = slice(None, None, COARSER)
-    moving = moving_mode(mechanism, angles[some], modes[some], signs[some])
-    dragged = CubicSpline(angles[some], moving.dragged)(angles)
+    coarser = slice(None, None, COARSER)
+    moving = moving_mode(mechanism, angles[coarser], modes[coarser], signs[coarser])
+    dragged = CubicSpline(angles[coarser], moving.dragged)(angles)
 
     tip = np.array([mode.tip_displacement for mode in modes])
     of_tip = omega[:, 0] ** 1.5 * (
@@ -103,14 +103,8 @@ def _tabulated(mechanism: Mechanism) -> TimeScale:
     for name, (in_phase, late) in responses.items():
         templates[name], unit = _template(angles, in_phase)
         quadratures[name] = _mirrored(angles, late / unit, -1.0)
-    return TimeScale(
-        _mirrored(angles, frequencies),
-        _mirrored(angles[some], moving.free_crank),
-        _mirrored(angles[some], moving.motion),
-        templates,
-        quadratures,
-        slow_shapes,
-    )
+    free_crank, motion = (_mirrored(angles[coarser], values) for values in (moving.free_crank, moving.motion))
+    return TimeScale(_mirrored(angles, frequencies), free_crank, motion, templates, quadratures, slow_shapes)
 
 
 def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
@@ -124,7 +118,7 @@ def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
 
 
 def _template(angles: Array, response: Array) -> tuple[CubicSpline, float]:
-    """The spline of unit mean modulus and what the first mode's response was divided by."""
+    """The responses to the modes as a spline of unit mean modulus, and the divisor of the first mode's response."""
     keeps_sign = response.min(axis=0) * response.max(axis=0) > 0.0
     floor = TEMPLATE_FLOOR * np.sqrt(np.mean(response**2, axis=0))
     floored = np.where(keeps_sign, np.sign(response) * np.maximum(np.abs(response), floor), response)

@@ -12,9 +12,9 @@ from quickreturn.cases.runs.request import CODE, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.registry import engine
 
-#: The slowest first, so that the last core does not wait for one of them.
+#: Engines whose runs come first, the slowest before the others, so that no core waits for one of them at the end.
 _SLOWEST: Final = ("exudyn", "mujoco", "reference")
-#: Name of a request: the case, and its name among those of the case.
+#: Name of a request: the case, and further parts that distinguish it from others of the case.
 Name = TypeVar("Name", bound=tuple[str, ...])
 
 
@@ -27,18 +27,18 @@ class Work:
 
 
 def carry_out(
-    requests: Mapping[Name, RunRequest], workshop: Workshop, title: str = "runs", beside: Sequence[Job[Any]] = ()
+    requests: Mapping[Name, RunRequest], workshop: Workshop, title: str = "runs", other_jobs: Sequence[Job[Any]] = ()
 ) -> dict[Name, Run]:
     """Runs by the names of their requests. Equal requests are computed once.
 
     Args:
         requests: what to run; those that shall begin in the orbit of `reference` get it.
-        workshop: where.
+        workshop: where the runs are computed.
         title: title of all runs, for the display of progress.
-        beside: other jobs that are computed with them and stored, so that no core is idle at the end of either.
+        other_jobs: further jobs that are computed with them and stored, so that no core is idle at the end of either.
 
     Raises:
-        UnknownEngine: see there.
+        UnknownEngine: no engine has the name in a request.
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     reasons = {name: engine(name).unavailable() for name in {request.engine for request in requests.values()}}
@@ -51,9 +51,9 @@ def carry_out(
         Job(" ".join(name), steady_state, (usable[name],), kind="steady state", engines=(usable[name].engine,), code=CODE) for name in order
     ]
     first = len({request.engine for request in usable.values()})
-    outcomes = workshop.outcomes([*jobs[:first], *beside, *jobs[first:]], title)
-    found = zip(order, [*outcomes[:first], *outcomes[first + len(beside) :]], strict=True)
-    runs = {name: outcome.value or _without(usable[name], Ending.FAILED, outcome.explanation) for name, outcome in found}
+    outcomes = workshop.outcomes([*jobs[:first], *other_jobs, *jobs[first:]], title)
+    of_runs = zip(order, [*outcomes[:first], *outcomes[first + len(other_jobs) :]], strict=True)
+    runs = {name: outcome.value or _without(usable[name], Ending.FAILED, outcome.explanation) for name, outcome in of_runs}
     return {name: runs.get(name) or _without(requests[name], Ending.UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
 
 
@@ -67,11 +67,11 @@ def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:
 
 
 def _marches_from_orbit(request: RunRequest) -> bool:
-    found = engine(request.engine)
-    if request.straight or request.orbit is not None or not begins_in_orbit(found):
+    chosen = engine(request.engine)
+    if request.straight or request.orbit is not None or not begins_in_orbit(chosen):
         return False
     try:
-        found.check(request.mechanism)
+        chosen.check(request.mechanism)
     except Exception:  # it refuses the scene, or will report the error in its own process
         return False
     return True

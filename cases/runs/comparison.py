@@ -15,20 +15,19 @@ from typing import Any, Final, Literal
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.cycle import consensus_of, extremes_by_half
+from quickreturn.cases.measures.cycle import HALVES, consensus_of, extremes_by_half
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate, or_nan
 from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import LONGER, NOTHING, Run, RunRequest
+from quickreturn.cases.runs.request import LARGEST_PERIOD_RATIO, NOTHING, Run, RunRequest
 from quickreturn.engines.registry import MAIN
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
-HALVES: Final = ("pre", "post")
 #: Quantities of each channel that are judged, besides the consensus of the channels' frequencies.
 QUANTITIES: Final = (*VIBRATION, *EXTREMES)
 CONSENSUS: Final = "consensus_frequency"
@@ -41,24 +40,24 @@ KINDS: Final[Mapping[Kind, tuple[str, ...]]] = {
     "extreme": EXTREMES,
 }
 
-#: Accuracy classes: the least that covers an engine's estimates and its deviation.
+#: Accuracy classes, relative errors: an engine is in the least one that covers its estimates and its deviation.
 CLASSES: Final = (0.001, 0.003, 0.01, 0.03, 0.1)
 WORSE: Final = "worse"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A number and its claimed error, all in its own unit, nan if unknown."""
+    """A number and its claimed errors, all in the number's unit; nan if unknown."""
 
     value: float
     estimate: float  # the engine's estimate of its error
-    # of the measurement: one standard deviation of a frequency or amplitude; for an extreme the uncertainty from the spacing of samples and
-    # the channel's remaining distance from steady
+    # error of the measurement: one standard deviation of a frequency or amplitude; for an extreme the uncertainty from the spacing of
+    # samples and the channel's remaining distance from its steady state
     uncertainty: float
 
     @property
     def width(self) -> float:
-        """Its total claimed error."""
+        """The total claimed error."""
         return self.estimate + self.uncertainty
 
 
@@ -68,14 +67,14 @@ class Difference:
 
     Attributes:
         case: name of the scene.
-        engine: the one.
-        other: the engine that it is compared with.
+        engine: name of the engine that is judged.
+        other: name of the engine that it is compared with.
         quantity: one of `QUANTITIES`, or `CONSENSUS`.
         half: "pre" or "post".
         channel: trajectory column; None for the consensus.
         mine: the engine's claim.
-        its: the other's claim.
-        scale: scale of relative differences: the other's value; for an extreme the channel's largest magnitude in its cycle.
+        its: the other engine's claim.
+        scale: divisor of relative differences: magnitude of the other's value; for an extreme the channel's largest in the other's cycle.
     """
 
     case: str
@@ -115,24 +114,24 @@ class Difference:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON and CSV."""
-        own = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "scale", "passed")
+        names = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "scale", "passed")
         claims = {"": self.mine, "other_": self.its}.items()
         numbers = {f"{whose}{name}": value for whose, claim in claims for name, value in vars(claim).items()}
-        return {name: getattr(self, name) for name in own} | numbers
+        return {name: getattr(self, name) for name in names} | numbers
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """All engines on one case, and the verdict on their claims; also recorded tables, which only `whole` includes."""
+    """All engines on one case, and the verdict on their claims; also recorded tables, which only `with_tables` includes."""
 
     case: Case
-    runs: Mapping[str, Run]
-    checks: tuple[Difference, ...] = field(default=())
-    recorded: Mapping[str, Run] = field(default_factory=dict)
+    runs: Mapping[str, Run]  # by name of the engine
+    checks: tuple[Difference, ...] = field(default=())  # engines against each other
+    recorded: Mapping[str, Run] = field(default_factory=dict)  # by name of the recorded table
     table_checks: tuple[Difference, ...] = field(default=())  # tables against engines
 
     def __repr__(self) -> str:
-        runs = ", ".join(f"{name} {run.status}" for name, run in self.whole.runs.items())
+        runs = ", ".join(f"{name} {run.status}" for name, run in self.with_tables.runs.items())
         return f"{self.case.name}: {runs}; {len(self.missed)} of {len(self.checks)} checks missed"
 
     @property
@@ -141,7 +140,7 @@ class CaseResult:
         return next((run.turn for run in self.runs.values() if run.turn is not None), None)
 
     @property
-    def whole(self) -> "CaseResult":
+    def with_tables(self) -> "CaseResult":
         """The result with recorded tables as engines after the others."""
         return CaseResult(self.case, {**self.runs, **self.recorded}, (*self.checks, *self.table_checks))
 
@@ -174,27 +173,27 @@ class CaseResult:
 
     @property
     def departures(self) -> dict[tuple[str, str], list[Difference]]:
-        """These checks by pair of engines."""
-        found: dict[tuple[str, str], list[Difference]] = {}
+        """Missed checks by pair of engines."""
+        departures: dict[tuple[str, str], list[Difference]] = {}
         for check in self.missed:
-            found.setdefault((check.engine, check.other), []).append(check)
-        return found
+            departures.setdefault((check.engine, check.other), []).append(check)
+        return departures
 
     def accuracy_class(self, name: str) -> str | None:
-        """Least class that covers an engine's own estimates and its deviation from the reference ("0.3 %"), or "worse".
+        """Least class ("0.3 %") that covers an engine's own estimates and its deviation from the reference, or "worse".
 
-        Over consensus frequencies and extremes, these relative to the channel's largest magnitude; of a table over every column.
+        It covers consensus frequencies and extremes, these relative to the channel's largest magnitude; those of a table in every column.
         None if it is not known: there is no estimate, or the estimate covers the integration alone and there is no reference for the rest.
         """
         run, reference = self.runs[name], self.runs.get(REFERENCE)
-        known = reference is not None and reference.usable and name != REFERENCE
-        if not run.usable or (not known if run.estimate_of == "integration" else run.unestimated):
+        comparable = reference is not None and reference.usable and name != REFERENCE
+        if not run.usable or (not comparable if run.estimate_of == "integration" else run.unestimated):
             return None
-        sizes = [size for half in HALVES for size in _own_sizes(run, half)]
-        if known and reference is not None:
-            held = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
-            extremes = held if run.recording else self.differences(name, "extreme")
-            sizes += [abs(found.relative) for found in (*self.differences(name, "frequency"), *extremes)]
+        sizes = [size for half in HALVES for size in _relative_estimates(run, half)]
+        if comparable:
+            of_table = [check for check in self.checks if (check.engine, check.other) == (name, REFERENCE) and check.quantity in EXTREMES]
+            extremes = of_table if run.recording else self.differences(name, "extreme")
+            sizes += [abs(difference.relative) for difference in (*self.differences(name, "frequency"), *extremes)]
         return next((f"{100.0 * width:g} %" for width in CLASSES if max(sizes) <= width), WORSE) if sizes else None
 
     def differences(
@@ -206,8 +205,8 @@ class CaseResult:
             return []
         halves, channels = HALVES if half is None else (half,), CHANNELS if channel is None else (channel,)
         places = product(halves, (None,) if kind == "frequency" else channels, KINDS[kind])
-        found = (_difference(self.case, run, opposite, quantity, where, column) for where, column, quantity in places)
-        return [each for each in found if each is not None]
+        differences = (_difference(self.case, run, opposite, quantity, where, column) for where, column, quantity in places)
+        return [difference for difference in differences if difference is not None]
 
 
 def cross_validate(
@@ -217,30 +216,30 @@ def cross_validate(
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
-    beside: Work | None = None,
+    other_work: Work | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
 
     Args:
         cases: what to run.
-        workshop: where.
-        engines: names.
+        workshop: where the runs are computed.
+        engines: names of engines.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: engine -> setting -> value as text.
         tables: case -> its recorded tables.
-        beside: other jobs that are computed with them and stored.
+        other_work: further runs and jobs that are computed with them and stored.
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
         ValueError: two of the cases or of the engines have the same name.
-        UnknownEngine: see there.
+        UnknownEngine: there is no engine of a name.
     """
     recorded = {case.name: {table.name: recorded_run(table, case) for table in (tables or {}).get(case.name, ())} for case in cases}
     requests = {(case.name, engine): _request(case, engine, accuracy, settings) for case in cases for engine in engines}
     if len(requests) < len(cases) * len(engines):
         raise ValueError("two cases or two engines have one name")
-    also = beside or Work()
-    runs = carry_out({**also.requests, **requests}, workshop, "engines on cases", also.jobs)
+    other = other_work or Work()
+    runs = carry_out({**other.requests, **requests}, workshop, "engines on cases", other.jobs)
     return [compare(case, {engine: runs[case.name, engine] for engine in engines}, recorded[case.name]) for case in cases]
 
 
@@ -252,7 +251,7 @@ def hold_against_engines(
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
 ) -> list[CaseResult]:
-    """Compare recorded tables with engines in the state that they show (`cases.runs.recorded`), but the engines not with each other.
+    """Compare recorded tables with engines in the state that the tables show (`cases.runs.recorded`), but no engines with each other.
 
     Arguments and errors are those of `cross_validate`.
 
@@ -265,7 +264,7 @@ def hold_against_engines(
         groups.setdefault(run.turn, {})[table.name] = run
     requests = {}
     for turn, group in groups.items():
-        end = LONGER * max(float(run.cycle["time"][-1]) for run in group.values())
+        end = LARGEST_PERIOD_RATIO * max(float(run.cycle["time"][-1]) for run in group.values())
         for engine in engines:
             request = _request(case, engine, accuracy, settings)
             state = "steady state" if turn is None else f"turn {turn}"
@@ -315,26 +314,26 @@ def not_judged(run: Run) -> str:
 
 def _checks(case: Case, run: Run, other: Run) -> list[Difference]:
     places = [(CONSENSUS, None), *product(QUANTITIES, CHANNELS)]
-    found = (_difference(case, run, other, quantity, half, channel, claimed=True) for half in HALVES for quantity, channel in places)
-    return [check for check in found if check is not None]
+    checks = (_difference(case, run, other, quantity, half, channel, claimed=True) for half in HALVES for quantity, channel in places)
+    return [check for check in checks if check is not None]
 
 
 def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
     """Checks of a recorded table against an engine: first-mode numbers that both resolve, and extremes of columns that both have."""
-    found = [check for check in _checks(case, table, other) if check.quantity not in EXTREMES]
+    checks = [check for check in _checks(case, table, other) if check.quantity not in EXTREMES]
     filtered = table.recording is not None and table.recording.filtered
     time, angle = other.cycle["time"], other.cycle["crank_angle"]
     for channel in dict.fromkeys(measure.channel for measure in table.measures if measure.channel in other.extreme_estimates):
         its_extremes, scale = extremes_by_half(time, angle, other.cycle[channel], filtered), other.peak(channel)
-        known = (other.settling_errors or {}).get(channel)
-        unsettled = known if known is not None else (other.settling_error or 0.0) * scale  # of the whole if no more is known
+        of_channel = (other.settling_errors or {}).get(channel)
+        unsettled = of_channel if of_channel is not None else (other.settling_error or 0.0) * scale
         for half in HALVES:
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
                 mine = claim(table, quantity, half, channel)
                 if mine is not None and not math.isnan(mine.width) and scale > NOTHING:
                     its = Claim(extreme.value, other.extreme_estimates[channel][half], extreme.uncertainty + unsettled)
-                    found.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, mine, its, scale))
-    return found
+                    checks.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, mine, its, scale))
+    return checks
 
 
 def _difference(
@@ -377,24 +376,20 @@ def claim(run: Run, quantity: str, half: str, channel: str) -> Claim | None:
     value = None if measure is None else measure.number(quantity)
     if measure is None or value is None:
         return None
-    estimate, uncertainty = _known(measure.estimate(quantity)), _known(measure.number(f"{quantity}_uncertainty"))
-    unsettled = _known((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
+    estimate, uncertainty = or_nan(measure.estimate(quantity)), or_nan(measure.number(f"{quantity}_uncertainty"))
+    unsettled = or_nan((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
     return Claim(float(value), estimate, uncertainty + unsettled)
 
 
 def _consensus(run: Run, half: str, channels: Sequence[str]) -> Claim | None:
-    found = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
-    if found.first_mode_frequency is None:
+    consensus = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
+    if consensus.first_mode_frequency is None:
         return None
-    return Claim(found.first_mode_frequency, _known(mean_estimate(run.measures, half, channels)), _known(found.uncertainty))
+    return Claim(consensus.first_mode_frequency, or_nan(mean_estimate(run.measures, half, channels)), or_nan(consensus.uncertainty))
 
 
-def _known(number: float | None) -> float:
-    return math.nan if number is None else number
-
-
-def _own_sizes(run: Run, half: str) -> Iterator[float]:
-    """A run's own relative estimates in a half: the consensus relative to itself, extremes relative to the peak."""
+def _relative_estimates(run: Run, half: str) -> Iterator[float]:
+    """A run's relative error estimates in a half: of extremes relative to the channel's peak, of the consensus relative to itself."""
     for measure in run.measures:
         peak, estimates = run.peak(measure.channel), [measure.estimate(name) for name in EXTREMES]
         if measure.half == half and peak > 0.0:

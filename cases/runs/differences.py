@@ -22,19 +22,19 @@ from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 
-#: Columns that differ by a smaller part are not explained.
+#: Least relative RMS difference of a column that is explained.
 NEAR: Final = 0.02
 #: What to do about a column that is late.
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
 #: Key of an explanation of the whole table, in place of a column.
 WHOLE: Final = "case"
-#: A table does not fit if at least so many columns vibrate, all are off by more than this part, and fewer than half of them are explained
-#: ...
+#: A table does not fit its case if at least `FEWEST` columns vibrate, all of them differ by more than `FAR_OFF` of their RMS, and fewer
+#: than half of them are explained by a mistake that leaves at most the part `SPECIFIC` of the column: a factor that is fitted to the column
+#: of another case leaves half of it.
 FEWEST: Final = 3
 FAR_OFF: Final = 0.1
-#: ... by a mistake that leaves no more than this part of the column: a factor fitted to another case's column leaves half of it.
 SPECIFIC: Final = 0.3
-#: Part of the noise: a remaining difference is reported if it is larger. The RMS of noise is known to 7 % from 200 rows.
+#: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
 BESIDES: Final = 0.5
 
 
@@ -53,16 +53,16 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     if others.names and others.sure:
         return {WHOLE: _of_another(others)}
     grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))
-    found, left, late = dict[str, str](), dict[str, float](), dict[str, int]()
+    sentences, remainders, late = dict[str, str](), dict[str, float](), dict[str, int]()
     for name, (mine, its) in grids.items():
         if noise := _noise_of(name, run, other):
-            found[name], left[name] = noise, 0.0
+            sentences[name], remainders[name] = noise, 0.0
             continue
         lag = _lag(mine, its)
         shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(its, lag), fitted=True)
         finding = diagnose(name, mine, its, NEAR * rms(its), right, case.mechanism, [shifted])
-        if finding is not None and finding.left is not None:
-            found[name], left[name] = f"{finding.cause}; {finding.advice}", finding.left
+        if finding is not None and finding.remainder is not None:
+            sentences[name], remainders[name] = f"{finding.cause}; {finding.advice}", finding.remainder
             if finding.advice == _SHIFTED:
                 late[name] = lag
     vibrating = [name for name in grids if name in VIBRATING]
@@ -70,12 +70,12 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
         lag = late[vibrating[0]]
         off = f"{_degrees(abs(lag)):.3g} deg too {'large' if lag > 0 else 'small'}"
         ahead = f"crank_angle is about {off}, or all columns are {_when(lag)}"
-        return {"crank_angle": ahead} | {name: told for name, told in found.items() if name not in late}
+        return {"crank_angle": ahead} | {name: sentence for name, sentence in sentences.items() if name not in late}
     off_by = {name: relative_error(*grids[name]) for name in vibrating}
-    known = {name: told for name, told in found.items() if name in off_by and left[name] <= SPECIFIC * rms(grids[name][0])}
-    if len(off_by) >= FEWEST and min(off_by.values()) > FAR_OFF and 2 * len(known) < len(off_by):
-        return {WHOLE: _of_another(others) if others.names else _fits_not(case.name, off_by, others.told)} | known
-    return found
+    specific = {name: told for name, told in sentences.items() if name in off_by and remainders[name] <= SPECIFIC * rms(grids[name][0])}
+    if len(off_by) >= FEWEST and min(off_by.values()) > FAR_OFF and 2 * len(specific) < len(off_by):
+        return {WHOLE: _of_another(others) if others.names else _fits_not(case.name, off_by, others.told)} | specific
+    return sentences
 
 
 def _of_another(others: OtherCases) -> str:
@@ -90,7 +90,7 @@ def _fits_not(case: str, off_by: Mapping[str, float], told: str) -> str:
 
 
 def _noise_of(name: str, run: Run, other: Run) -> str:
-    """A sentence on a column whose differences are mostly noise and more than `NEAR`; "" for any other column."""
+    """A sentence on a column whose differences are mostly noise, if that is more than `NEAR` of the column; otherwise ""."""
     turned, its_turned = (np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0]) for each in (run, other))
     its = CubicSpline(its_turned, other.cycle[name])(turned)
     inside = slice(1, -1)  # the first and the last row of a turn are interpolated
@@ -105,7 +105,7 @@ def _noise_of(name: str, run: Run, other: Run) -> str:
 
 
 def _lag(mine: Array, its: Array) -> int:
-    """Lateness of a column in places of the grid, less than half a turn; negative if it is early."""
+    """Lateness of a column in points of the grid, at most half a turn; negative if it is early."""
     lag = int(np.argmax(np.fft.irfft(np.fft.rfft(mine) * np.conj(np.fft.rfft(its)), GRID)))
     return lag if lag <= GRID // 2 else lag - GRID
 

@@ -2,9 +2,9 @@
 
 The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); the parts of the error from
 their differences are added as for a trajectory (`engines.accurate`). Runs that march from the orbit are compared in their second cycle from
-there, which already shows the effect of settings on a cycle. If the whole error is in the slow mode, it has not built up by then; in the
-machine of two hundred where this matters most the engines still differ by less than they claim (0.94). An extrapolation by the multiplier
-would make estimates two to three times as large in the thesis' runs, where they are already 2 to 9 times the error.
+there, which already shows the effect of settings on a cycle. An error that lies in a slowly decaying mode has not built up by then: in the
+one of two hundred random machines where this matters most, engines still differ by less than they claim (by 0.94 of it). An extrapolation
+by the multiplier would make estimates two to three times as large in the thesis' runs, where they are already 2 to 9 times the error.
 
 Two extremes can be equal by accident, if one run is higher before the peak and the other after it. They differ by at most the signals'
 largest difference in the half cycle, and this bound is the estimate for an extreme.
@@ -12,6 +12,7 @@ largest difference in the half cycle, and this bound is the estimate for an extr
 For cycles that repeat in statistics only, means are compared: of the measures, of the extremes, and of the signals at each crank angle.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -35,7 +36,7 @@ EXTREMES: Final = ("minimum", "maximum")
 
 @dataclass(frozen=True)
 class EstimatedMeasure(Measure):
-    """A measure with the estimates of its errors, each in the number's unit; None if there is none."""
+    """A measure with the engine's estimates of the errors of its numbers, each in the number's unit; None if there is none."""
 
     first_mode_frequency_estimate: float | None = None
     first_mode_amplitude_estimate: float | None = None
@@ -44,11 +45,11 @@ class EstimatedMeasure(Measure):
 
     def number(self, quantity: str) -> float | None:
         """The number called `quantity`: one of `VIBRATION` and `EXTREMES`, or the uncertainty of one."""
-        found: float | None = getattr(self, quantity)
-        return found
+        number: float | None = getattr(self, quantity)
+        return number
 
     def estimate(self, quantity: str) -> float | None:
-        """Estimate of its error."""
+        """Estimate of the error of the number called `quantity`."""
         return self.number(f"{quantity}_estimate")
 
 
@@ -61,22 +62,22 @@ class EstimatedConsensus(Consensus):
 
 @dataclass(frozen=True)
 class MeasuredCycle:
-    """Means of the measures of one cycle or more, and their columns by half and name at even crank angles, each of shape (cycles, 360)."""
+    """One or more cycles, each from the slider's farthest place to the next."""
 
-    measures: CycleMeasures
-    signals: Mapping[tuple[str, str], Array]
+    measures: CycleMeasures  # their means
+    signals: Mapping[tuple[str, str], Array]  # half, column -> values at even crank angles, shape (cycles, GRID / 2)
 
     @classmethod
     def of(cls, cycles: Sequence[Columns], measures: CycleMeasures) -> "MeasuredCycle":
-        """Cycles from farthest to farthest, and their measures."""
+        """Cycles as columns of a trajectory, and the means of their measures."""
         grids = [on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")])) for cycle in cycles]
-        whole = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
+        columns = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
         halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
-        return cls(measures, {(half, name): values[:, part] for half, part in halves.items() for name, values in whole.items()})
+        return cls(measures, {(half, name): values[:, part] for half, part in halves.items() for name, values in columns.items()})
 
 
 def with_estimates(
-    found: CycleMeasures, compared: Sequence[Compared[MeasuredCycle]]
+    delivered: CycleMeasures, compared: Sequence[Compared[MeasuredCycle]]
 ) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
     """Measures and consensus with their estimates.
 
@@ -84,41 +85,46 @@ def with_estimates(
     estimate, with the weights of their frequencies.
 
     Args:
-        found: measures of the delivered run.
+        delivered: measures of the run that is delivered.
         compared: the compared runs; if empty, every estimate is None.
     """
     measures = []
-    for place, measure in enumerate(found.measures):
+    for place, measure in enumerate(delivered.measures):
         of_extremes = _of_extremes(compared, measure.half, measure.channel) if compared else None
         estimates: dict[str, Any] = {name: _of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION}
         estimates |= dict.fromkeys(EXTREMES, of_extremes)
         measures.append(EstimatedMeasure(**vars(measure), **{f"{name}_estimate": estimate for name, estimate in estimates.items()}))
     consensus = (
-        EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in found.consensus
+        EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in delivered.consensus
     )
     return tuple(measures), tuple(consensus)
 
 
+def or_nan(number: float | None) -> float:
+    """A number, nan if there is none."""
+    return math.nan if number is None else number
+
+
 def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Sequence[str] = CHANNELS) -> float | None:
-    """Estimate of the weighted mean of some channels' frequencies: at most the mean of theirs; None where no channel has one."""
-    known = [
+    """Error estimate (Hz) of the weighted mean of some channels' frequencies: the mean of their estimates; None if no channel has one."""
+    weighted = [
         (measure.first_mode_frequency_uncertainty**-2.0, measure.first_mode_frequency_estimate)
         for measure in measures
         if measure.half == half and measure.channel in channels
         if measure.first_mode_frequency_uncertainty is not None and measure.first_mode_frequency_estimate is not None
     ]
-    if not known:
+    if not weighted:
         return None
-    weights, estimates = np.array(known).T
+    weights, estimates = np.array(weighted).T
     return float(weights @ estimates / weights.sum())
 
 
 def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:
-    """The estimate of the errors of each column's extremes, by name and half."""
-    found: dict[str, dict[str, float]] = {}
+    """Column -> half -> estimate of the error of its extremes, in its unit."""
+    estimates: dict[str, dict[str, float]] = {}
     for half, name in compared[0].run.signals if compared else ():
-        found.setdefault(name, {})[half] = _of_extremes(compared, half, name)
-    return found
+        estimates.setdefault(name, {})[half] = _of_extremes(compared, half, name)
+    return estimates
 
 
 def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> float:
@@ -135,8 +141,8 @@ def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name:
     """Estimate of a number that not every run resolves; `place` is that of the measure among those of a cycle."""
 
     def of(run: MeasuredCycle) -> float | None:
-        found: float | None = getattr(run.measures.measures[place], name)
-        return found
+        number: float | None = getattr(run.measures.measures[place], name)
+        return number
 
     if not compared or value is None or any(of(run) is None for runs in compared for run in (runs.run, runs.other)):
         return None

@@ -10,9 +10,9 @@ Array = NDArray[np.float64]
 
 #: Least number of rows for a spectrum that can show noise.
 FEWEST_ROWS: Final = 64
-#: Least part of a difference's mean square for it to be called noise.
+#: Least part of a difference's mean square that white noise makes up for the difference to be called noise.
 MOST_OF_IT: Final = 0.5
-#: Allowed departure of a band's power: a factor of the level, and a number of standard errors of the band's mean.
+#: Largest ratio of a band's mean power to the level of the noise, or of the level to it, besides `_ERRORS` standard errors of that mean.
 _FLAT: Final = 1.5
 _ERRORS: Final = 3.0
 
@@ -27,12 +27,12 @@ class Noise(NamedTuple):
 def white_noise(time: Array, difference: Array) -> Noise | None:
     """The noise that makes up most of a difference, or None.
 
-    The power of white noise is the same at all frequencies. Its level is taken from the upper half of the spectrum; band by band, each
-    down to half the frequency, the spectrum is followed as long as it keeps to that level.
+    The power of white noise is the same at all frequencies. Its level is taken from the upper half of the spectrum. Bands below
+    follow, each down to half the frequency of the last, as long as they keep to that level.
 
     Args:
         time: s, shape (n,); noise is found only in evenly spaced rows.
-        difference: of a signal from what it should be, shape (n,).
+        difference: of a signal from its right values, shape (n,).
     """
     steps, n = np.diff(time), len(time)
     if n < FEWEST_ROWS or np.max(steps) > 1.01 * np.min(steps):

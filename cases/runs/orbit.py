@@ -27,16 +27,15 @@ from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, change
 
 Array = NDArray[np.float64]
 
-#: Assumed error of an engine in a few cycles, if it has no estimate.
+#: Relative error of an engine in a few cycles that is assumed if it has no estimate.
 UNKNOWN_ERROR: Final = 1e-2
-
-
-#: Part of the speed by which the ways to another motion begin off the machine's own, and their steps: the folds of run 24's machine are
-#: 0.2 and 2.4 % wide.
+#: Another motion is searched by changing the speed to the machine's own in `STEPS` steps, from this part of it below and above. The folds
+#: of run 24's machine are 0.2 and 2.4 % of the speed wide.
 NEAR: Final = 0.05
 STEPS: Final = 5
-#: Part by which the largest tip accelerations of two motions differ; one motion is found again to 1e-3. Rows from which they are taken.
+#: Least relative difference of the largest tip accelerations of two different motions; the same motion is found again to 1e-3.
 APART: Final = 0.02
+#: Rows of a turn from which the largest tip acceleration is taken.
 ROWS: Final = 1000
 
 
@@ -71,7 +70,7 @@ class PeriodicStart(Start):
 
 @dataclass(frozen=True)
 class Orbit:
-    """The result of the search."""
+    """The result of the search for the periodic steady state of a scene by `reference`."""
 
     begin: PeriodicStart | None  # the periodic steady state at the slider's farthest place; None if there is none to begin in
     multiplier: float | None  # largest modulus of its Floquet multipliers; None if no periodic state was found
@@ -79,11 +78,11 @@ class Orbit:
     period: float = 0.0  # s; 0 if there is none to begin in
 
     def hopeless(self, error: float) -> str:
-        """Why marching from here cannot settle (a sentence); "" if it can.
+        """Why an engine that marches from here cannot settle (a sentence); "" if it can.
 
         Args:
-            error: the engine's error in a few cycles, relative to the signals, by its estimate. A cycle adds this and the reference's error
-                to the distance of the two steady states, and earlier contributions remain: error / (1 - multiplier) in all.
+            error: the engine's estimated error in a few cycles, relative to the signals. Each cycle adds it and the error of `reference` to
+                the distance of the two steady states, and the part `multiplier` of it remains: error / (1 - multiplier) in all.
         """
         error += ReferenceEngine.default_accuracy
         if self.multiplier is None:
@@ -95,8 +94,8 @@ class Orbit:
         else:
             return ""
         instead = "another speed" if self.multiplier >= 1.0 else "the engine `reference`, which need not march"
-        found = "(largest Floquet multiplier of the periodic state that `reference` found)"
-        return f"not marched: {why} {found}; try more damping, or {instead}"
+        source = "(largest Floquet multiplier of the periodic state that `reference` found)"
+        return f"not marched: {why} {source}; try more damping, or {instead}"
 
 
 def cycles_needed(multiplier: float, error: float) -> float:
@@ -113,21 +112,21 @@ def begins_in_orbit(engine: AnyEngine) -> bool:
 
 
 def find_orbit(mechanism: Mechanism) -> Orbit:
-    """Search from the standard start with the settings of `reference` for its default accuracy."""
+    """Search the periodic state from the standard start, with the settings of `reference` for its default accuracy."""
     reference, start = ReferenceEngine(), standard_start(mechanism)
     progress.tell(engine=reference.name, phase="searching the periodic state")
     try:
         reference.check(mechanism)
-        found = reference.steady_state(mechanism, start, reference.settings_for(reference.default_accuracy, mechanism))
+        state = reference.steady_state(mechanism, start, reference.settings_for(reference.default_accuracy, mechanism))
     except (Refusal, NoSteadyState, EngineFailure) as reason:
         return Orbit(None, None, str(reason))
-    if found is None:
+    if state is None:
         return Orbit(None, None, "the search excludes a rigid follower, and a joint that is compliant or rubs")
-    multiplier = abs(found.multipliers[0])
-    if not found.stable:
+    multiplier = abs(state.multipliers[0])
+    if not state.stable:
         return Orbit(None, multiplier, "the periodic state is not stable")
-    assert isinstance(found.simulation, OwnSimulation)
-    return Orbit(PeriodicStart.of(found.simulation.present_start()), multiplier, period=found.period)
+    assert isinstance(state.simulation, OwnSimulation)
+    return Orbit(PeriodicStart.of(state.simulation.present_start()), multiplier, period=state.period)
 
 
 def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimulation | None) -> SteadyState | None:
@@ -143,35 +142,35 @@ def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimul
     return reference.steady_state(scene, start, settings, near, patient=True)
 
 
-def simulation_in(found: SteadyState) -> OwnSimulation:
+def simulation_in(state: SteadyState) -> OwnSimulation:
     """A new simulation of `reference` in a periodic state, so that the original simulation stays in it."""
-    simulation = found.simulation
+    simulation = state.simulation
     assert isinstance(simulation, OwnSimulation)
     return OwnSimulation(simulation.model, simulation.state, simulation.tolerance, simulation.setup_seconds)
 
 
-def other_motion(scene: Mechanism, found: SteadyState, settings: ReferenceSettings) -> str:
-    """Whether the machine has another stable motion (a sentence), coming from slower or from faster ones; "" if none was found.
+def other_motion(scene: Mechanism, state: SteadyState, settings: ReferenceSettings) -> str:
+    """A sentence on another stable motion that the machine settles on when it comes from a lower or a higher speed; "" if none was found.
 
     A stable motion that this search does not reach may still exist.
     """
-    for way, whence in (("slower", 1.0 - NEAR), ("faster", 1.0 + NEAR)):
+    for pace, first in (("slower", 1.0 - NEAR), ("faster", 1.0 + NEAR)):
         other: SteadyState | None = None
         with contextlib.suppress(NoSteadyState, EngineFailure):
-            for speed in np.linspace(whence, 1.0, STEPS + 1):
+            for speed in np.linspace(first, 1.0, STEPS + 1):
                 other = periodic_state(_at_speed(scene, float(speed)), settings, None if other is None else simulation_in(other))
             assert other is not None
-            peak, own_one = (_peak(each) for each in (other, found))
-            if other.stable and abs(peak - own_one) > APART * max(peak, own_one):
+            other_peak, peak = _peak(other), _peak(state)
+            if other.stable and abs(other_peak - peak) > APART * max(other_peak, peak):
                 return (
-                    f"not the only stable motion: coming from {way} turning the machine settles on one whose tip acceleration peaks at"
-                    f" {peak:.4g} m/s^2 instead of {own_one:.4g}"
+                    f"not the only stable motion: coming from {pace} turning the machine settles on one whose tip acceleration peaks at"
+                    f" {other_peak:.4g} m/s^2 instead of {peak:.4g}"
                 )
     return ""
 
 
 def _at_speed(scene: Mechanism, part: float) -> Mechanism:
-    """The scene with a part of its speed, or of the torque and the speed at the start."""
+    """The scene with `part` times its prescribed speed, or times its torque and initial speed."""
     drive = scene.crank.drive
     if isinstance(drive, TorqueDrive):
         values = {"crank.drive.torque": part * drive.torque, "crank.drive.initial_speed": part * drive.initial_speed}
@@ -179,9 +178,9 @@ def _at_speed(scene: Mechanism, part: float) -> Mechanism:
     return changed(scene, {"crank.drive.speed": part * drive.speed})
 
 
-def _peak(found: SteadyState) -> float:
+def _peak(state: SteadyState) -> float:
     """Largest tip acceleration in a turn, m/s^2."""
-    return float(np.abs(simulation_in(found).advance(found.period, found.period / ROWS)["tip_acceleration"]).max())
+    return float(np.abs(simulation_in(state).advance(state.period, state.period / ROWS)["tip_acceleration"]).max())
 
 
 def orbits(mechanisms: Iterable[Mechanism], workshop: Workshop) -> list[Orbit]:

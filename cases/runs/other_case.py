@@ -13,6 +13,7 @@ import numpy as np
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.library import case_names, library_case
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Mechanism
@@ -21,14 +22,15 @@ from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics, s
 
 
 class Trait(NamedTuple):
-    """A trait: its text, and the tolerance (a factor) of a table from the expectation of its own case."""
+    """A trait of a turn in words, and its tolerance."""
 
     words: str  # with places for the table's value, the given case's, and that case's name
-    factor: float
-    elsewhere: float = 1.0  # factor of this tolerance (of its logarithm) if the given case is not the table's own
+    factor: float  # largest ratio of a table's value to that expected for its own case, or of this to the table's
+    elsewhere: float = 1.0  # factor on the logarithm of this tolerance if the given case is not the table's own
 
 
-#: The first mode is fitted with the shapes of the given case: the frequency is up to 5 % off in the thesis' runs if these are not its own.
+#: Value of `Trait.elsewhere` for frequencies: the first mode is fitted with the shapes of the given case. If these are not the table's own,
+#: the frequency is up to 5 % off in the thesis' runs.
 _WRONG_SHAPE: Final = 2.0
 #: An engine that is 10 % off in the deflection keeps the length of a turn to 1e-4 and places of the slider to 1e-3. One cubic, the coarsest
 #: model known here, has a first frequency that is 13 % too high, but the length of the turn and all places are right.
@@ -39,19 +41,19 @@ TRAITS: Final[Mapping[str, Trait]] = {
     "reach": Trait("the tip is {:.4g} m beyond O when the slider is farthest, {:.4g} m in {}", 1.01),
     "pre frequency": Trait("its first mode has {:.3g} Hz before the return, {:.3g} Hz in {}", 1.04, _WRONG_SHAPE),
     "post frequency": Trait("its first mode has {:.3g} Hz after the return, {:.3g} Hz in {}", 1.04, _WRONG_SHAPE),
-    # These two grow with vibration, which depends on how near a harmonic of the crank is to the first mode.
+    # Deflection and force grow with vibration, which depends on how near a harmonic of the crank is to the first mode.
     "deflection": Trait("the tip deflects by {:.2g} m RMS in it, by {:.2g} m in {}", 2.5),
     "force": Trait("the slider force is {:.3g} N RMS in it, {:.3g} N in {}", 1.6),
 }
-#: A case is ruled out if a trait of the given case fits better by more than this: the scatter of measured traits.
-_SCATTER: Final = 0.25  # of the logarithm of a trait's factor
+#: Scatter of measured traits, as a part of the logarithm of their factor: a trait that fits the given case better by more rules out a case.
+_SCATTER: Final = 0.25
 #: Least number of traits in a table for a verdict that it is of another case.
 FEWEST: Final = 2
 #: Largest number of cases that are named.
 MOST_NAMED: Final = 3
 #: Traits that a single wrong column may also explain: a unit, a factor.
 _WEAK: Final = frozenset(("deflection", "force"))
-_ANGLES: Final = 24  # of a turn, at which frequencies and forces of a case are taken
+_ANGLES: Final = 24  # number of crank angles in a turn at which frequencies and forces of a case are taken
 
 
 class OtherCases(NamedTuple):
@@ -67,10 +69,10 @@ def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
 
     `run` is that of the table, `other` that of an engine on the given case, in the same turn or the same state.
     """
-    shown, right, expected = _of_run(run), _of_run(other), _of_mechanism(case.mechanism)
+    shown, right, expected = _measured_traits(run), _measured_traits(other), _expected_traits(case.mechanism)
     names = [name for name in TRAITS if name in shown and name in right and name in expected]
-    own = {name: _off(shown[name], right[name], name) for name in names}
-    odd = [name for name in names if own[name] > 1.0]
+    errors = {name: _trait_error(shown[name], right[name], name) for name in names}
+    odd = [name for name in names if errors[name] > 1.0]
     if not odd or len(names) < FEWEST:
         return OtherCases()
     worth_telling = [name for name in odd if name != "post frequency" or "pre frequency" not in odd][:2]
@@ -81,10 +83,10 @@ def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
         if mechanism is None or mechanism == case.mechanism or _rotation(mechanism) != _rotation(case.mechanism):
             continue
         worst = None
-        for some in ([name for name in names if "frequency" not in name], names):  # frequencies take longest
-            theirs = _of_mechanism(mechanism, some)
-            corrections = {name: right[name] / expected[name] for name in some}
-            worst = _fits(shown, theirs, own, corrections) if len(theirs) == len(some) else None
+        for tried in ([name for name in names if "frequency" not in name], names):  # frequencies take longest
+            theirs = _expected_traits(mechanism, tried)
+            corrections = {name: right[name] / expected[name] for name in tried}
+            worst = _largest_error(shown, theirs, errors, corrections) if len(theirs) == len(tried) else None
             if worst is None:
                 break
         if worst is not None:
@@ -102,12 +104,15 @@ def cases_of_pace(turn: float, slider: tuple[float, float] | None) -> tuple[str,
     shown = {"turn": turn} | (dict(zip(("nearest", "farthest"), slider, strict=True)) if slider else {})
     shown = {name: value for name, value in shown.items() if value > 0.0}
     scenes = {name: scene for name in case_names() if (scene := _scene(name)) is not None}
-    found = {name: _fits(shown, _of_mechanism(scene, list(shown)), {}, {}) for name, scene in scenes.items()}
-    return _best({name: worst for name, worst in found.items() if worst is not None})
+    errors = {name: _largest_error(shown, _expected_traits(scene, list(shown)), {}, {}) for name, scene in scenes.items()}
+    return _best({name: error for name, error in errors.items() if error is not None})
 
 
 def _best(fitting: Mapping[str, float]) -> tuple[str, ...]:
-    """The cases that fit about as well as the best one, in the library's order, the thesis' runs first."""
+    """The cases that fit about as well as the best one, at most `MOST_NAMED`, in the library's order.
+
+    `fitting`: name of a case -> its largest error of a trait.
+    """
     least = min(fitting.values(), default=0.0)
     return tuple(name for name, worst in fitting.items() if worst <= least + _SCATTER)[:MOST_NAMED]
 
@@ -122,25 +127,25 @@ def _rotation(mechanism: Mechanism) -> bool:
     return mechanism.crank.drive.initial_speed >= 0.0
 
 
-def _of_run(run: Run) -> dict[str, float]:
+def _measured_traits(run: Run) -> dict[str, float]:
     """The traits of a measured turn."""
     cycle = run.cycle
-    found = {"turn": float(cycle["time"][-1] - cycle["time"][0])}
+    traits = {"turn": float(cycle["time"][-1] - cycle["time"][0])}
     if "slider_position" in cycle:
-        found |= {"nearest": float(np.min(cycle["slider_position"])), "farthest": float(np.max(cycle["slider_position"]))}
+        traits |= {"nearest": float(np.min(cycle["slider_position"])), "farthest": float(np.max(cycle["slider_position"]))}
     if "tip_x" in cycle:
-        found["reach"] = -float(cycle["tip_x"][0])
-    for half in ("pre", "post"):
-        found[f"{half} frequency"] = run.consensus_frequency(half) or 0.0
+        traits["reach"] = -float(cycle["tip_x"][0])
+    for half in HALVES:
+        traits[f"{half} frequency"] = run.consensus_frequency(half) or 0.0
     for name, column in (("deflection", "tip_deflection"), ("force", "slider_force")):
-        found[name] = rms(cycle[column]) if column in cycle else 0.0
-    return {name: value for name, value in found.items() if value > NOTHING}
+        traits[name] = rms(cycle[column]) if column in cycle else 0.0
+    return {name: value for name, value in traits.items() if value > NOTHING}
 
 
-def _of_mechanism(mechanism: Mechanism, names: list[str] | None = None) -> dict[str, float]:
+def _expected_traits(mechanism: Mechanism, names: list[str] | None = None) -> dict[str, float]:
     """The expected traits of a scene, all or those of some names."""
     pace, crank, angles = crank_pace(mechanism), mechanism.crank, np.linspace(0.0, 2.0 * math.pi, _ANGLES, endpoint=False)
-    found = {
+    traits = {
         "turn": 2.0 * math.pi / pace,
         "nearest": mechanism.pivot_distance - crank.length,
         "farthest": mechanism.pivot_distance + crank.length,
@@ -150,34 +155,34 @@ def _of_mechanism(mechanism: Mechanism, names: list[str] | None = None) -> dict[
     }
     halves = [name for name in TRAITS if "frequency" in name and (names is None or name in names)]
     if halves and not mechanism.follower.is_rigid:
-        half = angles[: _ANGLES // 2 + 1]  # the other mirrors it
-        found |= dict.fromkeys(halves, float(np.mean([frozen_crank_modes(mechanism, float(angle), 1).frequencies[0] for angle in half])))
-    return {name: value for name, value in found.items() if value > NOTHING and (names is None or name in names)}
+        half = angles[: _ANGLES // 2 + 1]  # the other half of the turn mirrors it
+        traits |= dict.fromkeys(halves, float(np.mean([frozen_crank_modes(mechanism, float(angle), 1).frequencies[0] for angle in half])))
+    return {name: value for name, value in traits.items() if value > NOTHING and (names is None or name in names)}
 
 
-def _off(value: float, expected: float, name: str) -> float:
-    """The error of a trait, relative to its tolerance."""
+def _trait_error(value: float, expected: float, name: str) -> float:
+    """The error of a trait over its tolerance, both as logarithms."""
     return abs(math.log(value / expected)) / math.log(TRAITS[name].factor)
 
 
-def _fits(
-    shown: Mapping[str, float], expected: Mapping[str, float], own: Mapping[str, float], corrections: Mapping[str, float]
+def _largest_error(
+    shown: Mapping[str, float], expected: Mapping[str, float], given_errors: Mapping[str, float], corrections: Mapping[str, float]
 ) -> float | None:
-    """The largest error of the expected traits; None: a case with these traits does not fit.
+    """The largest error of a table's traits for a tried case; None if that case does not fit.
 
     Args:
         shown: traits of the table.
         expected: traits of the tried case.
-        own: error of each trait for the given case; the tried case must not fit any much worse.
-        corrections: factors by which an engine's traits on the given case differ from the expected ones; as they may be less in the case
-            that is tried, the expectation may be met with or without them.
+        given_errors: error of each trait for the given case; the tried case must not fit any much worse.
+        corrections: factors by which an engine's traits on the given case differ from the expected ones. Each expectation is tried with and
+            without its factor, which may be less in the tried case.
     """
-    off = {
-        name: min(_off(shown[name], value * factor, name) for factor in (1.0, corrections.get(name, 1.0)))
+    errors = {
+        name: min(_trait_error(shown[name], value * factor, name) for factor in (1.0, corrections.get(name, 1.0)))
         for name, value in expected.items()
     }
-    for name, each in off.items():
+    for name, error in errors.items():
         elsewhere = TRAITS[name].elsewhere
-        if each > min(elsewhere, own.get(name, math.inf) + _SCATTER if elsewhere == 1.0 else math.inf):
+        if error > min(elsewhere, given_errors.get(name, math.inf) + _SCATTER if elsewhere == 1.0 else math.inf):
             return None
-    return max(off.values())
+    return max(errors.values())

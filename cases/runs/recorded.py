@@ -43,7 +43,7 @@ LEFT_OUT: Final = ("constraint_gap", *SHAPE)
 ROUNDED: Final = 1e-5
 #: Columns that decide whether a table has settled, if it has any of them.
 VIBRATING: Final = (*CHANNELS, "tip_deflection", "slider_force")
-#: Part of a turn: largest distance of rows, and largest missing part at the ends of a single turn.
+#: Largest distance of rows, and largest missing part at the ends of a single turn, as a part of a turn.
 LARGEST_GAP: Final = 0.01
 #: Least number of rows in a period of the first mode for its measurement.
 ROWS_PER_PERIOD: Final = 4.0
@@ -51,12 +51,12 @@ ROWS_PER_PERIOD: Final = 4.0
 OFF: Final = 2.0
 #: Largest backward step of the recorded crank angle, rad: the noise of an encoder.
 BACKLASH: Final = 0.02
-#: A row counts as the standard start if no column departs from it by more than its noise and this part: of a turn for time and crank angle,
-#: of the largest magnitude for others, and more for the bending: if strains are recovered from equilibrium, a straight beam has strains
-#: under load.
+#: Allowed departure, besides noise, of a first row from the standard start, as a part of a turn for time and crank angle and of the largest
+#: magnitude for other columns ...
 SAME: Final = 1e-3
+#: ... and for the tip deflection, its acceleration and strains: a straight beam under load has strains if they come from equilibrium.
 UNBENT: Final = 1e-2
-#: A table does not show the steady state if its turns still approach one that is farther than this part of the signals' RMS.
+#: Least distance from the steady state, as a part of the signals' RMS, at which a table does not show it.
 FAR: Final = 0.1
 #: Largest number of named columns in which a first row departs from the standard start.
 MOST_ODD: Final = 3
@@ -98,7 +98,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         remarks.append(f"its first row is not that of the standard start: {odd}")
     cycles = cycles[: settling.cycles]
     last = columns_of(cycles[-1])
-    turn = _number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
+    turn = _turn_number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
     gap = float(np.max(np.diff(last["time"])))
     period = float(last["time"][-1] - last["time"][0])
     if gap > LARGEST_GAP * period:
@@ -106,8 +106,8 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         told = f"{gap:.3g} s without a row after {at:.6g} s"
         raise CaseError(table.shown, "time", None, told, f"at most {LARGEST_GAP * period:.3g} s, {LARGEST_GAP} of a turn, are accepted")
     recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment)
-    uncertain = _scatter(columns["time"], columns["crank_angle"])
-    errors = {name: _noise(last["time"], last[name]) + _at_cuts(last, name, uncertain) for name in last if name not in GROWING}
+    angle_noise = _scatter(columns["time"], columns["crank_angle"])
+    errors = {name: _noise(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if not settling.settled:
@@ -162,56 +162,56 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
         told = f"runs from {angle[0]:.6g} to {angle[-1]:.6g} rad, but the drive of {case} turns the crank the other way"
         raise CaseError(table.shown, "crank_angle", None, told, "angles count counter-clockwise")
     if "crank_angle" in table.columns:
-        found = abs(float(angle[-1] - angle[0])) / float(time[-1] - time[0]) / pace  # 1 if all is well
-    else:  # the angle says nothing, but so many rows make a turn
-        turns = pace * float(np.median(np.diff(time))) / (2.0 * math.pi)
-        found = 1.0 if turns < LARGEST_GAP else 1e3
+        ratio = abs(float(angle[-1] - angle[0])) / float(time[-1] - time[0]) / pace  # of the table's crank speed to the drive's
+    else:  # the angle was computed from the drive's speed, so that only the number of rows in a turn can be wrong
+        turns = pace * float(np.median(np.diff(time))) / (2.0 * math.pi)  # from row to row
+        ratio = 1.0 if turns < LARGEST_GAP else 1e3  # far beyond OFF
     steps = np.abs(np.diff(angle))
     if np.any(steps > 0.0) and np.max(steps) > WRAPPED * np.median(steps[steps > 0.0]):  # an encoder may stand still from row to row
         at = int(np.argmax(steps))
         told = f"jumps from {angle[at]:.6g} to {angle[at + 1]:.6g} rad after {time[at]:.6g} s"
         raise CaseError(table.shown, "crank_angle", None, told, "let it run on from turn to turn, and leave no gaps in time")
-    if 1.0 / OFF <= found <= OFF:
+    if 1.0 / OFF <= ratio <= OFF:
         return
-    told = f"a turn of the crank takes {_turn(found * pace)} s in it, but the drive of {case} turns it in {_turn(pace)} s"
+    told = f"a turn of the crank takes {_turn_time(ratio * pace)} s in it, but the drive of {case} turns it in {_turn_time(pace)} s"
     times = _TIMES if "time" in table.bare else {"": 1.0}
     angles = _ANGLES if "crank_angle" in table.bare else {"": 1.0}
     for units in product(times, angles):
-        if 1.0 / OFF <= found * angles[units[1]] / times[units[0]] <= OFF:
+        if 1.0 / OFF <= ratio * angles[units[1]] / times[units[0]] <= OFF:
             meant = " and ".join(f'"{name} [{unit}]"' for name, unit in zip(("time", "crank_angle"), units, strict=True) if unit)
             raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {meant}")
     accepted = "check their units, or compare it with the case that it is of"
-    if "crank_angle" in table.columns and found > 0.0:
+    if "crank_angle" in table.columns and ratio > 0.0:
         slider = columns.get("slider_position")
         places = None if slider is None else (float(np.min(slider)), float(np.max(slider)))
-        if others := cases_of_pace(2.0 * math.pi / (found * pace), places):
+        if others := cases_of_pace(2.0 * math.pi / (ratio * pace), places):
             accepted = f"this looks like a table of {' or '.join(others)}; {accepted}"
     raise CaseError(table.shown, "time, crank_angle", None, told, accepted)
 
 
-def _turn(pace: float) -> str:
+def _turn_time(pace: float) -> str:
     return f"{2.0 * math.pi / pace:.3g}" if pace > 0.0 else "for ever"
 
 
 def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> tuple[bool | None, str]:
-    """Whether its first row is that of the standard start, and the list of departures.
+    """Whether a table's first row is that of the standard start, and a list of its departures in words.
 
-    It is if time and crank angle are, and most of the columns that distinguish it from another turn: an offset of a gauge, or another
-    origin of one column, is a mistake of that column, not another start. None if there is no such column to decide.
+    It is if time and crank angle agree with that start, and most of the columns that distinguish it from another turn: an offset of a
+    gauge, or another origin of one column, is a mistake of that column. None if there is no such column.
     """
     if table.declared.get("origin", "simulated") != "simulated":
         return False, ""
-    known = {name: value for name, value in standard_row(mechanism).items() if name in columns}
+    standard = {name: value for name, value in standard_row(mechanism).items() if name in columns}
     time, pace, bending = columns["time"], crank_pace(mechanism), ("tip_deflection", *CHANNELS[1:])
-    sizes = {name: float(np.max(np.abs(columns[name]))) for name in known} | {"crank_angle": 2.0 * math.pi}
+    sizes = {name: float(np.max(np.abs(columns[name]))) for name in standard} | {"crank_angle": 2.0 * math.pi}
     if pace > 0.0:
         sizes["time"] = 2.0 * math.pi / pace
-    near = {name: (UNBENT if name in bending else SAME) * sizes[name] + _noise(time, columns[name]) for name in known}
-    odd = [name for name, value in known.items() if abs(float(columns[name][0]) - value) > near[name]]
-    told = [f"{name} {float(columns[name][0]):.5g} instead of {round(known[name], 12):.5g}" for name in odd[:MOST_ODD]]
-    telling = known.keys() & ({"crank_speed"} if mechanism.follower.is_rigid else set(bending))
-    if telling:
-        begun: bool | None = not {"time", "crank_angle"} & set(odd) and 2 * len(telling.intersection(odd)) < len(telling)
+    allowed = {name: (UNBENT if name in bending else SAME) * sizes[name] + _noise(time, columns[name]) for name in standard}
+    odd = [name for name, value in standard.items() if abs(float(columns[name][0]) - value) > allowed[name]]
+    told = [f"{name} {float(columns[name][0]):.5g} instead of {round(standard[name], 12):.5g}" for name in odd[:MOST_ODD]]
+    deciding = standard.keys() & ({"crank_speed"} if mechanism.follower.is_rigid else set(bending))
+    if deciding:
+        begun: bool | None = not {"time", "crank_angle"} & set(odd) and 2 * len(deciding.intersection(odd)) < len(deciding)
     else:
         begun = False if odd else None
     return begun, ", ".join(told) + (f" and {len(odd) - MOST_ODD} more" if len(odd) > MOST_ODD else "")
@@ -224,11 +224,11 @@ def _cycles(table: RecordedTable, columns: Mapping[str, Array]) -> list[Cycle]:
     cycles = cut_cycles(time, angle, channels)
     turns = abs(float(angle[-1] - angle[0])) / (2.0 * math.pi)
     if not cycles and 1.0 - LARGEST_GAP <= turns < 1.0 + LARGEST_GAP and len(time) > 1:
-        way, period = math.copysign(2.0 * math.pi, angle[-1] - angle[0]), float(time[-1] - time[0]) / turns
+        turn, period = math.copysign(2.0 * math.pi, angle[-1] - angle[0]), float(time[-1] - time[0]) / turns
         inside = abs(angle - angle[0]) < 2.0 * math.pi * (1.0 - 1e-9)
         around = {name: np.pad(values[inside], 1, mode="wrap") for name, values in channels.items()}
         time, angle = time[inside], angle[inside]
-        ends = ([time[-1] - period], time, [time[0] + period]), ([angle[-1] - way], angle, [angle[0] + way])
+        ends = ([time[-1] - period], time, [time[0] + period]), ([angle[-1] - turn], angle, [angle[0] + turn])
         cycles = cut_cycles(np.concatenate(ends[0]), np.concatenate(ends[1]), around)
     if not cycles:
         told = f"covers {turns:.3g} turns of the crank, from {math.degrees(angle[0]):.4g} to {math.degrees(angle[-1]):.4g} deg"
@@ -237,38 +237,38 @@ def _cycles(table: RecordedTable, columns: Mapping[str, Array]) -> list[Cycle]:
     return cycles
 
 
-def _number(mechanism: Mechanism, crank_angle: Array) -> int:
-    """Which whole turn since the standard start this is, counted from 1, as `cut_cycles` finds them there."""
-    way = math.copysign(1.0, crank_angle[-1] - crank_angle[0])
-    first = math.ceil((way * mechanism.crank.initial_angle - math.pi - AT_THE_END) / (2.0 * math.pi))
-    return round((way * float(crank_angle[0]) - math.pi) / (2.0 * math.pi)) - first + 1
+def _turn_number(mechanism: Mechanism, crank_angle: Array) -> int:
+    """Number of a whole turn since the standard start, counted from 1 as `cut_cycles` finds them there; from its crank angles, rad."""
+    sign = math.copysign(1.0, crank_angle[-1] - crank_angle[0])
+    first = math.ceil((sign * mechanism.crank.initial_angle - math.pi - AT_THE_END) / (2.0 * math.pi))
+    return round((sign * float(crank_angle[0]) - math.pi) / (2.0 * math.pi)) - first + 1
 
 
 def _rising(table: RecordedTable, time: Array, angle: Array) -> Array:
-    """The crank angle in the direction in which it turns, without what an encoder's noise and steps do to it."""
-    way = math.copysign(1.0, angle[-1] - angle[0])
-    farthest = np.maximum.accumulate(way * angle)
-    back = farthest - way * angle
+    """The crank angle made strictly monotonic: backward steps and standstills, an encoder's noise, are interpolated."""
+    sign = math.copysign(1.0, angle[-1] - angle[0])
+    farthest = np.maximum.accumulate(sign * angle)
+    back = farthest - sign * angle
     if np.max(back) > BACKLASH:
         at = int(np.argmax(back > BACKLASH))
         told = f"turns back after {time[at]:.6g} s"
         raise CaseError(table.shown, "crank_angle", None, told, "a crank that turns one way is needed, its angle running on beyond 360 deg")
-    if np.all(np.diff(way * angle) > 0.0):
+    if np.all(np.diff(sign * angle) > 0.0):
         return angle
     new = np.flatnonzero(np.diff(farthest, prepend=-np.inf) > 0.0)
     beyond = farthest[-1] + (time - time[new[-1]]) * (farthest[-1] - farthest[0]) / (time[-1] - time[0])
-    return np.asarray(way * np.where(time > time[new[-1]], beyond, np.interp(time, time[new], farthest[new])))
+    return np.asarray(sign * np.where(time > time[new[-1]], beyond, np.interp(time, time[new], farthest[new])))
 
 
 def _settling(cycles: list[Cycle]) -> Settling:
     settling = Settling()
-    names = _telling(cycles[0])
+    names = _deciding_columns(cycles[0])
     for cycle in cycles:
         settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in names}))
     return settling
 
 
-def _telling(cycle: Cycle) -> list[str]:
+def _deciding_columns(cycle: Cycle) -> list[str]:
     """Columns that decide whether a table has settled."""
     return [name for name in cycle.channels if name in VIBRATING] or [name for name in cycle.channels if name not in GROWING]
 
@@ -280,7 +280,7 @@ def _is_far(settling: Settling, last: Cycle) -> bool:
         return outlook.remaining_error > FAR
     if outlook.change is None or outlook.stalled_since is not None:
         return False
-    sizes = {name: rms(last.channels[name]) for name in _telling(last)}
+    sizes = {name: rms(last.channels[name]) for name in _deciding_columns(last)}
     noise = [_noise(last.time, last.channels[name]) / size for name, size in sizes.items() if size > 0.0]
     return outlook.change > max(FAR, *noise)
 
@@ -309,10 +309,10 @@ def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
     return float(np.max(np.abs(pair[1] - pair[0]))) * (max(1.0, ratio / (1.0 - ratio)) if ratio < 1.0 else 1.0)
 
 
-def _at_cuts(cycle: Mapping[str, Array], name: str, uncertain: float) -> float:
-    """Uncertainty of a column where the turn is cut into halves, due to the uncertain crank angle: noise, an encoder's steps."""
+def _at_cuts(cycle: Mapping[str, Array], name: str, angle_noise: float) -> float:
+    """Uncertainty of a column where the turn is cut into halves, from the noise of the crank angle, rad."""
     time, turned = cycle["time"], np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
-    late = min(uncertain / turned[-1], LARGEST_GAP) * (time[-1] - time[0])
+    late = min(angle_noise / turned[-1], LARGEST_GAP) * (time[-1] - time[0])
     cuts = np.interp([0.0, math.pi, 2.0 * math.pi], turned, time)
     values = np.interp(np.add.outer([-late, 0.0, late], cuts), time, cycle[name])
     return float(np.max(np.abs(values - values[1])))
@@ -338,24 +338,25 @@ def _scatter(time: Array, values: Array) -> float:
 def _measured(
     mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float
 ) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
-    """Measures of every column that does not grow, without error estimates, because no error is claimed for the model."""
+    """Measures of every column that does not grow, and the consensus on the first mode's frequency. `gap`: largest distance of rows, s."""
     time, angle = cycle["time"], cycle["crank_angle"]
     scale, reason = time_scale(mechanism), ""
     if scale is not None:
         largest = 1.0 / float(np.max(scale.frequencies(TURN)[:, 0])) / ROWS_PER_PERIOD
         if gap > largest:
-            reason = f"rows lie up to {1e3 * gap:.3g} ms apart; the first mode takes {1e3 * largest:.3g} ms at most"
+            ms = in_si("ms")
+            reason = f"rows lie up to {gap / ms:.3g} ms apart; the first mode takes {largest / ms:.3g} ms at most"
     channels = {name: cycle[name] for name in CHANNELS if name in cycle}
-    found = measure_cycle(None if reason else scale, time, angle, channels, filtered)
-    measures = [EstimatedMeasure(**(vars(each) | ({"reason": reason} if reason else {})), **_NONE_CLAIMED) for each in found.measures]
+    of_cycle = measure_cycle(None if reason else scale, time, angle, channels, filtered)
+    measures = [EstimatedMeasure(**(vars(each) | ({"reason": reason} if reason else {})), **_NONE_CLAIMED) for each in of_cycle.measures]
     for name in cycle:
         if name not in (*CHANNELS, *GROWING):
             for half, (low, high) in extremes_by_half(time, angle, cycle[name], filtered).items():
                 ends = low.value, low.uncertainty, high.value, high.uncertainty
                 only = Measure(half, name, None, None, None, None, None, *ends, NOTHING_TO_FIT)
                 measures.append(EstimatedMeasure(**vars(only), **_NONE_CLAIMED))
-    return tuple(measures), tuple(EstimatedConsensus(**vars(each), first_mode_frequency_estimate=0.0) for each in found.consensus)
+    return tuple(measures), tuple(EstimatedConsensus(**vars(each), first_mode_frequency_estimate=0.0) for each in of_cycle.consensus)
 
 
-#: Estimates of the errors of a table's measures.
+#: Error estimates of a table's measures: no error is claimed for its model.
 _NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in (*VIBRATION, *EXTREMES)}

@@ -11,7 +11,7 @@ from quickreturn.cases.measures.steady_state import Outlook
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.orbit import Orbit
-from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.base import AnyEngine, SteadyState
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
@@ -20,8 +20,8 @@ from quickreturn.reference_model.mechanism import Mechanism
 #: Code on which a run depends besides the simulation.
 CODE: Final = ("quickreturn.cases.measures", "quickreturn.cases.runs")
 
-#: Allowed relative difference of an engine's period from that of `reference`.
-LONGER: Final = 1.01
+#: Largest ratio of an engine's period to that of `reference`.
+LARGEST_PERIOD_RATIO: Final = 1.01
 
 #: Number of cycles from the orbit for an engine's error estimate (see `cases.runs.estimates`).
 ESTIMATED_CYCLES: Final = 2
@@ -29,9 +29,10 @@ ESTIMATED_CYCLES: Final = 2
 #: A column that never exceeds this, in its SI unit, is zero except for rounding.
 NOTHING: Final = 1e-12
 
-STANDARD: Final = "standard"  # where a run began
+#: Where a run began; `DIRECT`: it did not march, because the engine's own search found the steady state.
+STANDARD: Final = "standard"
 FROM_ORBIT: Final = "periodic orbit of reference"
-DIRECT: Final = "found directly"  # no march: the engine's own search
+DIRECT: Final = "found directly"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,25 +45,28 @@ class RunRequest:
     accuracy: float | None = None  # error of the tip deflection; None: the engine's default
     settings: dict[str, str] = field(default_factory=dict)
     estimated: bool = True  # whether the measures of the cycle get estimates, which takes some more runs
-    turn: int | None = None  # measure this one, counted from the standard start (1, 2, ...), which `duration` covers; None: settle
+    turn: int | None = None  # turn to measure, counted from the standard start (1, 2, ...), within `duration`; None: the steady state
     straight: bool = False  # march from the standard start even if there is an orbit
     orbit: Orbit | None = None  # the orbit to begin in, as found by `carry_out`; None: the standard start
 
     @property
     def start(self) -> Start:
         """The start of the run."""
-        found = self._begun_from
-        return (found and found.begin) or standard_start(self.mechanism)
+        orbit = self._first_orbit
+        return (orbit and orbit.begin) or standard_start(self.mechanism)
 
     def estimated_on(self, step: float) -> float:
-        """The stretch on which the error is estimated, s: from the periodic state a little more than so many cycles."""
-        found = self._begun_from
-        stretch = self.duration if found is None else ESTIMATED_CYCLES * LONGER * found.period
+        """The stretch on which the error is estimated, s, a multiple of `step` (s).
+
+        From the standard start it is the duration, from an orbit a little more than `ESTIMATED_CYCLES` cycles.
+        """
+        orbit = self._first_orbit
+        stretch = self.duration if orbit is None else ESTIMATED_CYCLES * LARGEST_PERIOD_RATIO * orbit.period
         return step * math.ceil(stretch / step - 1e-9)
 
     @property
-    def _begun_from(self) -> Orbit | None:
-        """The orbit that the run begins in; None: the standard start."""
+    def _first_orbit(self) -> Orbit | None:
+        """The orbit in which the run begins; None: it begins in the standard start."""
         return None if self.straight or self.turn is not None or self.orbit is None or self.orbit.begin is None else self.orbit
 
 
@@ -74,6 +78,11 @@ class PeriodicOrbit:
     multipliers: tuple[tuple[float, float], ...]  # Floquet's, real and imaginary part, largest modulus first
     stable: bool  # whether a disturbance dies away
     iterations: int  # of the search
+
+    @classmethod
+    def of(cls, state: SteadyState) -> "PeriodicOrbit":
+        """The orbit of a state as it is stored."""
+        return cls(state.period, tuple((each.real, each.imag) for each in state.multipliers), state.stable, state.iterations)
 
 
 @dataclass(frozen=True)
@@ -102,7 +111,7 @@ class Run:
     accuracy: float | None = None  # error of the tip deflection that was aimed at
     status: str = Ending.REFUSED  # the word of an `Ending`
     remark: str = ""  # a sentence if something went wrong, otherwise ""
-    start: str | None = None  # one of those above
+    start: str | None = None  # `STANDARD`, `FROM_ORBIT` or `DIRECT`
     settled: bool = False
     cycles: int = 0  # number of simulated cycles, or the work of the direct search in cycles
     averaged_cycles: int = 1  # number of last cycles for the means of the measures; 1: the last cycle alone, which repeats
@@ -115,21 +124,21 @@ class Run:
     error_estimate: float | None = None  # of the tip deflection, relative
     error_estimates: dict[str, float | None] = field(default_factory=dict)  # of each column
     degrees_of_freedom: int | None = None
-    setup_seconds: float | None = None  # these as in `engines.accurate.Result`
+    setup_seconds: float | None = None  # this and the next three as in `engines.accurate.Result`
     compile_seconds: float | None = None
     estimate_seconds: float | None = None
     solve_seconds: float | None = None
-    wall_seconds: float | None = None  # in all
+    wall_seconds: float | None = None  # time of the whole request
     simulated_seconds: float | None = None  # simulated time in the solve time
     failure_time: float | None = None  # s, of a run that broke down; with cause and advice
     cause: str | None = None
     advice: str | None = None
-    turn: int | None = None  # that was measured, where it was asked for
-    recording: Recording | None = None  # of a recorded table
+    turn: int | None = None  # number of the measured turn if the request names one
+    recording: Recording | None = None  # the recorded table whose run this is; None: an engine's
     measures: tuple[EstimatedMeasure, ...] = ()
     consensus: tuple[EstimatedConsensus, ...] = ()
     unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
-    extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> of its extremes, where there are any
+    extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> error estimate of its extremes
     #: The last cycle with every column of the trajectory, from farthest to farthest; the rows of a failed run; otherwise empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
 
@@ -160,16 +169,16 @@ class Run:
 
     def measure(self, half: str, channel: str) -> EstimatedMeasure | None:
         """The measure of a half and channel, or None if there is none."""
-        return next((found for found in self.measures if (found.half, found.channel) == (half, channel)), None)
+        return next((measure for measure in self.measures if (measure.half, measure.channel) == (half, channel)), None)
 
     def consensus_of(self, half: str) -> EstimatedConsensus | None:
         """The consensus of a half on the first-mode frequency; None if there is none, or where it is not resolvable."""
-        return next((found for found in self.consensus if found.half == half and found.first_mode_frequency is not None), None)
+        return next((one for one in self.consensus if one.half == half and one.first_mode_frequency is not None), None)
 
     def consensus_frequency(self, half: str) -> float | None:
         """Consensus of the first-mode frequency in a half, Hz, or None where not resolvable."""
-        found = self.consensus_of(half)
-        return None if found is None else found.first_mode_frequency
+        consensus = self.consensus_of(half)
+        return None if consensus is None else consensus.first_mode_frequency
 
     def peak(self, channel: str) -> float:
         """Largest modulus of a channel over the cycle."""

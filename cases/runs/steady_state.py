@@ -46,8 +46,8 @@ from quickreturn.engines.trajectory import Columns, Trajectory
 
 #: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
 ROWS_AFTER: Final = 4
-#: Cycles after which a rattling motion has forgotten a change of the settings. Two engines' errors apart, the thesis' runs settle in 4 to
-#: 9; what is left after five disappears in the mean over thirty.
+#: Cycles after which a change of the settings no longer shows in a rattling motion. Runs of the thesis that begin off their cycle by two
+#: engines' errors settle in 4 to 9; what remains after five disappears in the mean over thirty.
 CYCLES_AFTER_CHANGE: Final = 5
 
 
@@ -62,31 +62,31 @@ def steady_state(request: RunRequest) -> Run:
         MemoryError, OSError: lack of memory, disk or the like, which is due to the machine and not to the engine, and may not repeat.
     """
     began = time.perf_counter()
-    way = _Way(engine_of_name(request.engine), request)
+    unfinished = _RunInProgress(engine_of_name(request.engine), request)
     try:
-        way.go()
+        unfinished.simulate()
     except (Refusal, SettingError) as refusal:
-        way.know(remark=str(refusal))
+        unfinished.note(remark=str(refusal))
     except Hopeless as reason:
-        way.know(status=Ending.NOT_SETTLED)
-        way.say(str(reason))
+        unfinished.note(status=Ending.NOT_SETTLED)
+        unfinished.add_remark(str(reason))
     except EngineFailure as failure:
         partial = {} if failure.partial is None else dict(failure.partial.columns)
         about = {"cause": failure.cause, "advice": failure.advice, "failure_time": failure.time}
-        way.know(status=Ending.FAILED, remark=str(failure), cycle=partial, **about)
+        unfinished.note(status=Ending.FAILED, remark=str(failure), cycle=partial, **about)
     except (MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
-        way.know(status=Ending.FAILED, remark=_words_of(error), cause=_words_of(error), cycle={})
-    way.measure()
-    return replace(way.run, wall_seconds=time.perf_counter() - began)
+        unfinished.note(status=Ending.FAILED, remark=_words_of(error), cause=_words_of(error), cycle={})
+    unfinished.measure()
+    return replace(unfinished.run, wall_seconds=time.perf_counter() - began)
 
 
 def _words_of(error: Exception) -> str:
     return f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
 
 
-class _Way:
+class _RunInProgress:
     """Finds the steady cycle of a run, and those of runs with other settings in the same way.
 
     Attributes:
@@ -103,79 +103,79 @@ class _Way:
         self._rattling: Start | None = None  # the state after cycles that repeat in statistics only
         self.run = Run.begun(request, engine)
 
-    def know(self, **found: Any) -> None:
+    def note(self, **fields: Any) -> None:
         """Set fields of the result; names as in `Run`."""
-        self.run = replace(self.run, **found)
+        self.run = replace(self.run, **fields)
 
-    def say(self, remark: str) -> None:
-        """Add to the remark."""
-        self.know(remark=f"{self.run.remark}; {remark}" if self.run.remark else remark)
+    def add_remark(self, remark: str) -> None:
+        """Add a sentence to the remark of the result."""
+        self.note(remark=f"{self.run.remark}; {remark}" if self.run.remark else remark)
 
-    def go(self) -> None:
-        """Do all simulations.
+    def simulate(self) -> None:
+        """Choose the settings, find the settled cycle, and repeat it in the runs of the error estimate.
 
         Raises:
             Refusal, SettingError: the engine does not take the scene.
             Hopeless: it is known beforehand that it will not settle.
             EngineFailure: a run failed.
         """
-        self.know(version=self._engine.version())
-        climbs = not self._mechanism.slider.has_corners or bool(self._request.settings)
-        self._choose_settings(climbs)
-        self._cycles = self._found_cycles()
-        if not climbs and self.run.averaged_cycles == 1 and not self.run.reached:
+        self.note(version=self._engine.version())
+        refines = not self._mechanism.slider.has_corners or bool(self._request.settings)
+        self._choose_settings(refines)
+        self._cycles = self._settled_cycles()
+        if not refines and self.run.averaged_cycles == 1 and not self.run.reached:
             self._choose_settings(True)
-            self._cycles = self._found_cycles()
-        self.know(cycle=self._cycles[-1] if self._cycles else Columns())
+            self._cycles = self._settled_cycles()
+        self.note(cycle=self._cycles[-1] if self._cycles else Columns())
         if self.run.turn is None and not self.run.settled:
-            self.know(status=Ending.NOT_SETTLED)
+            self.note(status=Ending.NOT_SETTLED)
             return
-        self.know(status=Ending.TRANSIENT if self.run.turn is not None else Ending.SETTLED if self.run.reached else Ending.INACCURATE)
+        self.note(status=Ending.TRANSIENT if self.run.turn is not None else Ending.SETTLED if self.run.reached else Ending.INACCURATE)
         if self._engine.estimates == "integration":
-            self.know(unestimated="its own estimates cover the integration alone")
+            self.note(unestimated="its own estimates cover the integration alone")
         elif not self._request.estimated:
-            self.know(unestimated="none were asked for")
+            self.note(unestimated="none were asked for")
         else:
             self._compared, why = self._compare()
-            self.know(unestimated=why)
+            self.note(unestimated=why)
 
     def measure(self) -> None:
         """Measure the settled cycle, with error estimates from the compared runs."""
         if not self.run.usable:
             return
-        scale, known = time_scale(self._mechanism), dict[int, MeasuredCycle]()
+        scale, by_identity = time_scale(self._mechanism), dict[int, MeasuredCycle]()
 
         def measured(cycles: tuple[Columns, ...]) -> MeasuredCycle:
-            if id(cycles) not in known:  # a run may be compared with several
-                each = (measure_cycle(scale, one["time"], one["crank_angle"], {name: one[name] for name in CHANNELS}) for one in cycles)
-                known[id(cycles)] = MeasuredCycle.of(cycles, mean_measures(list(each)))
-            return known[id(cycles)]
+            if id(cycles) not in by_identity:  # a run may be compared with several
+                measures = (measure_cycle(scale, one["time"], one["crank_angle"], {name: one[name] for name in CHANNELS}) for one in cycles)
+                by_identity[id(cycles)] = MeasuredCycle.of(cycles, mean_measures(list(measures)))
+            return by_identity[id(cycles)]
 
         others = [runs.mapped(measured) for runs in self._compared]
         measures, consensus = with_estimates(measured(self._cycles).measures, others)
-        self.know(measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others))
+        self.note(measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others))
 
-    def _choose_settings(self, climbs: bool) -> None:
-        """The settings that reach the accuracy from the run's start, their estimate, and all runs for it.
+    def _choose_settings(self, refines: bool) -> None:
+        """Find the settings that reach the accuracy from the run's start, with their error estimate and all runs for it.
 
-        In a rattling motion no settings reach it, because paths diverge; unless `climbs`, the settings are those that reach it without
-        rattling.
+        No settings reach it in a rattling motion, where paths diverge. Unless `refines`, the engine's settings for this accuracy without
+        rattling are taken.
         """
         request, self._step = self._request, output_step(self._mechanism)
         self._start = request.start
         stretch = request.estimated_on(self._step)
         settings, accuracy, target = request.settings, request.accuracy, request.accuracy or self._engine.default_accuracy
-        if not climbs:
+        if not refines:
             self._engine.check(self._mechanism)
             settings, accuracy = as_texts(self._engine.settings_for(target, self._mechanism).as_dict()), None
-        estimate = request.estimated or not settings or accuracy is not None  # none is needed for settings that are given
+        estimate = request.estimated or not request.settings or accuracy is not None  # settings that are given need none
         result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, settings, accuracy, estimate)
         self._settings, self._done = result.settings, result.runs
-        self.know(
-            accuracy=result.accuracy if climbs else target,
+        self.note(
+            accuracy=result.accuracy if refines else target,
             settings=result.settings.as_dict(),
             remark=result.remark if estimate else "",
-            reached=result.reached if climbs else result.error_estimate is not None and result.error_estimate <= target,
+            reached=result.reached if refines else result.error_estimate is not None and result.error_estimate <= target,
             error_estimate=result.error_estimate,
             error_estimates=result.error_estimates,
             setup_seconds=result.setup_seconds,
@@ -184,44 +184,44 @@ class _Way:
             degrees_of_freedom=result.description.degrees_of_freedom,
         )
 
-    def _found_cycles(self) -> tuple[Columns, ...]:
+    def _settled_cycles(self) -> tuple[Columns, ...]:
         """The settled cycle, or the last ones if they keep changing; the turn asked for, if there is one."""
         if self._request.turn is not None:
             return (self._turn(self._request.turn),)
         orbit, multiplier = None if self._request.straight else self._request.orbit, None
-        if cycle := self._found_directly():
+        if cycle := self._direct_cycle():
             return (cycle,)
-        self.know(start=STANDARD)
+        self.note(start=STANDARD)
         if orbit is not None and orbit.begin is None and not orbit.multiplier:
-            self.say(f"begun in the standard start, because `reference` found no periodic state: {orbit.reason}")
+            self.add_remark(f"begun in the standard start, because `reference` found no periodic state: {orbit.reason}")
         elif orbit is not None:
             if hopeless := orbit.hopeless(_error(self.run)):
                 raise Hopeless(hopeless)
-            self.know(start=FROM_ORBIT)
+            self.note(start=FROM_ORBIT)
             multiplier = orbit.multiplier
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
-            found, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners)
+            cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners)
         finally:
-            self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
-        self.know(settled=settling.settled or len(found) > 1, cycles=settling.cycles, averaged_cycles=max(len(found), 1))
+            self.note(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        self.note(settled=settling.settled or len(cycles) > 1, cycles=settling.cycles, averaged_cycles=max(len(cycles), 1))
         if math.isfinite(settling.error_estimate):
-            self.know(settling_error=settling.error_estimate, settling_errors=settling.errors)
-        if len(found) > 1:
+            self.note(settling_error=settling.error_estimate, settling_errors=settling.errors)
+        if len(cycles) > 1:
             self._early, self._rattling = (), march.present_start()
-            self.know(reached=self._request.accuracy is None, settling_errors=dict.fromkeys(CHANNELS, 0.0), settling=settling.outlook)
-            self.say(
-                f"it repeats in statistics only: measures are means over the last {len(found)} of {settling.cycles} cycles, each of which"
+            self.note(reached=self._request.accuracy is None, settling_errors=dict.fromkeys(CHANNELS, 0.0), settling=settling.outlook)
+            self.add_remark(
+                f"it repeats in statistics only: measures are means over the last {len(cycles)} of {settling.cycles} cycles, each of which"
                 f" differs from the one before by about {settling.outlook.change:.2g} of the signals' RMS"
             )
         elif not settling.settled:
-            self.know(settling=settling.outlook)
-            self.say(f"not settled after {settling.cycles} cycles: {settling.outlook.sentence()}")
-        return found
+            self.note(settling=settling.outlook)
+            self.add_remark(f"not settled after {settling.cycles} cycles: {settling.outlook.sentence()}")
+        return cycles
 
     def _noted(self, cycles: Iterable[Cycle]) -> Iterator[Cycle]:
-        """The cycles; the one that is compared is kept."""
+        """The same cycles; keeps the one that is compared with other settings' in a march from the orbit."""
         for number, cycle in enumerate(cycles, 1):
             if self.run.start == FROM_ORBIT and number == ESTIMATED_CYCLES:
                 self._early = (columns_of(cycle),)
@@ -229,44 +229,44 @@ class _Way:
 
     def _turn(self, number: int) -> Columns:
         """A turn of the run from the standard start, counted from 1."""
-        self.know(start=STANDARD, turn=number, cycles=number, settling_errors=dict.fromkeys(CHANNELS, 0.0))
+        self.note(start=STANDARD, turn=number, cycles=number, settling_errors=dict.fromkeys(CHANNELS, 0.0))
         march = self._march(self._settings)
         cycle = columns_of(next(islice(march, number - 1, None)))
-        self.know(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        self.note(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         return cycle
 
     def _compare(self) -> tuple[tuple[Compared[tuple[Columns, ...]], ...], str]:
         """The same cycles in the runs of the engine's error estimate, or why there are none."""
-        known: dict[Settings, tuple[Columns, ...] | EngineFailure] = {self._settings: self._early or self._cycles}
+        results: dict[Settings, tuple[Columns, ...] | EngineFailure] = {self._settings: self._early or self._cycles}
         progress.tell(phase="estimating the cycle's error")
 
         def run(settings: Settings) -> tuple[Columns, ...]:
-            if settings not in known:
+            if settings not in results:
                 try:
-                    known[settings] = self._same_cycles(settings)
+                    results[settings] = self._same_cycles(settings)
                 except EngineFailure as failure:
-                    known[settings] = failure
-            found = known[settings]
-            if isinstance(found, EngineFailure):
-                raise found
-            return found
+                    results[settings] = failure
+            result = results[settings]
+            if isinstance(result, EngineFailure):
+                raise result
+            return result
 
         pairs = self._engine.comparisons(self._settings, self._mechanism, self._step)
-        # whether an error falls is asked of a second finer run after a blow: there is none behind a settled cycle
+        # a second finer run only shows whether an error falls after an impact: a settled cycle does not follow one
         pairs = tuple(replace(pair, before=None) if pair.factor < 1.0 else pair for pair in pairs)
         if any(pair.run == pair.other for pair in pairs):
             return (), "there are no other settings to compare with"
         try:
-            found = tuple(compared(pair, run) for pair in pairs)
+            comparisons = tuple(compared(pair, run) for pair in pairs)
         except EngineFailure as failure:
             return (), f"the run for their estimate {failure}"
         except (MemoryError, OSError):
             raise
-        except Exception as error:  # what is delivered stays good
+        except Exception as error:  # the delivered cycle stays good
             return (), f"the run for their estimate: {_words_of(error)}"
-        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run[-1], runs.other[-1]) for runs in found):
+        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run[-1], runs.other[-1]) for runs in comparisons):
             return (), "the run to compare with is the same to the last digit"
-        return found, ""
+        return comparisons, ""
 
     def _same_cycles(self, settings: Settings) -> tuple[Columns, ...]:
         """The steady cycles with other settings: found directly like the delivered one, or after as many cycles; settled at least.
@@ -280,63 +280,61 @@ class _Way:
             number = ESTIMATED_CYCLES if self._early else self.run.cycles
             return tuple(columns_of(cycle) for cycle in islice(self._march(settings), number - self.run.averaged_cycles, number))
         with contextlib.suppress(NoSteadyState):
-            found = self._searched(settings)
-            if found is not None and found.stable:
-                return (self._one_cycle(found)[0],)
+            state = self._periodic_state(settings)
+            if state is not None and state.stable:
+                return (self._one_cycle(state)[0],)
         cycles, settling = settle(self._march(settings), rattles=self._mechanism.slider.has_corners)
         if not settling.settled:
             raise EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
         return cycles
 
     def _march(self, settings: Settings) -> March:
-        """Cycle after cycle from the start; a run made for the estimate began there, too, and goes on."""
-        if settings in self._done:
-            made = self._done[settings]
-            return March(made.simulation, self._start.crank_speed, self._step, made.trajectory)
+        """Cycle after cycle from the start; a run for the error estimate began there, too, and is continued."""
+        if (done := self._done.get(settings)) is not None:
+            return March(done.simulation, self._start.crank_speed, self._step, done.trajectory)
         return March(self._engine.prepare(self._mechanism, self._start, settings), self._start.crank_speed, self._step)
 
-    def _searched(self, settings: Settings) -> SteadyState | None:
+    def _periodic_state(self, settings: Settings) -> SteadyState | None:
         return self._engine.steady_state(self._mechanism, self._start, settings)
 
-    def _found_directly(self) -> Columns:
+    def _direct_cycle(self) -> Columns:
         """One cycle of the periodic steady state; empty if the engine must march, with the reason in the remark."""
         progress.tell(phase="searching the periodic state")
         try:
-            found = self._searched(self._settings)
+            state = self._periodic_state(self._settings)
         except NoSteadyState as reason:
-            self.say(f"marched, because no periodic state was found directly: {reason}")
+            self.add_remark(f"marched, because no periodic state was found directly: {reason}")
             return {}
-        if found is None:
+        if state is None:
             return {}
-        multipliers = tuple((multiplier.real, multiplier.imag) for multiplier in found.multipliers)
-        orbit = PeriodicOrbit(found.period, multipliers, found.stable, found.iterations)
-        self.know(periodic_orbit=orbit)
-        if not found.stable:
-            raise Hopeless(Orbit(None, abs(found.multipliers[0])).hopeless(0.0))
-        if isinstance(self._settings, ReferenceSettings) and (other := other_motion(self._mechanism, found, self._settings)):
-            self.say(other)
-        cycle, piece = self._one_cycle(found)
-        self.know(
+        orbit = PeriodicOrbit.of(state)
+        self.note(periodic_orbit=orbit)
+        if not state.stable:
+            raise Hopeless(Orbit(None, abs(state.multipliers[0])).hopeless(0.0))
+        if isinstance(self._settings, ReferenceSettings) and (other := other_motion(self._mechanism, state, self._settings)):
+            self.add_remark(other)
+        cycle, piece = self._one_cycle(state)
+        self.note(
             start=DIRECT,
             settled=True,
-            cycles=math.ceil(found.cycles_of_work),
-            settling_error=found.residual,
-            settling_errors={name: found.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS},
-            solve_seconds=found.solve_seconds + piece.solve_seconds,
-            simulated_seconds=found.cycles_of_work * found.period + float(piece["time"][-1]),
+            cycles=math.ceil(state.cycles_of_work),
+            settling_error=state.residual,
+            settling_errors={name: state.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS},
+            solve_seconds=state.solve_seconds + piece.solve_seconds,
+            simulated_seconds=state.cycles_of_work * state.period + float(piece["time"][-1]),
             periodic_orbit=replace(orbit, period=float(cycle["time"][-1] - cycle["time"][0])),
         )
         return cycle
 
-    def _one_cycle(self, found: SteadyState) -> tuple[Columns, Trajectory]:
-        duration = self._step * (math.ceil(found.period / self._step) + ROWS_AFTER)
-        piece = found.simulation.advance(duration, self._step)
+    def _one_cycle(self, state: SteadyState) -> tuple[Columns, Trajectory]:
+        """The cycle of a periodic state, and the trajectory that it is cut from."""
+        duration = self._step * (math.ceil(state.period / self._step) + ROWS_AFTER)
+        piece = state.simulation.advance(duration, self._step)
         check_trajectory(piece, duration, self._step)
-        cycle = whole_cycles(piece)[0]
-        return columns_of(cycle), piece
+        return columns_of(whole_cycles(piece)[0]), piece
 
 
 def _error(run: Run) -> float:
-    """The engine's error in a few cycles, by its largest estimate over the case's duration."""
+    """The engine's error in a few cycles: its largest estimate on the stretch from the run's start."""
     estimates = [estimate for name in CHANNELS if (estimate := run.error_estimates.get(name)) is not None]
     return max(estimates, default=UNKNOWN_ERROR)

@@ -10,14 +10,13 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.case import PATHS, Case, si_value
-from quickreturn.cases.copies import as_written
-from quickreturn.cases.errors import CaseError, nearest_or_all
-from quickreturn.cases.errors import as_written as shown
+from quickreturn.cases.copies import written_document
+from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.reading import case_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import CODE as CODE_OF_RUNS
-from quickreturn.cases.sweep.rows import OPEN, Asked, Impossible, Row, row
+from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
@@ -48,14 +47,14 @@ def axis(text: str) -> Axis:
     """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. CaseError: an invalid text."""
     key, sign, values = (part.strip() for part in text.partition("="))
     if not (key and sign and values):
-        raise CaseError(_SOURCE, None, shown(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
+        raise CaseError(_SOURCE, None, as_written(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
     if key in OF_START:
         raise CaseError(_SOURCE, key, None, "changes no steady motion", "vary another key")
     unit, several = ("", True) if key == ENGINE else (_unit_of(key), PATHS[key].count is not None)
     texts = _ranged(key, values) if ".." in values and key != ENGINE else _listed(key, values)
     for name in texts if key == ENGINE else ():
         if name not in engine_names():
-            raise CaseError(_SOURCE, ENGINE, shown(name), "is unknown", nearest_or_all(name, engine_names()))
+            raise CaseError(_SOURCE, ENGINE, as_written(name), "is unknown", nearest_or_all(name, engine_names()))
     numbers = texts if several else tuple(si_value(key, each, _SOURCE) for each in texts)
     if len(set(numbers)) < len(numbers):
         raise CaseError(_SOURCE, key, None, "has a value twice", "give each once")
@@ -75,22 +74,23 @@ def _unit_of(key: str) -> str:
 
 
 def _listed(key: str, values: str) -> tuple[str, ...]:
-    found = tuple(each.strip() for each in values.split(";"))
-    if not all(found):
-        raise CaseError(_SOURCE, key, shown(values), "has an empty value", _SPEC)
-    return found
+    """The values of a list, as written."""
+    texts = tuple(text.strip() for text in values.split(";"))
+    if not all(texts):
+        raise CaseError(_SOURCE, key, as_written(values), "has an empty value", _SPEC)
+    return texts
 
 
 def _ranged(key: str, values: str) -> tuple[str, ...]:
     """The values of a range: in the unit of its ends if both have the same one, otherwise in SI."""
 
     def wrong(problem: str, accepted: str) -> CaseError:
-        return CaseError(_SOURCE, key, shown(values), problem, accepted)
+        return CaseError(_SOURCE, key, as_written(values), problem, accepted)
 
-    found = _RANGE.fullmatch(values)
-    if not found or not 2 <= (count := int(found["count"])) <= MOST:
+    match = _RANGE.fullmatch(values)
+    if not match or not 2 <= (count := int(match["count"])) <= MOST:
         raise wrong("is no range", f"write FIRST .. LAST : COUNT with 2 to {MOST} values, {_SPEC}")
-    ends = found["first"], found["last"]
+    ends = match["first"], match["last"]
     low, high = (si_value(key, end, _SOURCE) for end in ends)
     if math.isinf(low) or math.isinf(high):
         raise wrong("has no end", "a range needs two finite ends")
@@ -99,9 +99,9 @@ def _ranged(key: str, values: str) -> tuple[str, ...]:
         low, high = float(first), float(last)
     else:
         unit = PATHS[key].unit
-    if found["log"] and not min(low, high) > 0.0:
+    if match["log"] and not min(low, high) > 0.0:
         raise wrong("has an end that is not positive", "a logarithmic range needs positive ends")
-    return tuple(f"{number:.12g} {unit}".strip() for number in (np.geomspace if found["log"] else np.linspace)(low, high, count))
+    return tuple(f"{number:.12g} {unit}".strip() for number in (np.geomspace if match["log"] else np.linspace)(low, high, count))
 
 
 @dataclass(frozen=True)
@@ -128,8 +128,8 @@ class Grid:
     def along(self) -> int:
         """The axis along which rows run: the longest one of numbers, preferably of those that leave the follower's shapes unchanged."""
         numeric = [place for place, each in enumerate(self.axes) if each.unit]
-        kept = [place for place in numeric if keeps_shapes(self.axes[place].key)]
-        return max(kept or numeric or range(len(self.axes)), key=lambda place: self.shape[place])
+        preferred = [place for place in numeric if keeps_shapes(self.axes[place].key)]
+        return max(preferred or numeric or range(len(self.axes)), key=lambda place: self.shape[place])
 
     def rows(self) -> Iterator[tuple[int, ...]]:
         """The places of the grid at which rows begin, with 0 on the axis along which they run."""
@@ -151,7 +151,7 @@ def keeps_shapes(key: str) -> bool:
 
 def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanism | Impossible]:
     """The scenes of a case with other values, as texts of a case file; for an impossible one the reason."""
-    document = as_written(case)
+    document = written_document(case)
 
     def scene(overrides: Mapping[str, str]) -> Mechanism | Impossible:
         try:
@@ -164,12 +164,12 @@ def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanis
     return [scene(overrides) for overrides in changes]
 
 
-def measured_row(case: Case, changes: tuple[Mapping[str, str], ...], asked: Asked) -> Row:
+def measured_row(case: Case, changes: tuple[Mapping[str, str], ...], asked: MeasureRequest) -> Row:
     """Measures a case with one set of values after another."""
     return row(scenes_of(case, changes), asked)
 
 
-def job(case: Case, changes: Sequence[Mapping[str, str]], asked: Asked) -> Job[Row]:
+def job(case: Case, changes: Sequence[Mapping[str, str]], asked: MeasureRequest) -> Job[Row]:
     """`measured_row` as a job, whose row is stored as a whole."""
     changed = tuple(map(dict, changes))
     first = ", ".join(f"{key} = {text}" for key, text in changed[0].items())

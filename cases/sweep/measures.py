@@ -17,6 +17,7 @@ from quickreturn.cases.loads.stress import arm_stress
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.time_scale import CHANNELS
+from quickreturn.cases.runs.estimates import or_nan
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
@@ -28,10 +29,10 @@ NOTHING: Final[Measured] = (math.nan, math.nan)
 
 @dataclass(frozen=True)
 class SettledMotion:
-    """A settled motion."""
+    """A settled motion: a machine, and the run that shows it."""
 
     mechanism: Mechanism
-    run: Run  # the same as `run` reports it
+    run: Run
     finer: tuple[PeriodicOrbit, float] | None = None  # the orbit of finer settings, and its error over that of the run
 
     @cached_property
@@ -79,7 +80,7 @@ def _where_given(column: str, of: Callable[[str, SettledMotion], Measured], moti
 
 
 def _of_peak(peak: Peak | None) -> Measured:
-    return NOTHING if peak is None else (peak.value, _known(peak.error))
+    return NOTHING if peak is None else (peak.value, or_nan(peak.error))
 
 
 def _peak(name: str, motion: SettledMotion) -> Measured:
@@ -98,8 +99,9 @@ def _stress(what: str, motion: SettledMotion) -> Measured:
 def _extreme(which: int, column: str, motion: SettledMotion) -> Measured:
     """The least (0) or greatest (1) value."""
     cycle = motion.run.cycle
-    found = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])[which]
-    return found.value, _known(motion.claim(column, float(np.interp(found.time, cycle["time"], cycle["crank_angle"])))) + found.uncertainty
+    extreme = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])[which]
+    crank_angle = float(np.interp(extreme.time, cycle["time"], cycle["crank_angle"]))
+    return extreme.value, or_nan(motion.claim(column, crank_angle)) + extreme.uncertainty
 
 
 def _rms(column: str, motion: SettledMotion) -> Measured:
@@ -108,28 +110,30 @@ def _rms(column: str, motion: SettledMotion) -> Measured:
 
 
 def _per_turn(column: str, motion: SettledMotion) -> Measured:
+    """Change of a column in a turn."""
     values = motion.run.cycle[column]
     return float(values[-1] - values[0]), 2.0 * _largest_claim(motion, column)
 
 
 def _largest_claim(motion: SettledMotion, column: str) -> float:
+    """The larger claim of both half cycles; nan if one has none."""
     begin, end = motion.run.cycle["crank_angle"][[0, -1]]
-    known = [motion.claim(column, float(begin + part * (end - begin))) for part in (0.25, 0.75)]
-    return max(map(_known, known)) if None not in known else math.nan
+    claims = [or_nan(motion.claim(column, float(begin + part * (end - begin)))) for part in (0.25, 0.75)]
+    return float(np.max(claims))
 
 
 def _consensus(half: str, motion: SettledMotion) -> Measured:
-    found = next((each for each in motion.run.consensus if each.half == half), None)
-    if found is None or found.first_mode_frequency is None:
+    consensus = motion.run.consensus_of(half)
+    if consensus is None or consensus.first_mode_frequency is None:
         return NOTHING
-    return found.first_mode_frequency, _known(found.first_mode_frequency_estimate) + _known(found.uncertainty)
+    return consensus.first_mode_frequency, or_nan(consensus.first_mode_frequency_estimate) + or_nan(consensus.uncertainty)
 
 
 def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) -> Measured:
-    found = next((each for each in motion.run.measures if each.half == half and each.channel == channel), None)
-    if found is None or (value := found.number(quantity)) is None:
+    measure = motion.run.measure(half, channel)
+    if measure is None or (value := measure.number(quantity)) is None:
         return NOTHING
-    return value, _known(found.estimate(quantity)) + _known(found.number(f"{quantity}_uncertainty"))
+    return value, or_nan(measure.estimate(quantity)) + or_nan(measure.number(f"{quantity}_uncertainty"))
 
 
 def _of_orbit(number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -> Measured:
@@ -149,10 +153,6 @@ def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion
         return value, math.nan
     orbit, factor = motion.finer
     return value, abs(number(orbit) - value) / abs(1.0 - factor)
-
-
-def _known(number: float | None) -> float:
-    return math.nan if number is None else number
 
 
 def _declared() -> Iterator[Measure]:

@@ -52,7 +52,7 @@ class Impossible:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class MeasureRequest:
     """The measures to take of each scene.
 
     Attributes:
@@ -79,8 +79,8 @@ class Row:
     Attributes:
         values: of each measure, nan where unavailable, shape (points, measures).
         errors: errors of the values by the engine's own estimate, likewise.
-        statuses: how each point ended.
-        sentences: why, "" where it settled.
+        statuses: status of each point.
+        sentences: reason of each status, "" if the point settled.
     """
 
     values: Array
@@ -89,7 +89,7 @@ class Row:
     sentences: tuple[str, ...]
 
 
-def row(scenes: Sequence[Mechanism | Impossible], asked: Asked) -> Row:
+def row(scenes: Sequence[Mechanism | Impossible], asked: MeasureRequest) -> Row:
     """Measure neighbouring scenes. The failure of an engine becomes the status of its point and raises nothing.
 
     Args:
@@ -118,11 +118,11 @@ class _Point:
 
     Attributes:
         motion: the settled motion; None where there is none.
-        status: how it ended.
-        sentence: why.
+        status: status of the point.
+        sentence: reason of the status; "" if it settled.
     """
 
-    def __init__(self, scene: Mechanism, asked: Asked) -> None:
+    def __init__(self, scene: Mechanism, asked: MeasureRequest) -> None:
         self._scene, self._asked = scene, asked
         self._engine = engine_of_name(asked.engine)
         self.motion: SettledMotion | None = None
@@ -133,11 +133,11 @@ class _Point:
         """Find the settled motion, from a neighbour's or anew; return the periodic state from which the next point may begin."""
         try:
             settings = self._settings()
-            found = periodic_state(self._scene, settings, near)
-            if found is not None and isinstance(self._engine, ReferenceEngine):
-                self._measure(found, settings)
+            state = periodic_state(self._scene, settings, near)
+            if state is not None and isinstance(self._engine, ReferenceEngine):
+                self._measure(state, settings)
             else:
-                self._run(found)
+                self._run(state)
         except NoSteadyState as reason:
             self.status, self.sentence = _ending(str(reason), NOT_CONVERGED), f"no periodic state was found: {reason}"
         except Refusal as refusal:
@@ -145,7 +145,7 @@ class _Point:
         except EngineFailure as failure:
             self.status, self.sentence = _ending(str(failure), Ending.FAILED), str(failure)
         else:
-            return near if found is None else simulation_in(found)
+            return near if state is None else simulation_in(state)
         return near
 
     def _settings(self) -> ReferenceSettings:
@@ -158,59 +158,59 @@ class _Point:
             dict(self._asked.settings)
         )
 
-    def _measure(self, found: SteadyState, settings: ReferenceSettings) -> None:
+    def _measure(self, state: SteadyState, settings: ReferenceSettings) -> None:
         """Measure one turn of the periodic state, and one with finer settings for the error estimate."""
-        if kind := instability(np.array(found.multipliers)):
+        if kind := instability(np.array(state.multipliers)):
             self.status = UNSTABLE.format(kind)
-            self.sentence = f"a disturbance grows {abs(found.multipliers[0]):.7g}-fold in a turn ({kind})"
+            self.sentence = f"a disturbance grows {abs(state.multipliers[0]):.7g}-fold in a turn ({kind})"
         else:
             self.status = Ending.SETTLED
         step = output_step(self._scene)
-        cycle, beside, finer = _turn(found, step), [], None
+        cycle, comparisons, finer = _turn(state, step), [], None
         if self._asked.claims:
             pair = ReferenceEngine().comparisons(settings, self._scene, step)[0]
             try:
                 assert isinstance(pair.other, ReferenceSettings)
-                other = periodic_state(self._scene, pair.other, simulation_in(found))
+                other = periodic_state(self._scene, pair.other, simulation_in(state))
                 assert other is not None
-                beside, finer = [Compared(cycle, _turn(other, step), pair.factor)], (_orbit(other), pair.factor)
+                comparisons, finer = [Compared(cycle, _turn(other, step), pair.factor)], (PeriodicOrbit.of(other), pair.factor)
             except NoSteadyState as reason:
                 self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
-        self.motion = SettledMotion(self._scene, self._measured(found, cycle, beside), finer)
+        self.motion = SettledMotion(self._scene, self._measured(state, cycle, comparisons), finer)
 
-    def _measured(self, found: SteadyState, cycle: Columns, beside: Sequence[Compared[Columns]]) -> Run:
+    def _measured(self, state: SteadyState, cycle: Columns, comparisons: Sequence[Compared[Columns]]) -> Run:
         """The turn as `run` would report it, reduced to what the measures need."""
         measures = [measure(name) for name in self._asked.measures]
-        columns = dict.fromkeys(name for each in measures for name in each.columns if name in cycle)
-        scale = time_scale(self._scene) if any(each.vibration for each in measures) else None
+        columns = dict.fromkeys(name for one in measures for name in one.columns if name in cycle)
+        scale = time_scale(self._scene) if any(one.vibration for one in measures) else None
 
         def measured(turn: Columns) -> MeasuredCycle:
             needed = {name: turn[name] for name in ("time", "crank_angle", *columns)}
             channels = {name: turn[name] for name in CHANNELS if scale is not None}
             return MeasuredCycle.of([needed], measure_cycle(scale, turn["time"], turn["crank_angle"], channels))
 
-        compared = [pair.mapped(measured) for pair in beside]
+        compared = [pair.mapped(measured) for pair in comparisons]
         run = Run(
             engine=self._engine.name,
             estimate_of="total",
             status=Ending.SETTLED,
             settled=True,
-            settling_error=found.residual,
-            periodic_orbit=_orbit(found),
-            solve_seconds=found.solve_seconds,
+            settling_error=state.residual,
+            periodic_orbit=PeriodicOrbit.of(state),
+            solve_seconds=state.solve_seconds,
             cycle=cycle,
         )
         if scale is None and not compared:
             return run
-        found_measures, consensus = with_estimates((compared[0].run if compared else measured(cycle)).measures, compared)
-        return replace(run, measures=found_measures, consensus=consensus, extreme_estimates=extreme_estimates(compared))
+        estimated, consensus = with_estimates((compared[0].run if compared else measured(cycle)).measures, compared)
+        return replace(run, measures=estimated, consensus=consensus, extreme_estimates=extreme_estimates(compared))
 
-    def _run(self, found: SteadyState | None) -> None:
+    def _run(self, state: SteadyState | None) -> None:
         """Measure as `run` does, from the periodic state of `reference` if there is one."""
         orbit, asked = None, self._asked
-        if found is not None:
-            begin = PeriodicStart.of(simulation_in(found).present_start()) if found.stable else None
-            orbit = Orbit(begin, abs(found.multipliers[0]), "" if found.stable else "the periodic state is not stable", found.period)
+        if state is not None:
+            begin = PeriodicStart.of(simulation_in(state).present_start()) if state.stable else None
+            orbit = Orbit(begin, abs(state.multipliers[0]), "" if state.stable else "the periodic state is not stable", state.period)
         run = steady_state(
             RunRequest(
                 mechanism=self._scene,
@@ -223,21 +223,16 @@ class _Point:
             )
         )
         self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.ending, run.status)), run.remark
-        if found is not None and not found.stable and run.status == Ending.NOT_SETTLED:
-            self.status = UNSTABLE.format(instability(np.array(found.multipliers)))
+        if state is not None and not state.stable and run.status == Ending.NOT_SETTLED:
+            self.status = UNSTABLE.format(instability(np.array(state.multipliers)))
         if run.usable:
             self.motion = SettledMotion(self._scene, run)
 
 
-def _turn(found: SteadyState, step: float) -> Columns:
+def _turn(state: SteadyState, step: float) -> Columns:
     """One turn of a periodic state, from the slider's farthest place on, recorded at about this step (s)."""
-    rows = math.ceil(found.period / step)
-    return dict(simulation_in(found).advance(found.period, found.period / rows).columns)
-
-
-def _orbit(found: SteadyState) -> PeriodicOrbit:
-    multipliers = tuple((each.real, each.imag) for each in found.multipliers)
-    return PeriodicOrbit(found.period, multipliers, found.stable, found.iterations)
+    rows = math.ceil(state.period / step)
+    return dict(simulation_in(state).advance(state.period, state.period / rows).columns)
 
 
 def _ending(cause: str, otherwise: str) -> str:

@@ -12,13 +12,13 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, job
-from quickreturn.cases.sweep.rows import Asked, Row
+from quickreturn.cases.sweep.rows import MeasureRequest, Row
 
 #: Direction in which the points of a row are computed: as given, backwards, or both.
 Path = Literal["up", "down", "both"]
-#: Two numbers belong to different motions if they differ by more than `TWO` times the sum of their claims, and by more than the part
-#: `APART`.
-TWO: Final = 3.0
+#: Two numbers belong to different motions if they differ by more than `CLAIMS_APART` times the sum of their claims, and by more than the
+#: part `APART` of the larger.
+CLAIMS_APART: Final = 3.0
 APART: Final = 0.02
 
 
@@ -27,12 +27,12 @@ class Study:
     """The measured points of a grid."""
 
     grid: Grid  # the case and its axes
-    asked: Asked  # what was measured
+    asked: MeasureRequest  # what was measured
     ways: tuple[str, ...]  # "up", "down" or both
     values: NDArray[np.float64]  # values of each measure, shape (ways, *grid, measures); nan if unavailable
     errors: NDArray[np.float64]  # errors of the values by the engine's own estimate, likewise
-    statuses: NDArray[np.object_]  # how each point ended, shape (ways, *grid)
-    sentences: NDArray[np.object_]  # why, "" where it settled
+    statuses: NDArray[np.object_]  # status of each point, shape (ways, *grid)
+    sentences: NDArray[np.object_]  # reason of each status, "" if the point settled
 
     @property
     def counts(self) -> dict[str, int]:
@@ -42,20 +42,20 @@ class Study:
     @property
     def two_motions(self) -> NDArray[np.bool_]:
         """Whether the two directions settle on two different stable motions at a point, shape (*grid)."""
-        known = [place for place, name in enumerate(self.asked.measures) if name != "solve_seconds"]
-        one, other = self.values[..., known]
-        claimed = np.nan_to_num(np.nansum(self.errors[..., known], axis=0))
-        least = np.maximum(TWO * claimed, APART * np.fmax(np.abs(one), np.abs(other)))
+        of_motion = [place for place, name in enumerate(self.asked.measures) if name != "solve_seconds"]
+        one, other = self.values[..., of_motion]
+        claimed = np.nan_to_num(np.nansum(self.errors[..., of_motion], axis=0))
+        least = np.maximum(CLAIMS_APART * claimed, APART * np.fmax(np.abs(one), np.abs(other)))
         both = np.all(self.statuses == Ending.SETTLED, axis=0)
         return np.asarray(both & np.any(np.abs(one - other) > least, axis=-1))
 
 
-def study(grid: Grid, asked: Asked, workshop: Workshop, path: Path = "up") -> Study:
+def study(grid: Grid, asked: MeasureRequest, workshop: Workshop, path: Path = "up") -> Study:
     """Compute a grid.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; the rows that were computed are stored.
-        UnknownEngine: see there.
+        UnknownEngine: there is no engine of a name.
     """
     ways, along = ("up", "down") if path == "both" else (path,), grid.along
     shape = (len(ways), *grid.shape)

@@ -9,14 +9,15 @@ from typing import Final
 
 from quickreturn.cases.thesis.data import read_table
 from quickreturn.cases.thesis.runs import RUNS, run_case
+from quickreturn.cases.units import in_si
 
-#: Pa. No wrought aluminium alloy carries more before it yields (7075-T6: 0.50 GPa).
-_HIGHEST_YIELD_STRESS: Final = 0.55e9
+#: GPa. No wrought aluminium alloy carries more before it yields (7075-T6: 0.50 GPa).
+_HIGHEST_YIELD_STRESS: Final = 0.55
 
 
 @dataclass(frozen=True)
 class Inconsistency:
-    """One finding."""
+    """A contradiction or a gap in the thesis, and the value used instead."""
 
     runs: tuple[int, ...]  # numbers of the runs concerned
     what: str  # the quantity
@@ -26,7 +27,7 @@ class Inconsistency:
 
     @property
     def sentence(self) -> str:
-        """All of it in one sentence."""
+        """The inconsistency in one sentence."""
         return f"{self.what}: published {self.published}; used {self.used}, because {self.reason}"
 
 
@@ -86,7 +87,7 @@ def inconsistencies() -> tuple[Inconsistency, ...]:
         "unit of the printed strain",
         f"strain, axes up to {max(labels)}",
         "percent of surface strain",
-        f"as plain strain the largest label means {stress / 1e9:.2g} GPa in an aluminium strip that yields below"
-        f" {_HIGHEST_YIELD_STRESS / 1e9:g} GPa, while as percent it is what the simulations show",
+        f"as plain strain the largest label means {stress / in_si('GPa'):.2g} GPa in an aluminium strip that yields below"
+        f" {_HIGHEST_YIELD_STRESS:g} GPa, while as percent it is what the simulations show",
     )
     return (*no_speed, lost, noisy, *other_damping, second_mode, strain_unit)

@@ -10,7 +10,7 @@ from quickreturn.cases.thesis.runs import RUNS, TAG, run_document, run_name, run
 
 def _notes(number: int) -> tuple[str, ...]:
     """Sentences on the published inconsistencies of a run."""
-    return tuple(found.sentence for found in inconsistencies() if number in found.runs)
+    return tuple(each.sentence for each in inconsistencies() if number in each.runs)
 
 
 #: Name -> entry of a run.

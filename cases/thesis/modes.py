@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 #: Crank angles at which modes are computed, rad: farthest to nearest; the way back mirrors them.
 ANGLES: Final = np.linspace(math.pi, 0.0, 61)
 MODES: Final = 3
-#: Every so many of the angles, for the models with cubic elements.
+#: The models with cubic elements are computed at each sixth of the angles.
 EVERY: Final = 6
 
 #: Signs of strains 1, 2, 3.
@@ -52,7 +52,7 @@ class ThesisModes:
 
 
 def thesis_modes(mechanism: Mechanism) -> ThesisModes:
-    """All of these for a mechanism."""
+    """The frequencies and signs of a mechanism."""
     modes = [frozen_crank_modes(mechanism, float(angle), MODES) for angle in ANGLES]
     signs = np.sign([each.curvature(np.array(mechanism.follower.strain_gauges)) for each in modes])  # (angles, modes, gauges)
     first = np.array([each.frequencies[0] for each in modes[::EVERY]])
@@ -78,5 +78,5 @@ def _cubic_frequencies(mechanism: Mechanism, elements: int, count: int) -> Array
 
 
 def _share_with(signs: Array, wanted: tuple[int, int, int]) -> tuple[float, ...]:
-    """Per mode at which share of the crank angles it bends the three gauges with these signs, or all reversed."""
+    """For each mode the share of crank angles at which the three gauges have these signs, or all three the opposite ones."""
     return tuple(np.mean(np.abs(signs @ np.array(wanted)) == len(wanted), axis=0).tolist())

@@ -10,7 +10,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.thesis.experiment import statements
 from quickreturn.cases.thesis.runs import RUNS, run_name
 from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
@@ -38,7 +38,7 @@ class Unprinted:
     reason: str
 
 
-#: The range of each is assumed; what follows holds for these ranges.
+#: The range of each is assumed; all conclusions hold for these ranges only.
 UNPRINTED: Final = (
     Unprinted(
         "slider.mass", "uniform 0 kg .. 0.3 kg", "the coupler with its rollers, without a mass in print; 0.3 kg is a steel block of 34 mm"
@@ -64,9 +64,9 @@ class Band:
     """The effect of the scatter on a run: quantiles of 2.5, 50 and 97.5 %, over the points that have the number."""
 
     run: int  # number
-    points: int  # how many were computed
-    settled: int  # how many settled
-    compared: int  # how many have the frequency in both halves
+    points: int  # number of computed points
+    settled: int  # number of those that settled
+    compared: int  # number of those with a frequency in both halves
     pre: tuple[float, ...]  # first-mode frequency before the return, Hz; empty where no point resolves it
     post: tuple[float, ...]  # likewise after it
     ratio: tuple[float, ...]  # frequency after the return over that before it: least, median and greatest of all points
@@ -84,47 +84,45 @@ def bands(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Band]:
     uncertain: Mapping[str, str] = {each.key: each.distribution for each in UNPRINTED}
 
     def scattered(run: int, samples: int, *, claims: bool) -> Scatter | None:
-        points = planned(load_case(run_name(run)), uncertain, Asked(measures=MEASURES, claims=claims), samples, "thesis")
+        points = planned(load_case(run_name(run)), uncertain, MeasureRequest(measures=MEASURES, claims=claims), samples, "thesis")
         missing = not workshop.computes and any(each.missing for each in workshop.outcomes(points.jobs, "points"))
         return None if missing else points.scatter(workshop)
 
     with_claims = {run: scattered(run, CLAIMED_SAMPLES, claims=True) for run in runs if run in CLAIMED_RUNS}
-    claims = {run: claimed(found) for run, found in with_claims.items() if found}
-    return [band(run, found, claims.get(run, ())) for run in runs if (found := scattered(run, SAMPLES, claims=False))]
+    claims = {run: claimed(scatter) for run, scatter in with_claims.items() if scatter}
+    return [band(run, scatter, claims.get(run, ())) for run in runs if (scatter := scattered(run, SAMPLES, claims=False))]
 
 
-def claimed(found: Scatter) -> tuple[float, ...]:
+def claimed(scatter: Scatter) -> tuple[float, ...]:
     """`Band.claims` of some points."""
-    shares = found.errors / np.abs(found.values)
+    shares = scatter.errors / np.abs(scatter.values)
     return tuple(float(np.nanmedian(kind)) for kind in (shares[:, 0], shares[:, 1], shares[:, 2:]) if np.any(np.isfinite(kind)))
 
 
-def band(run: int, found: Scatter, claims: tuple[float, ...] = ()) -> Band:
-    """The band of a run."""
-    settled = np.array(found.statuses) == Ending.SETTLED
-    columns = dict(zip(MEASURES, found.values.T, strict=True))
+def band(run: int, scatter: Scatter, claims: tuple[float, ...] = ()) -> Band:
+    """The band of a run from its points."""
+    settled = np.array(scatter.statuses) == Ending.SETTLED
+    columns = dict(zip(MEASURES, scatter.values.T, strict=True))
     pre, post = columns["pre.frequency"], columns["post.frequency"]
-    peaks = np.array([columns[name] for name in MEASURES[2:]])
-    strain = np.max(peaks, axis=0)
+    strain = np.max([columns[name] for name in MEASURES[2:]], axis=0)
     both = settled & np.isfinite(pre) & np.isfinite(post)
     ratios = post[both] / pre[both]
-    known = [values[settled & np.isfinite(values)] for values in (pre, post, strain)]
-    found_quantiles = [quantiles(values) for values in known]
+    of_kinds = [quantiles(values[settled & np.isfinite(values)]) for values in (pre, post, strain)]
     return Band(
         run=run,
         points=len(settled),
         settled=int(settled.sum()),
         compared=int(both.sum()),
-        pre=tuple(each.value for each in found_quantiles[0]),
-        post=tuple(each.value for each in found_quantiles[1]),
+        pre=tuple(quantile.value for quantile in of_kinds[0]),
+        post=tuple(quantile.value for quantile in of_kinds[1]),
         ratio=(float(ratios.min()), float(np.median(ratios)), float(ratios.max())) if len(ratios) else (),
         apart=int(np.sum(ratios <= 1.0 / EXCESS)),
-        strain=tuple(each.value for each in found_quantiles[2]),
-        sampled=tuple(_sampled(kind) for kind in found_quantiles),
+        strain=tuple(quantile.value for quantile in of_kinds[2]),
+        sampled=tuple(_sampled(kind) for kind in of_kinds),
         claims=claims,
     )
 
 
-def _sampled(found: list[Quantile]) -> float:
+def _sampled(of_kind: list[Quantile]) -> float:
     """The larger relative standard error of the outer quantiles; 0 without any."""
-    return max((each.error / each.value for each in found if each.probability != PROBABILITIES[1]), default=0.0)
+    return max((quantile.error / quantile.value for quantile in of_kind if quantile.probability != PROBABILITIES[1]), default=0.0)

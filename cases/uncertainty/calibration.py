@@ -15,12 +15,12 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.copies import as_written as as_document
+from quickreturn.cases.copies import written_document
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.reading import case_of
 from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.uncertainty.covariance import UNTOLD, best_step, covariance, smooth_part, untold
-from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, Found
+from quickreturn.cases.uncertainty.covariance import LOOSE, best_step, covariance, smooth_part, undetermined
+from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, FittedParameter
 from quickreturn.cases.uncertainty.parameters import Parameter, distribution, overrides
 from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
@@ -34,27 +34,27 @@ _SOURCE: Final = "--free"  # the option that messages name
 ACCURACY: Final = 1e-4
 #: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of their effect.
 DIFFERENCE: Final = 1e-3
-#: Strength of the prior at the start of a fit, relative to a parameter that changes the table by all of its size. It holds a parameter that
-#: a stretch of the table does not determine. Each fit begins where the last one ended, so it does not bias the result.
+#: Strength of the prior that holds a parameter at the start of a fit if a stretch of the table does not determine it; 1: as strong as the
+#: effect of a parameter that changes the table by all of its size. Each fit begins where the last one ended: it does not bias the result.
 HOLD: Final = 1e-2
 #: Largest change of the logarithm of a parameter without a range.
 FARTHEST: Final = 3.0
-#: Least assumed error of a column, as a part of its size, in its weight.
+#: Least error of a column that its weight assumes, as a part of its size.
 BEST_KNOWN: Final = 1e-4
-MOST_EVALUATIONS: Final = 30
-FITS: Final = 2  # of the whole table: weighted by the columns' sizes, then by their residuals
-CORRECTIONS: Final = 2  # Gauss-Newton steps with the finer simulation and the derivatives of the usual one
-ENOUGH: Final = 1e-4  # relative change of the squares at which a fit ends; the corrections do the rest
-FAILED: Final = 1e3  # residual in place of a failed simulation, relative to the table's size
+MOST_EVALUATIONS: Final = 30  # of the residuals in a fit
+FITS: Final = 2  # number of fits to the whole table: weighted by the columns' sizes, then by their residuals
+CORRECTIONS: Final = 2  # number of Gauss-Newton steps with the finer simulation and the derivatives of the usual one
+ENOUGH: Final = 1e-4  # relative change of the sum of squares at which a fit ends; the corrections follow
+FAILED: Final = 1e3  # residual in place of a failed simulation, as a multiple of the table's size
 
 
 @dataclass(frozen=True)
 class Free:
-    """A parameter to find: by its logarithm from the case's value, or between the ends of a range."""
+    """A parameter to fit. Its coordinate is the logarithm of its value over the start, or its place in a range from 0 to 1."""
 
     parameter: Parameter
-    start: float
-    ends: tuple[float, float] | None
+    start: float  # SI
+    ends: tuple[float, float] | None  # of the range, SI; None: there is no range
 
     @classmethod
     def of_text(cls, text: str, case: Case) -> "Free":
@@ -104,18 +104,18 @@ def calibrate(case: Case, table: RecordedTable, free: Sequence[str]) -> Fit:
 
 def frees_of(texts: Sequence[str], case: Case) -> list[Free]:
     """The parameters of some texts. CaseError: as for `Free.of_text`; or one is given twice, or none."""
-    found = [Free.of_text(text, case) for text in texts]
-    keys = [each.parameter.key for each in found]
-    if not found or len({*keys}) < len(keys):
+    frees = [Free.of_text(text, case) for text in texts]
+    keys = [free.parameter.key for free in frees]
+    if not frees or len({*keys}) < len(keys):
         raise CaseError(_SOURCE, None, None, f"{as_written(keys)} are no different parameters", "give each key once")
-    return found
+    return frees
 
 
 class _Search:
-    """Fits stretch after stretch."""
+    """Fits the coordinates `at` of the free parameters, shape (p,), to longer and longer stretches of a table."""
 
     def __init__(self, case: Case, model: TableModel, frees: Sequence[Free]) -> None:
-        self.case, self.model, self.frees, self.document = case, model, frees, as_document(case)
+        self.case, self.model, self.frees, self.document = case, model, frees, written_document(case)
         self.bounds = tuple(np.transpose([each.bounds for each in frees]))
         self.simulations = 0
         engine, scene = model.engine, case.mechanism
@@ -132,14 +132,14 @@ class _Search:
             at = self._fitted(at, rows, weights)
         for _ in range(FITS):
             at = self._fitted(at, model.rows, weights)
-            left = model.values - self._simulated(at, self.usual, model.rows)
-            weights = 1.0 / np.maximum([rms(column) for column in left], BEST_KNOWN * model.sizes)
+            residuals = model.values - self._simulated(at, self.usual, model.rows)
+            weights = 1.0 / np.maximum([rms(column) for column in residuals], BEST_KNOWN * model.sizes)
         slopes = self._slopes(at, model.rows)
         for _ in range(CORRECTIONS):
-            left = model.values - self._simulated(at, self.fine, model.rows)
-            at = np.clip(at + best_step(slopes, left, weights), *self.bounds)
-        left = model.values - self._simulated(at, self.fine, model.rows)
-        return self._told(table, at, left, slopes, weights)
+            residuals = model.values - self._simulated(at, self.fine, model.rows)
+            at = np.clip(at + best_step(slopes, residuals, weights), *self.bounds)
+        residuals = model.values - self._simulated(at, self.fine, model.rows)
+        return self._fit_of(table, at, residuals, slopes, weights)
 
     def _simulated(self, at: Array, settings: ReferenceSettings, rows: int) -> Array:
         self.simulations += 1
@@ -164,8 +164,8 @@ class _Search:
             return np.vstack([slopes.reshape(-1, len(at)), hold * np.eye(len(at))])
 
         inside = np.clip(begin, self.bounds[0] + 1e-6, self.bounds[1] - 1e-6)
-        found = least_squares(residual, inside, jacobian, self.bounds, ftol=ENOUGH, xtol=None, gtol=None, max_nfev=MOST_EVALUATIONS)
-        return np.asarray(found.x)
+        solution = least_squares(residual, inside, jacobian, self.bounds, ftol=ENOUGH, xtol=None, gtol=None, max_nfev=MOST_EVALUATIONS)
+        return np.asarray(solution.x)
 
     def _slopes(self, at: Array, rows: int) -> Array:
         """Derivatives of the columns by the coordinates, shape (C, rows, p), by central differences within the bounds."""
@@ -176,22 +176,22 @@ class _Search:
             columns.append((both[1] - both[0]) / (ends[1] - ends[0]))
         return np.stack(columns, axis=-1)
 
-    def _told(self, table: str, at: Array, left: Array, slopes: Array, weights: Array) -> Fit:
+    def _fit_of(self, table: str, at: Array, residuals: Array, slopes: Array, weights: Array) -> Fit:
         model = self.model
-        spread, alone = covariance(left * weights[:, None], slopes * weights[:, None, None])
+        spread, independent = covariance(residuals * weights[:, None], slopes * weights[:, None, None])
         sensitivities = slopes / model.sizes[:, None, None]
-        directions = untold(sensitivities, spread)
-        loose = {number for direction in directions for number in np.flatnonzero(np.abs(direction) > UNTOLD * np.max(np.abs(direction)))}
+        directions = undetermined(sensitivities, spread)
+        loose = {number for direction in directions for number in np.flatnonzero(np.abs(direction) > LOOSE * np.max(np.abs(direction)))}
         moved = np.abs(best_step(slopes, self._error(at), weights))
         sizes = np.sqrt(np.diag(spread))
-        known = np.where(sizes > 0.0, sizes, 1.0)  # of a parameter without any effect all is zero
+        divisors = np.where(sizes > 0.0, sizes, 1.0)  # the covariance of a parameter without any effect is zero
         per = np.array([each.slope(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)])
         reach = stats.norm.ppf(0.5 + 0.5 * PROBABILITY) * sizes
-        found = []
+        fitted = []
         for k, each in enumerate(self.frees):
             ends = [each.value(float(np.clip(at[k] + sign * reach[k], -99.0, 99.0))) for sign in (-1.0, 1.0)]
-            found.append(
-                Found(
+            fitted.append(
+                FittedParameter(
                     key=each.parameter.key,
                     unit=each.parameter.quantity.unit,
                     start=each.start,
@@ -208,13 +208,13 @@ class _Search:
             table=table,
             begins=model.begins,
             rows=model.rows,
-            found=tuple(found),
+            found=tuple(fitted),
             covariance=tuple(map(tuple, (spread * np.outer(per, per)).tolist())),
-            correlation=tuple(map(tuple, (spread / np.outer(known, known)).tolist())),
+            correlation=tuple(map(tuple, (spread / np.outer(divisors, divisors)).tolist())),
             cannot_tell=tuple(self._words(direction, per, sensitivities) for direction in directions),
-            left={name: rms(column) / float(size) for name, column, size in zip(model.names, left, model.sizes, strict=True)},
-            smooth=smooth_part(left * weights[:, None]),
-            widened=float(np.exp(np.mean(np.log(known / np.sqrt(np.where(sizes > 0.0, np.diag(alone), 1.0)))))),
+            left={name: rms(column) / float(size) for name, column, size in zip(model.names, residuals, model.sizes, strict=True)},
+            smooth=smooth_part(residuals * weights[:, None]),
+            widened=float(np.exp(np.mean(np.log(divisors / np.sqrt(np.where(sizes > 0.0, np.diag(independent), 1.0)))))),
             simulations=self.simulations,
         )
 
@@ -226,11 +226,11 @@ class _Search:
         return (finer - fine) / abs(1.0 - pair.factor)
 
     def _words(self, direction: Array, per: Array, sensitivities: Array) -> str:
-        """A change of parameters, the largest by a tenth, that the table does not show, in words."""
-        step = UNTOLD * direction / np.max(np.abs(direction))
+        """A change of parameters that the table does not show, in words; the largest part of it is a tenth."""
+        step = LOOSE * direction / np.max(np.abs(direction))
         parts = []
         for each, part, slope in zip(self.frees, step, per, strict=True):
             change = f"{100.0 * math.expm1(part):+.3g} %" if each.ends is None else f"{part * slope:+.3g} {each.parameter.quantity.unit}"
-            parts += [f"{each.parameter.key} {change}"] if abs(part) >= 0.05 * UNTOLD else []
+            parts += [f"{each.parameter.key} {change}"] if abs(part) >= 0.05 * LOOSE else []
         shown = float(np.sqrt(np.mean((sensitivities @ step) ** 2)))
         return f"{' with '.join(parts)} (changes the columns by {100.0 * shown:.2g} % of their RMS)"

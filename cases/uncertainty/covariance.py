@@ -13,23 +13,22 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: A direction counts as not determined if its standard error reaches this part of the parameters or of their ranges ...
-UNTOLD: Final = 0.1
-#: ... or if such a change moves the table by less than this part, which is about the simulation's accuracy.
+#: A direction counts as not determined if its standard error is larger than this part of the parameters or of their ranges ...
+LOOSE: Final = 0.1
+#: ... or if a change by that part changes the table by less than this part, which is about the simulation's accuracy.
 UNSEEN: Final = 2e-4
 
 
-def best_step(slopes: Array, left: Array, weights: Array) -> Array:
-    """The change of the coordinates, shape (p,), that reduces the residuals `left`, shape (C, N), most; `slopes`: its effect, (C, N, p)."""
+def best_step(slopes: Array, residuals: Array, weights: Array) -> Array:
+    """Change of the coordinates, (p,), that most reduces the residuals, (C, N), weighted by (C,); `slopes`: its effect, (C, N, p)."""
     matrix = (slopes * weights[:, None, None]).reshape(-1, slopes.shape[2])
-    return np.asarray(np.linalg.lstsq(matrix, (left * weights[:, None]).ravel(), rcond=UNSEEN)[0])
+    return np.asarray(np.linalg.lstsq(matrix, (residuals * weights[:, None]).ravel(), rcond=UNSEEN)[0])
 
 
 def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
     """Covariance of a least-squares estimate with correlated residuals, and that with independent ones.
 
-    The residuals' spectra and cross-spectra are means over the square root of the number of frequencies, so correlations over up to so many
-    rows count.
+    Spectra and cross-spectra are averaged over 2 sqrt(N) + 1 of 2 N frequencies, so correlations over up to sqrt(N) rows count.
 
     Args:
         residuals: weighted, shape (C, N).
@@ -55,10 +54,10 @@ def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
     freedom = channels * rows / (channels * rows - count)
     scale = np.outer(sizes, sizes)
     independent = bread * float(np.mean(residuals**2)) * freedom / scale
-    found = bread @ np.real(filling + filling.conj().T) @ bread * 0.5 * freedom / scale
-    own = np.diag(found)  # the scatter of the spectra must not make it narrower than for independent residuals
-    wider = np.sqrt(np.maximum(1.0, np.diag(independent) / np.where(own > 0.0, own, math.inf)))
-    return found * np.outer(wider, wider), independent
+    correlated = bread @ np.real(filling + filling.conj().T) @ bread * 0.5 * freedom / scale
+    variances = np.diag(correlated)  # the scatter of the spectra must not make them smaller than for independent residuals
+    wider = np.sqrt(np.maximum(1.0, np.diag(independent) / np.where(variances > 0.0, variances, math.inf)))
+    return correlated * np.outer(wider, wider), independent
 
 
 def smooth_part(residuals: Array) -> float:
@@ -70,7 +69,7 @@ def smooth_part(residuals: Array) -> float:
     return max(0.0, 1.0 - noise / float(np.mean(residuals**2)))
 
 
-def untold(sensitivities: Array, spread: Array) -> list[Array]:
+def undetermined(sensitivities: Array, spread: Array) -> list[Array]:
     """Unit vectors of coordinates that a table does not determine, shape (p,) each.
 
     Args:
@@ -80,4 +79,4 @@ def untold(sensitivities: Array, spread: Array) -> list[Array]:
     matrix = sensitivities.reshape(-1, len(spread))
     _, values, vectors = np.linalg.svd(matrix / math.sqrt(len(matrix)), full_matrices=False)
     errors = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", vectors, spread, vectors), 0.0))
-    return [vector for vector, value, error in zip(vectors, values, errors, strict=True) if UNTOLD * value < UNSEEN or error > UNTOLD]
+    return [vector for vector, value, error in zip(vectors, values, errors, strict=True) if LOOSE * value < UNSEEN or error > LOOSE]

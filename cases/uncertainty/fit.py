@@ -18,13 +18,13 @@ SMOOTH: Final = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
-    """A parameter that was found, SI."""
+class FittedParameter:
+    """A parameter fitted to a table; numbers in SI."""
 
     key: str  # of the parameter
     unit: str  # SI
-    start: float  # where the search began
-    value: float  # the best one
+    start: float  # value with which the search began
+    value: float  # the best value
     low: float  # lower end of the 95 % interval, from the residuals
     high: float  # upper end
     simulation_error: float  # change of the value by the simulation's own error; not part of the interval
@@ -33,7 +33,7 @@ class Found:
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """A row for people."""
+        """The parameter as a row of a printed table."""
         interval = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
         end = " (at an end of its range)" if self.at_end else ""
         return self.key, f"{self.value:.6g}{end}", self.unit, interval, f"{self.simulation_error:.1e}", f"{self.start:.6g}"
@@ -44,25 +44,25 @@ class Fit(Shown):
     """Parameters fitted to a table, their intervals, and the residuals.
 
     Attributes:
-        case: where the search began.
-        table: name.
-        begins: whether the simulation began in the standard start with the table; otherwise the steady state was fitted.
-        rows: of the table.
-        found: the parameters.
-        covariance: of the estimate, SI, as nested lists, (p, p).
-        correlation: likewise.
+        case: the case with whose values the search began.
+        table: name of the table.
+        begins: whether the table begins in the standard start, like its simulation; otherwise the steady state was fitted.
+        rows: number of rows of the table.
+        found: the fitted parameters.
+        covariance: of the parameters, SI, as nested tuples, (p, p).
+        correlation: likewise, without unit.
         cannot_tell: directions that the table does not determine, as clauses.
         left: column -> RMS of the residual over RMS of the column.
         smooth: part of the squared residuals that is smooth from row to row: it is due to the model or the sensors, not to noise.
-        widened: how many times wider the intervals are than for independent residuals, geometric mean.
-        simulations: how many were made.
+        widened: ratio of the intervals' widths to those for independent residuals, geometric mean.
+        simulations: number of simulations.
     """
 
     case: Case
     table: str
     begins: bool
     rows: int
-    found: tuple[Found, ...]
+    found: tuple[FittedParameter, ...]
     covariance: tuple[tuple[float, ...], ...]
     correlation: tuple[tuple[float, ...], ...]
     cannot_tell: tuple[str, ...]
@@ -73,15 +73,15 @@ class Fit(Shown):
 
     def holds(self, values: Sequence[float]) -> bool:
         """Whether values (SI, in the order of `found`) lie in the 95 % region of all parameters that are determined, together."""
-        told = [place for place, each in enumerate(self.found) if each.determined]
-        spread = np.array(self.covariance)[np.ix_(told, told)]
+        determined = [place for place, each in enumerate(self.found) if each.determined]
+        spread = np.array(self.covariance)[np.ix_(determined, determined)]
         sizes = np.sqrt(np.diag(spread))
-        away = np.array([values[place] - self.found[place].value for place in told]) / sizes
-        return bool(away @ np.linalg.solve(spread / np.outer(sizes, sizes), away) <= stats.chi2(len(told)).ppf(PROBABILITY))
+        away = np.array([values[place] - self.found[place].value for place in determined]) / sizes
+        return bool(away @ np.linalg.solve(spread / np.outer(sizes, sizes), away) <= stats.chi2(len(determined)).ppf(PROBABILITY))
 
     @property
     def fitted(self) -> Case:
-        """The case with the values that were found."""
+        """The case with the fitted values."""
         values = {Parameter.of_key(each.key, self.case.name): each.value for each in self.found}
         return self.case.with_(overrides(self.case.mechanism, values), name=f"{self.case.name}-fitted"[-LONGEST_NAME:])
 

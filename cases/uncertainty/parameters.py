@@ -55,16 +55,16 @@ class Parameter:
 
     @property
     def key(self) -> str:
-        """As it is written."""
+        """The key as it is written, with the index in a vector."""
         return self.path if self.place is None else f"{self.path}[{self.place + 1}]"
 
     @property
     def quantity(self) -> Quantity:
-        """Its quantity."""
+        """The quantity at this key."""
         return PATHS[self.path]
 
     def of(self, scene: Mechanism) -> float:
-        """Its value in a scene, SI; for an absent part the default, nan if there is none."""
+        """The parameter's value in a scene, SI; for an absent part the default, nan if there is none."""
         section, _, name = self.path.partition(".")
         value: Any = values_of(scene).get(section, {}).get(name)
         if value is None and section == "follower":
@@ -77,16 +77,16 @@ class Parameter:
 
 def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, Any]:
     """Values (SI) as texts by dotted key for `Document.overridden_by`; other components of a vector keep the scene's values."""
-    found: dict[str, Any] = {}
+    texts: dict[str, Any] = {}
     for parameter, value in values.items():
         text = f"{float(value):.12g} {parameter.quantity.unit}".removesuffix(" 1")
         if parameter.place is None:
-            found[parameter.path] = text
+            texts[parameter.path] = text
         else:
-            others = [Parameter(parameter.path, place) for place in range(parameter.quantity.count or 0)]
-            whole = found.get(parameter.path) or tuple(f"{each.of(scene)!r} {parameter.quantity.unit}" for each in others)
-            found[parameter.path] = tuple(text if each == parameter else kept for each, kept in zip(others, whole, strict=True))
-    return found
+            parts = [Parameter(parameter.path, place) for place in range(parameter.quantity.count or 0)]
+            vector = texts.get(parameter.path) or tuple(f"{part.of(scene)!r} {parameter.quantity.unit}" for part in parts)
+            texts[parameter.path] = tuple(text if part == parameter else other for part, other in zip(parts, vector, strict=True))
+    return texts
 
 
 @dataclass(frozen=True)
@@ -114,8 +114,8 @@ class Distribution:
         """
         orders = np.arange(degree + 1)
         if self.kind == "normal":
-            found = eval_hermitenorm(orders, ((values - self.first) / self.second)[:, None])
-            return np.asarray(found / np.sqrt(factorial(orders)))
+            hermite = eval_hermitenorm(orders, ((values - self.first) / self.second)[:, None])
+            return np.asarray(hermite / np.sqrt(factorial(orders)))
         ends = (math.log(self.first), math.log(self.second)) if self.kind == "log-uniform" else (self.first, self.second)
         place = np.log(values) if self.kind == "log-uniform" else values
         centred = (2.0 * place - ends[0] - ends[1]) / (ends[1] - ends[0])

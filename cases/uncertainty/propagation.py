@@ -24,7 +24,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.sweep.grid import job
 from quickreturn.cases.sweep.measures import measure
-from quickreturn.cases.sweep.rows import Asked, Row
+from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import computed, joined
 from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
 
@@ -32,13 +32,13 @@ Array = NDArray[np.float64]
 
 #: Number of points that are computed one after the other; each begins its search in the motion of the one before.
 ROW: Final = 16
-#: Numbers of points that keep a Sobol' sequence balanced: powers of two.
+#: Least and largest number of points; a power of two keeps a Sobol' sequence balanced.
 FEWEST: Final = 8
 MOST: Final = 65536
-SEED: Final = 1
+SEED: Final = 1  # of the random numbers
 DRAWN: Final = 200  # number of resamplings
-PROBABILITIES: Final = (0.025, 0.5, 0.975)
-HIGHEST_DEGREE: Final = 4
+PROBABILITIES: Final = (0.025, 0.5, 0.975)  # of the quantiles
+HIGHEST_DEGREE: Final = 4  # of a surrogate
 #: Least number of points for each coefficient of a surrogate.
 PER_TERM: Final = 2.0
 #: A surrogate that explains less than this part of the variance, cross-validated, gives no indices.
@@ -70,13 +70,13 @@ class Scatter(Shown):
     """The measured points.
 
     Attributes:
-        case: in which all other values are.
+        case: the case with all other values.
         distributions: of the parameters.
-        measures: names.
+        measures: names of the measures.
         inputs: values of the parameters, SI, shape (n, p).
         values: of the measures, SI, nan where unavailable, shape (n, measures).
         errors: errors of the values by the simulation's own estimate, likewise; nan without one.
-        statuses: how each point ended.
+        statuses: status of each point.
     """
 
     case: Case
@@ -95,8 +95,8 @@ class Scatter(Shown):
     def of(self, measure: str) -> tuple[NDArray[np.bool_], Array]:
         """Mask of the points with a measure, shape (n,), and its values there."""
         column = self.values[:, self.measures.index(measure)]
-        known = np.isfinite(column) & (np.array(self.statuses) == Ending.SETTLED)
-        return known, column[known]
+        settled = np.isfinite(column) & (np.array(self.statuses) == Ending.SETTLED)
+        return settled, column[settled]
 
     def quantiles(self, measure: str, probabilities: Sequence[float] = PROBABILITIES) -> list[Quantile]:
         """Quantiles of a measure; none where no point has it."""
@@ -105,14 +105,14 @@ class Scatter(Shown):
 
     def simulation_error(self, measure: str) -> float:
         """Median over the points of a measure's error by the simulation's own estimate, SI; nan without one."""
-        known, _ = self.of(measure)
-        found = self.errors[known, self.measures.index(measure)]
-        return float(np.nanmedian(found)) if np.any(np.isfinite(found)) else math.nan
+        settled, _ = self.of(measure)
+        errors = self.errors[settled, self.measures.index(measure)]
+        return float(np.nanmedian(errors)) if np.any(np.isfinite(errors)) else math.nan
 
     def surrogate(self, measure: str) -> "Surrogate":
         """The polynomial in all parameters that predicts a measure best, by its cross-validated error."""
-        known, values = self.of(measure)
-        return Surrogate.best(list(self.distributions.values()), self.inputs[known], values)
+        settled, values = self.of(measure)
+        return Surrogate.best(list(self.distributions.values()), self.inputs[settled], values)
 
     def shares(self, measure: str) -> list[Share]:
         """Sobol' indices of a measure, the largest first; none if the surrogate is worse than `GOOD`."""
@@ -120,7 +120,7 @@ class Scatter(Shown):
         if not surrogate.q2 >= GOOD:
             return []
         keys = [parameter.key for parameter in self.distributions]
-        return sorted((Share(key, *found) for key, found in zip(keys, surrogate.shares(), strict=True)), key=lambda each: -each.total)
+        return sorted((Share(key, *numbers) for key, numbers in zip(keys, surrogate.shares(), strict=True)), key=lambda share: -share.total)
 
     def _parts(self) -> Iterator[Cell]:
         """Counts; quantiles with their error from the number of points, and the simulation's own error; shares of the variance."""
@@ -128,8 +128,8 @@ class Scatter(Shown):
         yield f"{self.case.name}: {len(self.statuses)} points in {len(self.distributions)} parameters: {counts}"
         rows = []
         for name in self.measures:
-            found = [f"{each.value:.5g} ± {each.error:.1g}" for each in self.quantiles(name)]
-            rows.append((name, measure(name).unit, *(found or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name):.1g}"))
+            texts = [f"{each.value:.5g} ± {each.error:.1g}" for each in self.quantiles(name)]
+            rows.append((name, measure(name).unit, *(texts or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name):.1g}"))
         heads = [f"{100.0 * each:g} %" for each in PROBABILITIES]
         yield Rows(rows, ("measure", "unit", *heads, "simulation's error"))
         for name in self.measures:
@@ -145,7 +145,7 @@ class Points:
 
     case: Case
     distributions: Mapping[Parameter, Distribution]
-    asked: Asked
+    asked: MeasureRequest
     inputs: Array
 
     @cached_property
@@ -161,10 +161,10 @@ class Points:
         return Scatter(self.case, self.distributions, names, self.inputs, row.values, row.errors, row.statuses)
 
 
-def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int, source: str) -> Points:
-    """Quasi-random points, `samples` of them (a power of two), of distributions as texts by key.
+def planned(case: Case, uncertain: Mapping[str, Any], asked: MeasureRequest, samples: int, source: str) -> Points:
+    """Quasi-random points, `samples` of them (a power of two), of distributions as texts by key (`uncertain`).
 
-    CaseError, which names `source`: a key, a distribution, a measure or a number of points that cannot be.
+    CaseError, which names `source`: an unknown key or measure, an invalid distribution or number of points.
     """
     if not uncertain:
         raise CaseError(source, "uncertain", None, "names no parameter", 'write KEY = "uniform A .. B"')
@@ -173,10 +173,10 @@ def planned(case: Case, uncertain: Mapping[str, Any], asked: Asked, samples: int
     for name in asked.measures:
         measure(name)
     given = {Parameter.of_key(key, source): text for key, text in uncertain.items()}
-    known = {parameter: distribution(text, parameter, source) for parameter, text in given.items()}
-    cube = stats.qmc.Sobol(len(known), rng=np.random.default_rng(SEED)).random(samples)
-    inputs = np.column_stack([each.quantile(cube[:, place]) for place, each in enumerate(known.values())])
-    return Points(case, known, asked, inputs)
+    distributions = {parameter: distribution(text, parameter, source) for parameter, text in given.items()}
+    cube = stats.qmc.Sobol(len(distributions), rng=np.random.default_rng(SEED)).random(samples)
+    inputs = np.column_stack([each.quantile(cube[:, place]) for place, each in enumerate(distributions.values())])
+    return Points(case, distributions, asked, inputs)
 
 
 def quantiles(values: Array, probabilities: Sequence[float] = PROBABILITIES) -> list[Quantile]:
@@ -185,8 +185,8 @@ def quantiles(values: Array, probabilities: Sequence[float] = PROBABILITIES) -> 
         return []
     drawn = np.random.default_rng(SEED).integers(len(values), size=(DRAWN, len(values)))
     errors = np.std(np.quantile(values[drawn], probabilities, axis=1), axis=1, ddof=1)
-    found = np.quantile(values, probabilities)
-    return [Quantile(*each) for each in zip(probabilities, found.tolist(), errors.tolist(), strict=True)]
+    best = np.quantile(values, probabilities)
+    return [Quantile(*numbers) for numbers in zip(probabilities, best.tolist(), errors.tolist(), strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,8 +202,8 @@ class Surrogate:
     @classmethod
     def best(cls, distributions: Sequence[Distribution], inputs: Array, values: Array) -> "Surrogate":
         """The surrogate of the degree with the best `q2`, among degrees that have enough points."""
-        found = [cls._of(degree, distributions, inputs, values) for degree in range(1, HIGHEST_DEGREE + 1)]
-        return max(found, key=lambda each: each.q2 if math.isfinite(each.q2) else -math.inf)
+        candidates = [cls._of(degree, distributions, inputs, values) for degree in range(1, HIGHEST_DEGREE + 1)]
+        return max(candidates, key=lambda surrogate: surrogate.q2 if math.isfinite(surrogate.q2) else -math.inf)
 
     @classmethod
     def _of(cls, degree: int, distributions: Sequence[Distribution], inputs: Array, values: Array) -> "Surrogate":
@@ -219,17 +219,18 @@ class Surrogate:
         return cls(degree, powers, matrix, values, 1.0 - float(np.mean(alone**2) / np.var(values)))
 
     def shares(self) -> list[tuple[float, float, float, float]]:
-        """Of each parameter the first-order and the total Sobol' index, each followed by its 95 % half width (bootstrap)."""
+        """First-order and total Sobol' index of each parameter, each followed by its 95 % half width (bootstrap)."""
         generator = np.random.default_rng(SEED)
-        found = self._indices(np.arange(len(self.values)))
+        indices = self._indices(np.arange(len(self.values)))
         drawn = [self._indices(generator.integers(len(self.values), size=len(self.values))) for _ in range(DRAWN)]
         errors = stats.norm.ppf(0.975) * np.std(drawn, axis=0, ddof=1)
-        return [(*found[k, :1], *errors[k, :1], *found[k, 1:], *errors[k, 1:]) for k in range(len(found))]
+        return [(*indices[k, :1], *errors[k, :1], *indices[k, 1:], *errors[k, 1:]) for k in range(len(indices))]
 
     def _indices(self, points: NDArray[np.int64]) -> Array:
+        """First-order and total indices by a fit to some of the points, shape (p, 2)."""
         squares = np.linalg.lstsq(self.matrix[points], self.values[points], rcond=None)[0] ** 2
         squares[np.sum(self.powers, axis=1) == 0] = 0.0
         parts = squares / np.sum(squares)
         alone = [parts[(self.powers[:, k] > 0) & (np.sum(self.powers > 0, axis=1) == 1)].sum() for k in range(self.powers.shape[1])]
-        whole = [parts[self.powers[:, k] > 0].sum() for k in range(self.powers.shape[1])]
-        return np.column_stack([alone, whole])
+        total = [parts[self.powers[:, k] > 0].sum() for k in range(self.powers.shape[1])]
+        return np.column_stack([alone, total])

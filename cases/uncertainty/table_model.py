@@ -67,13 +67,13 @@ class TableModel:
         With a slightly wrong stiffness the vibration's phase error grows, and beyond half a turn the best fit is no longer downhill. So the
         first stretch is short, and each is twice the one before.
         """
-        found = [self.rows]
+        stretches = [self.rows]
         if self.begins and not scene.follower.is_rigid:
             shortest = FIRST_STRETCH / float(frozen_crank_modes(scene, math.pi, 1).frequencies[0])
             least = max(FEWEST_ROWS, int(np.searchsorted(self._time, shortest)))
-            while found[0] // 2 >= least:
-                found.insert(0, found[0] // 2)
-        return found
+            while stretches[0] // 2 >= least:
+                stretches.insert(0, stretches[0] // 2)
+        return stretches
 
     def simulated(self, scene: Mechanism, settings: ReferenceSettings, rows: int) -> Array:
         """The columns in the first `rows` rows, shape (C, rows). EngineFailure, Refusal, NoSteadyState: the simulation fails."""
@@ -81,14 +81,14 @@ class TableModel:
             time = self._time[:rows]
             step = float(np.median(np.diff(self._time)))
             duration = step * math.ceil(time[-1] / step - 1e-6)
-            made = run_once(self.engine, scene, standard_start(scene), duration, step, settings).trajectory
-            return np.array([CubicSpline(made["time"], made[name])(time) for name in self.names])
+            run = run_once(self.engine, scene, standard_start(scene), duration, step, settings).trajectory
+            return np.array([CubicSpline(run["time"], run[name])(time) for name in self.names])
         self.engine.check(scene)
-        found = self.engine.steady_state(scene, standard_start(scene), settings)
-        if found is None or not found.stable:
-            raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if found is None else "it is not stable")
-        cycle = periodic_cycle(found, output_step(scene))
+        state = self.engine.steady_state(scene, standard_start(scene), settings)
+        if state is None or not state.stable:
+            raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if state is None else "it is not stable")
+        cycle = periodic_cycle(state, output_step(scene))
         turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
-        way = math.copysign(1.0, scene.crank.drive.initial_speed)
-        where = np.mod(way * self._angle[:rows] - math.pi, 2.0 * math.pi)
-        return np.array([CubicSpline(turned, cycle.channels[name])(where) for name in self.names])
+        direction = math.copysign(1.0, scene.crank.drive.initial_speed)
+        of_rows = np.mod(direction * self._angle[:rows] - math.pi, 2.0 * math.pi)  # rad since the slider's farthest place
+        return np.array([CubicSpline(turned, cycle.channels[name])(of_rows) for name in self.names])

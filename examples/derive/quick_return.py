@@ -108,11 +108,11 @@ def following(tables, modes: int) -> Follower:
         slope = beam.angle + ca.dot(at_slider, eta)
         return beam, slider, slope, turned(beam.end_slope(0), 1)
 
-    where = columns_of(tables, modes)
+    where = columns_of_shapes(tables, modes)
     return follower
 
 
-def columns_of(tables, modes: int) -> dict[str, list]:
+def columns_of_shapes(tables, modes: int) -> dict[str, list]:
     """Where a row has the shapes' angles and what goes with them, with derivatives by s."""
     row = ShapeRow.of(np.arange(tables.coefficients.shape[2]), modes, tables)
     places, inner = (modes, tables.cells, tables.cell_size), slice(tables.gauss_points + 1)

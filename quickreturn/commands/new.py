@@ -37,14 +37,14 @@ def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     is never overwritten.
     """
     from quickreturn.cases.case_file import load_case
-    from quickreturn.cases.copies import as_written
+    from quickreturn.cases.copies import written_document
     from quickreturn.cases.written import as_toml
     from quickreturn.reports.output import write_file
 
     overrides = options.read_overrides(assignments)
     header = _header(file)
     original = load_case(origin or EXAMPLE, overrides)
-    document = replace(as_written(original), header=header)
+    document = replace(written_document(original), header=header)
     remarks = tuple(_origin(original)) if origin else ()
     write_file(Path(file), as_toml(document, remarks).encode())
     options.tell_doubts([replace(original, name=header["name"])])

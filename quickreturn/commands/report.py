@@ -91,7 +91,7 @@ def _print(written: "Written") -> None:
 
 def _verdict(results: Sequence["CaseResult"]) -> str:
     """The number of comparisons in which engines differ by more than they claim, or why there are no comparisons."""
-    checks = [check for result in results for check in result.whole.checks]
+    checks = [check for result in results for check in result.with_tables.checks]
     if not checks:
         return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"
     beyond = sum(not check.passed for check in checks)

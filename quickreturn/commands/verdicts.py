@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Sequence[str]) -> int:
     """The exit code; runs without a result are named on standard error. `engines`: those asked for by name."""
-    results = [result.whole for result in results]
+    results = [result.with_tables for result in results]
     for result in results:
         for each in result.failures:
             options.tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
@@ -36,7 +36,7 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
 
 def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict[str, Any]:
     """The JSON document of `run` and `compare`: recorded tables follow the engines."""
-    results = [result.whole for result in results]
+    results = [result.with_tables for result in results]
     return {
         "cases": [
             {

@@ -146,7 +146,7 @@ def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes
     # the tangent's angle is a sum of shapes at points that move with the slider
     now = system.freeze(s)
     table = system.table(s, tables.low, tables.step, tables.coefficients)
-    where, angle, points = columns_of(tables, shapes), "1/(kg**0.5*m)", tables.cells * (tables.gauss_points + 1)
+    where, angle, points = columns_of_shapes(tables, shapes), "1/(kg**0.5*m)", tables.cells * (tables.gauss_points + 1)
     psi = ca.reshape(table.function(angle, *where["psi"]), points, shapes) @ eta
     slope = q2 + ca.dot(table.function(angle, *where["at slider"]), eta)
     curvature = ca.dot(table.function(f"{angle}/m", where["curvature"]), eta)
@@ -228,7 +228,7 @@ def _acceleration(system: System, place: ca.SX) -> ca.SX:
     return system.rate(system.rate(place))
 
 
-def columns_of(tables: Tables, shapes: int) -> dict[str, Any]:
+def columns_of_shapes(tables: Tables, shapes: int) -> dict[str, Any]:
     """Columns of the table that hold the shapes' angles and related quantities, each with its derivatives by s.
 
     The points are the Gauss points of a cell and its end, cell by cell.

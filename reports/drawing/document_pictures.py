@@ -20,7 +20,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.resonance_curve import SPEED, job, range_of
 from quickreturn.cases.runs.comparison import cross_validate
 from quickreturn.cases.sweep.grid import Grid, axis
-from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import study
 from quickreturn.cases.thesis.experiment.published import printed_ranges
 from quickreturn.reports.drawing import cycle, resonance, work_precision
@@ -50,7 +50,7 @@ def main(folder: Path) -> None:
     (folder / "methods.png").write_bytes(png(work_precision.draw(benchmarks()[CASE])))
     (folder / "resonance.png").write_bytes(png(curve(case, workshop)))
     for measure, axes in MAPS.items():
-        asked = Asked(measures=(measure,), claims=False, duration=case.duration)
+        asked = MeasureRequest(measures=(measure,), claims=False, duration=case.duration)
         found = study(Grid(case, tuple(axis(text) for text in axes)), asked, workshop)
         (folder / f"{measure.rpartition('.')[2].replace('_', '-')}.png").write_bytes(png(study_plot.draw(found)))
 

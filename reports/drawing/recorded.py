@@ -28,11 +28,11 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
     names = [_names(result) for result in results]
     figure = new_figure(1.2 + 1.25 * sum(map(len, names)))
     panels = list(np.ravel(figure.subplots(sum(map(len, names)), 1, sharex=True, squeeze=False)))
-    styles = all_looks(list(dict.fromkeys(name for result in results for name in result.whole.runs)))
+    styles = all_looks(list(dict.fromkeys(name for result in results for name in result.with_tables.runs)))
     handles: dict[str, Artist] = {}
     labels, place = [], 0
     for result, shown in zip(results, names, strict=True):
-        for run in (run for run in result.whole.runs.values() if run.cycle and (run.usable or run.recording)):
+        for run in (run for run in result.with_tables.runs.values() if run.cycle and (run.usable or run.recording)):
             style = styles[run.engine]
             handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style)
             for axes, name in zip(panels[place:], shown, strict=False):

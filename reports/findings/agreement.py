@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult, Difference, Kind
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import Loads, Resonance, loads_of_run, of_motion, resonance
+from quickreturn.cases.loads import Loads, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.units import in_si
 from quickreturn.reports.words import degrees, off_by, quantity
 
 if TYPE_CHECKING:
@@ -40,9 +41,9 @@ class CaseLoads:
         return verdict(self.loads[self.lead])
 
     @cached_property
-    def of_motion(self) -> float:
+    def shift_of_motion(self) -> float:
         """Change of the mean first frequency, Hz, by the rotation of the crank, which frequencies with the crank held do not contain."""
-        return abs(of_motion(self.case.mechanism))
+        return abs(shift_of_motion(self.case.mechanism))
 
     def departures(self) -> dict[str, float]:
         """Largest stress by the other engines with the same model, over that by the leading engine, minus one."""
@@ -95,7 +96,7 @@ def stress_text(loads: Loads, length: float) -> str:
     assert loads.stress is not None
     found, places = loads.stress.largest, []
     if found.place is not None:
-        places.append(f"{1e3 * found.place:.0f} mm from P ({100.0 * found.place / length:.0f} % of the arm)")
+        places.append(f"{found.place / in_si('mm'):.0f} mm from P ({100.0 * found.place / length:.0f} % of the arm)")
     if found.crank_angle is not None:
         places.append(f"crank at {degrees(found.crank_angle)}")
     error = "" if found.error is None else f" ({off_by(found.error, found.value)})"

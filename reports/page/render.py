@@ -7,7 +7,8 @@ from jinja2 import Environment
 from markupsafe import Markup
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports import templates, words
 from quickreturn.reports.page.answer import answer_of

@@ -100,7 +100,7 @@ def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequenc
     stressed = {each.case.name: each for each in loads if each.lead}
     view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
     for result in results:
-        runs = result.whole.runs
+        runs = result.with_tables.runs
         motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == Ending.NOT_SETTLED) and run.cycle}
         view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()}, stressed.get(result.case.name))
     return view

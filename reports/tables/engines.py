@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import Any, Final
 
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, HALVES, REFERENCE, CaseResult, pair_of
+from quickreturn.cases.runs.comparison import CONSENSUS, REFERENCE, CaseResult, pair_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import Run

@@ -24,8 +24,8 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
         Column("settled", form="d"),
     )
     found = Table("engines", columns)
-    for name in engines_of([result.whole for result in results]):
-        runs = [run for result in results if (run := result.whole.runs.get(name)) is not None]
+    for name in engines_of([result.with_tables for result in results]):
+        runs = [run for result in results if (run := result.with_tables.runs.get(name)) is not None]
         first = runs[0]
         found.add(
             first,

@@ -63,8 +63,8 @@ def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
     for engine, loads in case.loads.items():
         yield from ((engine, number) for number in numbers(loads))
     if case.resonance is not None:
-        yield "", Number("mean_first_frequency", case.resonance.first_mode, "Hz", case.of_motion)
-        yield "", Number("frequency_ratio", case.resonance.ratio, "1", case.of_motion / case.resonance.crank)
+        yield "", Number("mean_first_frequency", case.resonance.first_mode, "Hz", case.shift_of_motion)
+        yield "", Number("frequency_ratio", case.resonance.ratio, "1", case.shift_of_motion / case.resonance.crank)
 
 
 def strength(cases: Sequence[CaseLoads]) -> Table:

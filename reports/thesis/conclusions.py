@@ -6,7 +6,8 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
-from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.thesis.experiment import Statement, statements
 from quickreturn.cases.thesis.finding.study import Row
 from quickreturn.cases.thesis.modes import ELEMENTS, ThesisModes

@@ -4,7 +4,8 @@ import statistics
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.thesis.experiment import statements
 from quickreturn.cases.thesis.finding.effects import effects, name_of
 from quickreturn.cases.thesis.finding.study import SECOND, Row

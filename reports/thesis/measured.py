@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from quickreturn.cases.measures.cycle import consensus_of
-from quickreturn.cases.runs.comparison import HALVES
+from quickreturn.cases.measures.cycle import HALVES, consensus_of
 from quickreturn.cases.thesis.experiment import channel_is_usable
 from quickreturn.cases.thesis.runs import RUNS, run_name
 from quickreturn.reports.findings.measured import MeasuredHalf

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES, REFERENCE, CaseResult
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.agreement import Summary, summary_of

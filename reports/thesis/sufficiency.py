@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.runs.comparison import HALVES, REFERENCE
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.runs.comparison import REFERENCE
 from quickreturn.cases.thesis.experiment import Statement, axis_labels, statements
 from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects, name_of
 from quickreturn.cases.thesis.finding.study import EXAMPLE, Row

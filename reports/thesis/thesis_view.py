@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES, CaseResult, Difference, Kind
+from quickreturn.cases.runs.comparison import CaseResult, Difference, Kind
 from quickreturn.engines.registry import MODEL
 from quickreturn.reports.findings.agreement import Summary, differences, summary_of
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table

@@ -201,7 +201,7 @@ def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypa
 def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     workshop, case, affinity = Workshop(Store(tmp_path)), short(), os.sched_getaffinity(0)
     monkeypatch.setattr("quickreturn.cases.benchmark.scenes.pinned", _quick)
-    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.unsafe_engines", lambda *_: {})
     assert stored(case, workshop, ("thesis",)) is None
     made = measure(case, workshop, ("thesis",), 1)
     assert stored(case, workshop, ("thesis",)) == made
@@ -212,7 +212,7 @@ def test_a_result_is_kept_for_its_scene_engines_and_code_alone(tmp_path: Any, mo
 
 def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("quickreturn.cases.benchmark.scenes.pinned", _broken)
-    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.unsafe_engines", lambda *_: {})
     with pytest.raises(EngineFailure, match="the loop cannot close"):
         measure(short(), Workshop(Store()), ("thesis",), 1)
     with pytest.raises(UnknownEngine):
@@ -221,7 +221,7 @@ def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch
 
 def test_an_engine_that_dies_at_finer_settings_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("quickreturn.cases.benchmark.scenes.pinned", _deadly)
-    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {"mujoco": "killed by SIGSEGV"})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.unsafe_engines", lambda *_: {"mujoco": "killed by SIGSEGV"})
     case, names = short(), ("mujoco", "exudyn", "thesis", "reference")
     made = measure(case, Workshop(Store(tmp_path)), names, 1)
     assert made.failures == {
@@ -256,7 +256,7 @@ def overrun(monkeypatch: pytest.MonkeyPatch, since: float) -> list[tuple[str, ..
         yield Outcome(job, failure=failure, seconds=3.0, output=f"\nat work: 0.1 thesis\n\nat work: {since} exudyn\n")
 
     monkeypatch.setattr(LocalProcesses, "run", run)
-    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.tried", lambda *_: {})
+    monkeypatch.setattr("quickreturn.cases.benchmark.scenes.unsafe_engines", lambda *_: {})
     return measured
 
 

@@ -33,7 +33,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.benchmark.scenes import tried
+from quickreturn.cases.benchmark.scenes import unsafe_engines
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Limits
 from quickreturn.cases.jobs.processes import LocalProcesses
@@ -210,7 +210,7 @@ def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, 
 
 def test_a_benchmark_leaves_out_what_would_take_the_others_with_it(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "raises", "segfaults", "not-installed")  # what raises says so itself, and stays in the table
-    found = tried(load_case(str(place / "small.toml")), LocalProcesses(limits=Limits(seconds=300.0)), names)
+    found = unsafe_engines(load_case(str(place / "small.toml")), LocalProcesses(limits=Limits(seconds=300.0)), names)
     assert found == {
         "segfaults": "killed by SIGSEGV",
         "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",

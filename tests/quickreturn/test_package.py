@@ -311,7 +311,7 @@ def test_the_person_who_waits_for_a_compiler_is_told_once(
     call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     told = "  fake: compiling its equations, once for this machine; that takes about half a minute ...\n"
-    monkeypatch.setattr("quickreturn.cases.jobs.display.UNTOLD", 0.1)
+    monkeypatch.setattr("quickreturn.cases.jobs.display.COMPILING_AFTER", 0.1)
     call("small.toml", Compiling())
     assert capfd.readouterr() == ("", told)
     call("small.toml", Compiling(), quiet=True)

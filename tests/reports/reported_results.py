@@ -3,7 +3,8 @@
 import dataclasses
 from html.parser import HTMLParser
 
-from quickreturn.cases.runs.comparison import HALVES, CaseResult
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import PeriodicOrbit
 from tests.reports.plotted_results import made_up_result, with_run
 

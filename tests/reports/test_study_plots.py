@@ -10,7 +10,7 @@ from matplotlib.patches import PathPatch
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, axis
-from quickreturn.cases.sweep.rows import LEFT, UNSTABLE, Asked
+from quickreturn.cases.sweep.rows import LEFT, UNSTABLE, MeasureRequest
 from quickreturn.cases.sweep.study import Study
 from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
 from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
@@ -30,7 +30,13 @@ def made_up(*axes: str, measures: tuple[str, ...] = ("peak.tip_acceleration",), 
     values.flat[-1] = math.nan
     measured = np.repeat(values[..., None], len(measures), axis=-1)
     return Study(
-        grid, Asked(measures=measures), ways, measured, np.full_like(measured, math.nan), statuses, np.full(shape, "", dtype=object)
+        grid,
+        MeasureRequest(measures=measures),
+        ways,
+        measured,
+        np.full_like(measured, math.nan),
+        statuses,
+        np.full(shape, "", dtype=object),
     )
 
 

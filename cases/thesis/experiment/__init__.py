@@ -3,11 +3,4 @@
 from quickreturn.cases.thesis.experiment.published import AxisLabels, axis_labels, channel_is_usable, measured_crank_speed
 from quickreturn.cases.thesis.experiment.statements import Statement, statements
 
-__all__ = [
-    "AxisLabels",
-    "Statement",
-    "axis_labels",
-    "channel_is_usable",
-    "measured_crank_speed",
-    "statements",
-]
+__all__ = ["AxisLabels", "Statement", "axis_labels", "channel_is_usable", "measured_crank_speed", "statements"]

@@ -12,7 +12,7 @@ from quickreturn.cases.units import in_si
 class AxisLabels:
     """Legible labels of one figure's axis, in SI units."""
 
-    figure: str  # e.g. "A.24".
+    figure: str  # e.g. "A.24"
     run: int  # number of the run
     channel: str  # "tip_acceleration" (m/s^2) or "strain" (1; one axis for the three gauges)
     values: tuple[float, ...]  # in the order printed
@@ -33,7 +33,7 @@ class AxisLabels:
 @functools.cache
 def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
     """All legible axes, or those of one run, figures in the appendix first."""
-    found = []
+    axes_of_figures = []
     for row in read_table("figure_axes.csv"):
         axes = (
             ("tip_acceleration", row["tip_acceleration_labels_in_s2"], in_si("in/s^2")),
@@ -43,8 +43,8 @@ def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
             if labels and run in (None, int(row["run"])):
                 values = tuple(float(label) * unit for label in labels.split())
                 shown = [kind in row["curves"] for kind in ("experiment", "simulation")]
-                found.append(AxisLabels(row["figure"], int(row["run"]), channel, values, *shown))
-    return tuple(found)
+                axes_of_figures.append(AxisLabels(row["figure"], int(row["run"]), channel, values, *shown))
+    return tuple(axes_of_figures)
 
 
 def printed_ranges(run: int) -> dict[str, tuple[float, float]]:

@@ -14,7 +14,7 @@ Kind = Literal["relation", "frequency", "observation", "cause"]
 
 @dataclass(frozen=True)
 class Statement:
-    """One statement and its reading."""
+    """A statement of the thesis, read as a range of numbers."""
 
     id: str  # short name
     section: str  # of the thesis
@@ -32,8 +32,8 @@ class Statement:
         Args:
             values: number of the run -> ratio simulation / experiment (kind "relation") or frequency in Hz (kind "frequency").
         """
-        known = [values[run] for run in self.runs if run in values and not math.isnan(values[run])]
-        return sum(self.low <= value <= self.high for value in known) / len(known) if known else None
+        of_runs = [values[run] for run in self.runs if run in values and not math.isnan(values[run])]
+        return sum(self.low <= value <= self.high for value in of_runs) / len(of_runs) if of_runs else None
 
     def holds(self, values: Mapping[int, float]) -> bool | None:
         """Whether enough runs show it; None if no run has a value, or if the statement has no numbers to check."""
@@ -44,8 +44,8 @@ class Statement:
 @functools.cache
 def statements() -> tuple[Statement, ...]:
     """All statements in the order of the thesis."""
-    found = []
+    listed = []
     for entry in read_toml("statements.toml")["statement"]:
         runs = tuple(RUNS) if entry["runs"] == "all" else tuple(range(entry["runs"][0], entry["runs"][1] + 1))
-        found.append(Statement(**entry | {"runs": runs}))
-    return tuple(found)
+        listed.append(Statement(**entry | {"runs": runs}))
+    return tuple(listed)

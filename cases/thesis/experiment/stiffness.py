@@ -8,15 +8,15 @@ import numpy as np
 
 from quickreturn.cases.thesis.data import read_toml
 from quickreturn.cases.thesis.runs import run_case
+from quickreturn.cases.units import in_si
 
-PSI: Final = 6894.757293168361  # Pa
 #: Young's modulus of common wrought aluminium alloys, Pa: 6061 and 2024, 10.0 and 10.6 million psi.
-ALUMINIUM: Final = (10.0e6 * PSI, 10.6e6 * PSI)
+ALUMINIUM: Final = (10.0e6 * in_si("psi"), 10.6e6 * in_si("psi"))
 
 
 @dataclass(frozen=True)
 class StiffnessReading:
-    """The published stiffness over the nominal section."""
+    """Young's modulus that the published bending stiffness and the nominal section mean, compared with aluminium's."""
 
     published: str  # as printed
     modulus: float  # Young's modulus that follows, Pa

@@ -12,22 +12,22 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect; `cases/thesis/data/effects.toml` says what its values mean."""
+    """An effect at several strengths."""
 
-    id: str
-    name: str
-    set: str
-    strengths: tuple[Any, ...]
-    choices: tuple[str, ...]
-    words: tuple[str, ...] = ()
-    also: Mapping[str, str] = field(default_factory=dict)
+    id: str  # short name
+    name: str  # name for people
+    set: str  # key of a case file that takes each strength in turn, or a setting of the engine
+    strengths: tuple[Any, ...]  # values of that key or setting, from weak to strong
+    choices: tuple[str, ...]  # quantities whose value is chosen, not published
+    words: tuple[str, ...] = ()  # the strengths in words
+    also: Mapping[str, str] = field(default_factory=dict)  # key -> value at all strengths
     engine: str = "reference"
-    symmetric: bool = False
+    symmetric: bool = False  # whether it cannot make the halves of a cycle differ
 
     def scene(self, run: int, strength: int) -> Mechanism:
-        """A run of the thesis, changed."""
-        own = {self.set: self.strengths[strength]} if "." in self.set else {}
-        return load_case(f"thesis-{run:02d}", {**own, **self.also}).mechanism
+        """The scene of a run of the thesis with this effect; `strength`: its place among `strengths`."""
+        values = {self.set: self.strengths[strength]} if "." in self.set else {}
+        return load_case(f"thesis-{run:02d}", {**values, **self.also}).mechanism
 
     def settings(self, strength: int) -> dict[str, str]:
         """Settings of the engine, as texts."""
@@ -40,12 +40,12 @@ PUBLISHED: Final = Effect("published", "none", "", ("",), (), ("as published",))
 
 @functools.cache
 def effects() -> tuple[Effect, ...]:
-    """All of them; `words` are filled."""
-    found = []
+    """All effects; `words` default to the strengths."""
+    listed = []
     for entry in read_toml("effects.toml")["effect"]:
         lists = {key: tuple(entry.get(key, entry["strengths"])) for key in ("strengths", "choices", "words")}
-        found.append(Effect(**entry | lists))
-    return tuple(found)
+        listed.append(Effect(**entry | lists))
+    return tuple(listed)
 
 
 def name_of(effect: str) -> str:

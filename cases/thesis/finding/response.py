@@ -34,21 +34,22 @@ from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, change
 
 Array = NDArray[np.float64]
 
-#: Number of recorded cycles of the steady motion, and the share of these whose vibration is fitted, which takes longest.
+#: Number of recorded cycles of the steady motion. The vibration is fitted in each fourth of them, because this takes longest.
 CYCLES: Final = 8
 EVERY: Final = 4
-#: Part of a disturbance that may remain before these cycles.
+#: Largest part of a disturbance that remains before these cycles.
 LEFT: Final = 0.03
-#: Cycles from which the final speed with a torque is predicted, its allowed relative error, and the number of corrections of the torque.
+#: Number of cycles from which the final speed with a torque is predicted, allowed relative error of this speed, and largest number of
+#: corrections of the torque.
 TRIED: Final = 4
 SPEED: Final = 2e-3
 CORRECTIONS: Final = 3
-#: Hz, the band in which section 3.4 saw a second mode, and a wider one in which its frequency is looked for.
+#: Band, Hz, in which section 3.4 of the thesis saw a second mode, and a wider one in which its frequency is searched.
 BAND: Final = (90.0, 180.0)
 SOUGHT: Final = (60.0, 200.0)
-#: Part of a cycle after the farthest place that counts as "at the return": 360 to 420 degrees.
+#: Part of a cycle, counted from the farthest place, that counts as "at the return": crank angles from 360 to 420 degrees.
 RETURN: Final = (0.5, 0.5 + 60.0 / 360.0)
-#: Rows of a cycle at even instants, and transforms of so many times its length.
+#: Number of rows of a cycle at even instants, and length of a zero-padded transform over that of its signal.
 ROWS: Final = 4096
 PADDING: Final = 16
 
@@ -132,18 +133,18 @@ def _steady_cycles(
     """The cycles, which are simulated as they are taken, and the mean speed (rad/s) that they have or tend to."""
     step = output_step(scene)
     try:
-        found = engine.steady_state(scene, standard_start(scene), settings)
+        state = engine.steady_state(scene, standard_start(scene), settings)
     except NoSteadyState:
-        found = None
-    if found is not None and found.stable:
-        return iter([periodic_cycle(found, step)]), 2.0 * math.pi / found.period
+        state = None
+    if state is not None and state.stable:
+        return iter([periodic_cycle(state, step)]), 2.0 * math.pi / state.period
     march = iter(March(engine.prepare(scene, start, settings), start.crank_speed, step))
     periods = [float(cycle.time[-1] - cycle.time[0]) for cycle in islice(march, TRIED)]
     before, last = (2.0 * math.pi / period for period in periods[-2:])
-    # part of the speed's distance from its limit that is left after a cycle
-    kept = math.exp(-getattr(scene.crank.drive, "damping", math.inf) / scene.crank.inertia_about_pivot * periods[-1])
+    # part of the speed's distance from its limit that remains after a cycle
+    remaining = math.exp(-getattr(scene.crank.drive, "damping", math.inf) / scene.crank.inertia_about_pivot * periods[-1])
     waited = max(0, math.ceil(math.log(LEFT) / math.log(multiplier)) - TRIED)
-    return islice(march, waited, waited + CYCLES), last + (last - before) * kept / (1.0 - kept)
+    return islice(march, waited, waited + CYCLES), last + (last - before) * remaining / (1.0 - remaining)
 
 
 def _measured(scene: Mechanism, cycles: list[Cycle]) -> Response:
@@ -167,14 +168,14 @@ def carrying(scene: Mechanism, half: str) -> Mechanism:
     plus, minus = scene.slider.sides
     if plus == minus:
         return scene
-    alone = {"joint_stiffness_plus": math.inf, "joint_stiffness_minus": math.inf, "preload": 0.0, "contact_damping": 0.0}
-    own = {f"slider.{key}": value for key, value in alone.items()}
-    return changed(scene, own | {"slider.joint_stiffness": plus if half == "post" else minus})
+    without = {"joint_stiffness_plus": math.inf, "joint_stiffness_minus": math.inf, "preload": 0.0, "contact_damping": 0.0}
+    one_roller = {"joint_stiffness": plus if half == "post" else minus, **without}
+    return changed(scene, {f"slider.{key}": value for key, value in one_roller.items()})
 
 
 def _first_modes(scene: Mechanism, cycles: list[Cycle]) -> dict[str, Half]:
     """Both halves, each on the time scale of the scene for small vibrations there."""
-    scales = {found: time_scale(found) for found in {carrying(scene, half) for half in HALVES}}
+    scales = {carried: time_scale(carried) for carried in {carrying(scene, half) for half in HALVES}}
     return {half: _half(half, [_fitted(scales[carrying(scene, half)], half, cycle) for cycle in cycles]) for half in HALVES}
 
 
@@ -191,14 +192,14 @@ def _fitted(scale: TimeScale | None, half: str, cycle: Cycle) -> dict[str, First
 
 def _half(half: str, cycles: list[dict[str, FirstMode]]) -> Half:
     def mean(quantity: str) -> dict[str, float]:
-        found = {name: [getattr(cycle[name], quantity) for cycle in cycles] for name in cycles[0]}
-        return {name: float(np.mean(values)) for name, values in found.items() if None not in values}
+        numbers = {name: [getattr(cycle[name], quantity) for cycle in cycles] for name in cycles[0]}
+        return {name: float(np.mean(values)) for name, values in numbers.items() if None not in values}
 
     frequencies, uncertainties = mean("frequency"), mean("frequency_uncertainty")
-    weights = list(uncertainties.values())
-    agreed = [consensus(half, [cycle[name].frequency or 0.0 for name in frequencies], weights).first_mode_frequency for cycle in cycles]
-    known = [frequency for frequency in agreed if frequency is not None]
-    scatter = float(np.std(known, ddof=1) / np.mean(known) / math.sqrt(len(known))) if len(known) > 1 else 0.0
+    errors = list(uncertainties.values())
+    means = [consensus(half, [cycle[name].frequency or 0.0 for name in frequencies], errors).first_mode_frequency for cycle in cycles]
+    resolved = [frequency for frequency in means if frequency is not None]
+    scatter = float(np.std(resolved, ddof=1) / np.mean(resolved) / math.sqrt(len(resolved))) if len(resolved) > 1 else 0.0
     return Half(frequencies, uncertainties, mean("amplitude"), scatter)
 
 

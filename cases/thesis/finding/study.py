@@ -23,12 +23,13 @@ SAMPLE: Final = (4, 10, 16, 24)
 CONFIRMED_RUNS: Final = (10, 24)
 #: The second formulation, and the effects that it also computes: those of the joint.
 SECOND: Final = "mujoco"
-OF_JOINT: Final = ("linear", "post-side", "pre-side", "preload", "post-side-alloy", "clearance", "friction", "drag", "pivot")
+JOINT_EFFECTS: Final = ("linear", "post-side", "pre-side", "preload", "post-side-alloy", "clearance", "friction", "drag", "pivot")
 #: The run whose fast vibration the thesis describes.
 EXAMPLE: Final = 24
-#: How a run is computed: "" as `Effect.engine` does, "finer", or by the engine of this name.
+#: How a run is computed: "" by `Effect.engine`, "finer" by it with finer settings, or the name of another engine.
 Way = str
-Found = Mapping[tuple[str, int, Way], tuple[Response, ...]]
+#: Effect, run and way -> response at each computed strength.
+Responses = Mapping[tuple[str, int, Way], tuple[Response, ...]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +39,7 @@ class Row:
     effect: str  # `Effect.id`
     strength: str  # its words
     engine: str  # engine that computed it
-    # change of the first mode's consensus frequency, 0.01 %, of each run from 1 on, of `SECOND` of `CONFIRMED_RUNS`
+    # change of the first mode's consensus frequency, in units of 0.01 %, in each run from 1 on; by `SECOND` in each of `CONFIRMED_RUNS`
     pre_frequency: tuple[int | None, ...]
     post_frequency: tuple[int | None, ...]  # likewise
     pre_amplitude: tuple[int | None, ...]  # change of its amplitude, %, median over the channels
@@ -65,8 +66,8 @@ class Row:
     def apart(self) -> float | None:
         """Relative change of the frequency after the return minus that before it, median over the runs."""
         before, after = self.changes("pre_frequency"), self.changes("post_frequency")
-        found = [(1.0 + after[run]) / (1.0 + before[run]) - 1.0 for run in before if run in after]
-        return statistics.median(found) if found else None
+        changes = [(1.0 + after[run]) / (1.0 + before[run]) - 1.0 for run in before if run in after]
+        return statistics.median(changes) if changes else None
 
     @property
     def tells_halves_apart(self) -> bool:
@@ -85,15 +86,15 @@ def study(workshop: Workshop) -> list[Row]:
     # the sample first, so that an interrupted study has the same runs for all effects
     for way, runs in (("", SAMPLE), (SECOND, CONFIRMED_RUNS), ("finer", SAMPLE), ("", others)):
         for run in (run for run in runs if begin[run].begin is not None):
-            known = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id in (PUBLISHED.id, *OF_JOINT)]
-            jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in known}
+            computed = [effect for effect in (PUBLISHED, *effects()) if way != SECOND or effect.id in (PUBLISHED.id, *JOINT_EFFECTS)]
+            jobs |= {(effect.id, run, way): _job(effect, run, way, begin[run]) for effect in computed}
     outcomes = workshop.outcomes(list(jobs.values()), "what the thesis' finding comes from")
     broken = (Response(reason="its process failed"),) * 3
-    found = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if not outcome.missing}
-    if any((effect.id, run, "") not in found for effect in (PUBLISHED, *effects()) for run in SAMPLE):
+    responses = {name: outcome.value or broken for name, outcome in zip(jobs, outcomes, strict=True) if not outcome.missing}
+    if any((effect.id, run, "") not in responses for effect in (PUBLISHED, *effects()) for run in SAMPLE):
         return []
-    rows = [_row(effect, place, "", found) for effect in (PUBLISHED, *effects()) for place in range(len(effect.strengths))]
-    return rows + [_row(effect, MIDDLE, SECOND, found) for effect in effects() if effect.id in OF_JOINT]
+    rows = [_row(effect, place, "", responses) for effect in (PUBLISHED, *effects()) for place in range(len(effect.strengths))]
+    return rows + [_row(effect, MIDDLE, SECOND, responses) for effect in effects() if effect.id in JOINT_EFFECTS]
 
 
 def _job(effect: Effect, run: int, way: Way, begin: Orbit) -> Job[tuple[Response, ...]]:
@@ -118,9 +119,9 @@ def _job(effect: Effect, run: int, way: Way, begin: Orbit) -> Job[tuple[Response
     return Job(" ".join((effect.id, str(run), way)).strip(), respond, (requests,), kind="finding", engines=(engine,), code=code)
 
 
-def _row(effect: Effect, place: int, way: Way, found: Found) -> Row:
-    pairs = {run: _pair(effect, place, run, way, found) for run in (CONFIRMED_RUNS if way == SECOND else RUNS)}
-    known = [pair for pair in pairs.values() if pair and not pair[1].reason]
+def _row(effect: Effect, place: int, way: Way, responses: Responses) -> Row:
+    pairs = {run: _pair(effect, place, run, way, responses) for run in (CONFIRMED_RUNS if way == SECOND else RUNS)}
+    good = [pair for pair in pairs.values() if pair and not pair[1].reason]
     frequencies = {half: [_frequency(pair, half) for pair in pairs.values()] for half in HALVES}
     errors = [error for half in HALVES for _, error in frequencies[half] if error is not None]
     amplitudes = {half: [_amplitude(pair, half) for pair in pairs.values()] for half in HALVES}
@@ -129,16 +130,16 @@ def _row(effect: Effect, place: int, way: Way, found: Found) -> Row:
         effect=effect.id,
         strength=effect.words[place],
         engine=way or effect.engine,
-        pre_frequency=tuple(_whole(change, 100.0) for change, _ in frequencies["pre"]),
-        post_frequency=tuple(_whole(change, 100.0) for change, _ in frequencies["post"]),
-        pre_amplitude=tuple(_whole(each) for each in amplitudes["pre"]),
-        post_amplitude=tuple(_whole(each) for each in amplitudes["post"]),
-        acceleration=round(statistics.median(_peak(pair, CHANNELS[:1]) for pair in known)) if known else None,
-        strain=round(statistics.median(_peak(pair, CHANNELS[1:]) for pair in known)) if known else None,
-        band=round(statistics.median(pair[1].ring.rms for pair in known if pair[1].ring), 2) if known else None,
+        pre_frequency=tuple(_rounded(change, 100.0) for change, _ in frequencies["pre"]),
+        post_frequency=tuple(_rounded(change, 100.0) for change, _ in frequencies["post"]),
+        pre_amplitude=tuple(_rounded(each) for each in amplitudes["pre"]),
+        post_amplitude=tuple(_rounded(each) for each in amplitudes["post"]),
+        acceleration=round(statistics.median(_peak(pair, CHANNELS[:1]) for pair in good)) if good else None,
+        strain=round(statistics.median(_peak(pair, CHANNELS[1:]) for pair in good)) if good else None,
+        band=round(statistics.median(pair[1].ring.rms for pair in good if pair[1].ring), 2) if good else None,
         example=_example(example[1]) if example else (),
         measured=round(statistics.median(errors), 2) if errors else 0.0,
-        claim=_claim(effect, found) if not way and place == MIDDLE else (),
+        claim=_claim(effect, responses) if not way and place == MIDDLE else (),
         runs=sum(pair is not None for pair in pairs.values()),
         failed=sum(bool(pair and pair[1].reason) for pair in pairs.values()),
     )
@@ -147,16 +148,16 @@ def _row(effect: Effect, place: int, way: Way, found: Found) -> Row:
 Pair = tuple[Response, Response] | None
 
 
-def _pair(effect: Effect, place: int, run: int, way: Way, found: Found) -> Pair:
-    """The run as published and changed, both computed in the same way; None if they were not."""
-    if (effect.id, run, way) not in found:
+def _pair(effect: Effect, place: int, run: int, way: Way, responses: Responses) -> Pair:
+    """Responses of a run as published and with an effect, computed in the same way; None if they were not computed."""
+    if (effect.id, run, way) not in responses:
         return None
-    changed = found[effect.id, run, way]
-    return found[PUBLISHED.id, run, way][0], changed[min(place, len(changed) - 1)]
+    changed = responses[effect.id, run, way]
+    return responses[PUBLISHED.id, run, way][0], changed[min(place, len(changed) - 1)]
 
 
 def _frequency(pair: Pair, half: str) -> tuple[float | None, float | None]:
-    """Change and its uncertainty, %, over the channels that both resolve."""
+    """Change of the first mode's consensus frequency over the channels that both resolve, %, and its uncertainty, %."""
     before, after = (response.halves.get(half) for response in pair) if pair else (None, None)
     channels = [name for name in CHANNELS if before and after and name in before.frequencies and name in after.frequencies]
     if before is None or after is None or not channels:
@@ -170,12 +171,14 @@ def _frequency(pair: Pair, half: str) -> tuple[float | None, float | None]:
 
 
 def _amplitude(pair: Pair, half: str) -> float | None:
+    """Change of the first mode's amplitude, %, median over the channels."""
     before, after = (response.halves[half].amplitudes if response.halves else {} for response in pair) if pair else ({}, {})
     changes = [100.0 * (after[name] / before[name] - 1.0) for name in before if name in after]
     return statistics.median(changes) if changes else None
 
 
 def _peak(pair: Pair, channels: Sequence[str]) -> float:
+    """Change of the largest magnitude in some channels, %."""
     assert pair is not None
     before, after = (max(response.peaks[name] for name in channels) for response in pair)
     return 100.0 * (after / before - 1.0)
@@ -190,8 +193,8 @@ def _example(response: Response) -> tuple[float, ...]:
     return (*means, round(response.ring.rms, 2), round(response.ring.frequency, 1), *(round(sign, 2) for sign in response.ring.signs))
 
 
-def _claim(effect: Effect, found: Found) -> tuple[float, ...]:
-    """Greatest difference of each kind of number with finer settings, over the part of the error that these remove."""
+def _claim(effect: Effect, responses: Responses) -> tuple[float, ...]:
+    """Greatest error in the sample of each kind of number: its difference from finer settings over the part that these remove."""
     kinds: Sequence[Callable[[Pair], Iterable[float | None]]] = (
         lambda pair: [_frequency(pair, half)[0] for half in HALVES],
         lambda pair: [_amplitude(pair, half) for half in HALVES],
@@ -199,21 +202,21 @@ def _claim(effect: Effect, found: Found) -> tuple[float, ...]:
         lambda pair: [_peak(pair, CHANNELS[1:])],
         lambda pair: [pair[1].ring.rms if pair and pair[1].ring else None],
     )
-    pairs = [tuple(_pair(effect, MIDDLE, run, way, found) for way in ("", "finer")) for run in SAMPLE]
+    pairs = [tuple(_pair(effect, MIDDLE, run, way, responses) for way in ("", "finer")) for run in SAMPLE]
     pairs = [both for both in pairs if all(pair and not pair[1].reason for pair in both)]
     claims = list[float]()
     for kind in kinds if pairs else ():
-        values = [(one, two, _taken_away(finer)) for usual, finer in pairs for one, two in zip(kind(usual), kind(finer), strict=True)]
+        values = [(one, two, _removed_part(finer)) for usual, finer in pairs for one, two in zip(kind(usual), kind(finer), strict=True)]
         errors = [abs(one - two) / part for one, two, part in values if one is not None and two is not None]
         claims.append(round(max(errors, default=0.0), 2))
     return tuple(claims)
 
 
-def _taken_away(finer: Pair) -> float:
+def _removed_part(finer: Pair) -> float:
     """The least part of an error that the finer settings remove, in the published and in the changed run."""
     assert finer is not None
     return min(abs(1.0 - response.factor) for response in finer)
 
 
-def _whole(value: float | None, times: float = 1.0) -> int | None:
+def _rounded(value: float | None, times: float = 1.0) -> int | None:
     return None if value is None else round(times * value)

@@ -10,9 +10,9 @@ import pytest
 from quickreturn.cases.conformance import GROUPS, checks_of, conform
 from quickreturn.cases.conformance.alone import CHANGES as ALONE
 from quickreturn.cases.conformance.bench import Bench
-from quickreturn.cases.conformance.checks import Fault, looked_at
+from quickreturn.cases.conformance.checks import Fault, check_by
 from quickreturn.cases.conformance.quantities import followed
-from quickreturn.cases.conformance.repetition import PARTS, Elsewhere, elsewhere, repetition, scenes_in_turn
+from quickreturn.cases.conformance.repetition import PARTS, OtherProcesses, elsewhere, repetition, scenes_in_turn
 from quickreturn.cases.conformance.scenes import BASE, CHANGES
 from quickreturn.cases.conformance.settings import stated_errors
 from quickreturn.cases.conformance.together import PARTS as PARTS_AT_ONCE
@@ -157,7 +157,7 @@ def test_last_digits_may_differ(part: float, status: str) -> None:
     first = found["the mild scene"]
     other = first | {"slider_force": first["slider_force"] + part * errors["slider_force"]}
     alone = {"the mild scene": first, "in another process": other} | {name: found[name] for name in PARTS}
-    checks = {check.check: check.status for check in repetition(bench, Elsewhere(found, alone))}
+    checks = {check.check: check.status for check in repetition(bench, OtherProcesses(found, alone))}
     assert checks.pop("the same from another process") == status
     assert set(checks.values()) == {"passed"}
 
@@ -194,7 +194,7 @@ def test_a_mistake_with_the_joint_is_named(name: str) -> None:
     kind, pattern, tried = JOINT[name]
     (change,) = [each for each in CHANGES if each.name == tried]
     bench = Bench(kind())
-    check = looked_at(change.name, followed, bench, bench.scene, change, False, set())
+    check = check_by(change.name, followed, bench, bench.scene, change, False, set())
     assert check.status == "failed"
     assert re.search(pattern, check.cause), check.cause
 
@@ -214,7 +214,7 @@ def test_everything_at_once_leaves_out_what_an_engine_does_not_have() -> None:
 def test_an_exception_in_check_costs_one_quantity() -> None:
     bench, told = Bench(RaisesInCheck()), set[str]()
     checks = {
-        change.name: looked_at(change.name, followed, bench, bench.scene, change, False, told)
+        change.name: check_by(change.name, followed, bench, bench.scene, change, False, told)
         for change in CHANGES
         if change.name in ("slider.inertia", "tip.mass")
     }

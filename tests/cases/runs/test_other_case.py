@@ -21,7 +21,7 @@ ALL = ("thesis-15", "thesis-17", "thesis-22", "thesis-24", "hard-ei-x10", "hard-
 
 
 @functools.cache
-def columns_of(name: str, by: str = "reference") -> dict[str, np.ndarray]:
+def columns_of_case(name: str, by: str = "reference") -> dict[str, np.ndarray]:
     case = load_case(name)
     return simulate_scene(engine(by), case.scene, 2.2, 1e-3, {}, None).trajectory.columns
 
@@ -34,7 +34,7 @@ def right(case: Case) -> Run:
 
 def recorded(name: str, case: Case, by: str = "reference", **changes: float) -> Run:
     """What a table of one case is, measured on another; `changes`: factors of columns."""
-    columns = {column: changes.get(column, 1.0) * values for column, values in columns_of(name, by).items()}
+    columns = {column: changes.get(column, 1.0) * values for column, values in columns_of_case(name, by).items()}
     return recorded_run(table_of(columns), case)
 
 
@@ -106,7 +106,7 @@ def test_every_trait_is_told_with_both_values_and_the_case() -> None:
 @pytest.mark.parametrize("size", [0.1, *(pytest.param(size, marks=pytest.mark.verify) for size in (0.03, 0.4))])
 def test_noise_is_told_by_its_size(size: float) -> None:
     case, random = load_case("thesis-24"), np.random.default_rng(3)
-    columns = dict(columns_of("thesis-24"))
+    columns = dict(columns_of_case("thesis-24"))
     rms = float(np.sqrt(np.mean(columns["strain_2"][1500:] ** 2)))
     columns["strain_2"] = columns["strain_2"] + size * rms * random.standard_normal(len(columns["time"]))
     told = explanations(recorded_run(table_of(columns), case), right(case), case)
@@ -117,7 +117,7 @@ def test_noise_is_told_by_its_size(size: float) -> None:
 
 def test_a_sign_is_named_through_noise() -> None:
     case, random = load_case("thesis-24"), np.random.default_rng(4)
-    columns = dict(columns_of("thesis-24"))
+    columns = dict(columns_of_case("thesis-24"))
     rms = float(np.sqrt(np.mean(columns["strain_2"] ** 2)))
     columns["strain_2"] = -columns["strain_2"] + 0.05 * rms * random.standard_normal(len(columns["time"]))
     told = explanations(recorded_run(table_of(columns), case), right(case), case)

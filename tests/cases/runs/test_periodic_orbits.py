@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.library import case_names
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.marching import March, columns_of, output_step, settle, whole_cycles
 from quickreturn.cases.runs.orbit import find_orbit

@@ -65,7 +65,7 @@ def recorded(tmp_path: Path) -> Recorded:
 
 
 def held(run: Run, other: Run) -> CaseResult:
-    return compare(CASE, {"reference": other}, {run.engine: run}).whole
+    return compare(CASE, {"reference": other}, {run.engine: run}).with_tables
 
 
 def test_a_table_from_the_standard_start_is_held_against_the_same_turn(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:

@@ -11,7 +11,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
-from quickreturn.cases.sweep.rows import LEFT, Asked, row
+from quickreturn.cases.sweep.rows import LEFT, MeasureRequest, row
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
 
 RPM = math.pi / 30.0
@@ -26,7 +26,7 @@ def at(speed: float, **values: float) -> Mechanism:
 
 def test_a_point_is_what_run_finds() -> None:
     scene = at(120.0)
-    found = row([at(110.0), scene], Asked(measures=NAMES))
+    found = row([at(110.0), scene], MeasureRequest(measures=NAMES))
     run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference"))
     of_run = np.array([measure(name).of(SettledMotion(scene, run)) for name in NAMES])
     assert found.statuses == (Ending.SETTLED, Ending.SETTLED)
@@ -39,25 +39,27 @@ def test_a_point_is_what_run_finds() -> None:
 
 
 def test_a_motion_that_the_dampers_end_takes_from_the_drive_what_they_dissipate() -> None:
-    found = row([at(100.0)], Asked(measures=("turn.drive_work", "turn.dissipated_energy"))).values[0]
+    found = row([at(100.0)], MeasureRequest(measures=("turn.drive_work", "turn.dissipated_energy"))).values[0]
     assert found[0] == pytest.approx(found[1], rel=5e-3)
     assert found[0] > 0.0
 
 
 def test_frequencies_are_those_of_run() -> None:
     scene, names = at(120.0), ("pre.frequency", "post.frequency", "pre.amplitude.strain_2")
-    found = row([scene], Asked(measures=names, claims=False))
+    found = row([scene], MeasureRequest(measures=names, claims=False))
     run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference", estimated=False))
     assert found.values[0] == pytest.approx([measure(name).of(SettledMotion(scene, run))[0] for name in names], rel=2e-3)
 
 
 def test_what_cannot_be_settled_has_a_status_and_the_row_goes_on() -> None:
-    found = row([at(700.0), at(100.0), replace(at(100.0), slider=Slider(friction=0.3))], Asked(measures=("multiplier",), claims=False))
+    found = row(
+        [at(700.0), at(100.0), replace(at(100.0), slider=Slider(friction=0.3))], MeasureRequest(measures=("multiplier",), claims=False)
+    )
     assert found.statuses[0] == LEFT
     assert "left" in found.sentences[0]
     assert found.statuses[1] == Ending.SETTLED
     assert np.isfinite(found.values[1, 0])
-    refused = row([replace(at(100.0), slider=Slider(friction=0.3))], Asked(measures=("multiplier",), engine="exudyn"))
+    refused = row([replace(at(100.0), slider=Slider(friction=0.3))], MeasureRequest(measures=("multiplier",), engine="exudyn"))
     assert refused.statuses == (Ending.REFUSED,)
 
 
@@ -70,8 +72,8 @@ def test_every_measure_has_a_unit_and_a_meaning() -> None:
 def test_the_other_engines_stand_by_the_points() -> None:
     scenes = [at(90.0), at(120.0), at(150.0)]
     names = ("peak.tip_acceleration", "peak.slider_force")
-    ours = row(scenes, Asked(measures=names))
+    ours = row(scenes, MeasureRequest(measures=names))
     for engine in ("mujoco", "exudyn"):
-        other = row(scenes, Asked(measures=names, engine=engine))
+        other = row(scenes, MeasureRequest(measures=names, engine=engine))
         assert other.statuses == (Ending.SETTLED,) * 3
         assert np.all(np.abs(other.values - ours.values) <= other.errors + ours.errors)

@@ -19,11 +19,11 @@ from quickreturn.cases.library import library_case
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep import grid as of_grid
 from quickreturn.cases.sweep.grid import Grid, axis
-from quickreturn.cases.sweep.rows import Asked, Row
+from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import study
 from tests.quickreturn.program import PROGRAM
 
-ASKED = Asked(measures=("peak.tip_acceleration", "multiplier"), claims=False)
+ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
 
 
 def grid(*axes: str) -> Grid:
@@ -65,7 +65,7 @@ def test_a_point_that_kills_its_process_costs_that_point(tmp_path: Path) -> None
 def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A made-up machine that follows one branch up and another one down between its second and fourth point."""
 
-    def folded(case: object, changes: tuple[dict[str, str], ...], asked: Asked) -> Row:
+    def folded(case: object, changes: tuple[dict[str, str], ...], asked: MeasureRequest) -> Row:
         speeds = [float(change["crank.prescribed_speed"].split()[0]) for change in changes]
         up = speeds[0] < speeds[-1]
         values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5] for speed in speeds])
@@ -89,13 +89,13 @@ def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
 def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_property: Any) -> None:
     """What a study of 100,000 points takes besides its points: a tenth of it is measured here."""
 
-    def costless(case: object, changes: tuple[dict[str, str], ...], asked: Asked) -> Row:
+    def costless(case: object, changes: tuple[dict[str, str], ...], asked: MeasureRequest) -> Row:
         values = np.ones((len(changes), len(asked.measures)))
         return Row(values, values, (Ending.SETTLED,) * len(changes), ("",) * len(changes))
 
     monkeypatch.setattr(of_grid, "measured_row", costless)
     some = grid("tip.mass = 0 g .. 60 g : 100", "crank.prescribed_speed = 60 rpm .. 240 rpm : 100")
-    asked = Asked(measures=("peak.tip_acceleration", "multiplier", "pre.frequency", "post.frequency"))
+    asked = MeasureRequest(measures=("peak.tip_acceleration", "multiplier", "pre.frequency", "post.frequency"))
     began = time.process_time()
     tracemalloc.start()
     found = study(some, asked, Workshop(Store(tmp_path), ThisProcess()))

@@ -10,7 +10,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import RecordedTable, table_of
 from quickreturn.cases.uncertainty.calibration import calibrate
-from quickreturn.cases.uncertainty.covariance import covariance, smooth_part, untold
+from quickreturn.cases.uncertainty.covariance import covariance, smooth_part, undetermined
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
@@ -114,7 +114,7 @@ def test_what_a_table_cannot_tell_is_named() -> None:
 def test_parameters_that_do_the_same_are_not_told_apart() -> None:
     course = np.sin(np.linspace(0.0, 30.0, 500))
     sensitivities = np.stack([course, 2.0 * course, np.cos(3.0 * course)], axis=-1)[None]
-    (direction,) = untold(sensitivities, np.diag([1e-6, 1e-6, 1e-6]))
+    (direction,) = undetermined(sensitivities, np.diag([1e-6, 1e-6, 1e-6]))
     # what twice the second does undoes the first
     assert np.allclose(np.abs(direction), np.array([2.0, 1.0, 0.0]) / np.sqrt(5.0), atol=1e-9)
     assert direction[0] * direction[1] < 0.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.copies import as_written
+from quickreturn.cases.copies import written_document
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.reading import case_of
 from quickreturn.cases.uncertainty.parameters import Parameter, distribution, overrides
@@ -59,8 +59,8 @@ def test_what_is_no_distribution_gets_one_sentence(text: object, told: str) -> N
 def test_one_place_of_a_list_changes_and_the_others_stay() -> None:
     along, across = (Parameter.of_key(f"mechanism.gravity[{place}]", "test") for place in (1, 2))
     scene = CASE.with_({"mechanism.gravity": '["1 m/s^2", "2 m/s^2"]'}).mechanism
-    one = case_of(as_written(CASE).overridden_by(overrides(scene, {across: 3.0}))).mechanism
+    one = case_of(written_document(CASE).overridden_by(overrides(scene, {across: 3.0}))).mechanism
     assert one.gravity == (1.0, 3.0)
-    both = case_of(as_written(CASE).overridden_by(overrides(scene, {along: 4.0, across: 3.0, MASS: 0.1}))).mechanism
+    both = case_of(written_document(CASE).overridden_by(overrides(scene, {along: 4.0, across: 3.0, MASS: 0.1}))).mechanism
     assert (both.gravity, both.slider.mass) == ((4.0, 3.0), 0.1)
     assert math.isclose(across.of(scene), 2.0)

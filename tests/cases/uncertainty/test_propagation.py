@@ -5,10 +5,10 @@ import pytest
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.sweep.rows import Asked
+from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.uncertainty.propagation import Points, Scatter, planned, quantiles
 
-ASKED = Asked(measures=("peak.strain_2",), claims=False)
+ASKED = MeasureRequest(measures=("peak.strain_2",), claims=False)
 UNCERTAIN = {"slider.mass": "uniform 1 kg .. 3 kg", "tip.center_of_mass": "uniform 0 in .. 0.5 in"}
 
 

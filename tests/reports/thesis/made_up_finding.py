@@ -1,7 +1,7 @@
 """A made-up study of what the thesis' finding comes from: every effect, with a known share in each half."""
 
 from quickreturn.cases.thesis.finding.effects import PUBLISHED, effects
-from quickreturn.cases.thesis.finding.study import CONFIRMED_RUNS, OF_JOINT, SECOND, Row
+from quickreturn.cases.thesis.finding.study import CONFIRMED_RUNS, JOINT_EFFECTS, SECOND, Row
 from quickreturn.cases.thesis.runs import RUNS
 
 #: Change of the frequency before and after the return at the strongest, %; of other effects none.
@@ -25,7 +25,7 @@ def made_up_finding() -> list[Row]:
         strongest = CHANGES.get(effect.id, (0.0, 0.0))
         for place, words in enumerate(effect.words, start=1):
             rows.append(_row(effect.id, words, effect.engine, (strongest[0] * place / 3.0, strongest[1] * place / 3.0), claimed=place == 2))
-    second = [row for row in rows if row.claim and row.effect in OF_JOINT]
+    second = [row for row in rows if row.claim and row.effect in JOINT_EFFECTS]
     changes = [(100.0 * row.changes("pre_frequency")[24], 100.0 * row.changes("post_frequency")[24] + 0.1) for row in second]
     return rows + [_row(row.effect, row.strength, SECOND, change) for row, change in zip(second, changes, strict=True)]
 

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import HALVES, CaseResult, compare
+from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.runs.estimates import EstimatedConsensus
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis.experiment import statements
