@@ -25,14 +25,20 @@ Array = NDArray[np.float64]
 
 
 def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
-    """Draw columns over time, a panel for each; without any, those of `USUAL` that exist. UnknownColumn: no trajectory has it.
+    """Draw columns over time, a panel for each.
 
-    `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
+    Args:
+        trajectories: label -> column -> values; a label that is an engine's name gives the line that engine's look.
+        columns: names of columns; empty: those of `USUAL` that exist.
+        title: text above the panels.
+
+    Raises:
+        UnknownColumn: no trajectory has a column of that name, or any of `USUAL`.
     """
-    there = {name: None for trajectory in trajectories.values() for name in trajectory}
-    chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]
+    available = {name: None for trajectory in trajectories.values() for name in trajectory}
+    chosen = [known_column(name, available) for name in columns] or [name for name in USUAL if name in available]
     if not chosen:
-        raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in there if name != 'time')}")
+        raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in available if name != 'time')}")
     figure = new_figure(0.8 + PANEL * len(chosen), WIDE)
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, chosen, strict=True):
@@ -43,7 +49,7 @@ def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[st
 
 
 def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
-    """Draw the last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
+    """Draw cycles (case -> label -> column -> values) over the crank angle: a row for each case, in it a panel for each column."""
     figure = new_figure(0.8 + PANEL * len(cycles), max(WIDE, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
     for row, (case, runs) in zip(grid, cycles.items(), strict=True):

@@ -31,20 +31,20 @@ class Content:
     Attributes:
         results: the cases, at least one.
         studies: results of the studies; None if their cases are not all among the results.
-        benchmarks: those of the scenes on which methods are compared, as far as they exist.
+        benchmarks: measurements of the scenes on which methods are compared, as far as they exist.
         compiling: times to compile engines, if they were measured.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
-        verification: results of the long verification, if there are any.
+        verification: results of the long verification, or why there are none.
         conformance: engine -> verdict on whether it does what it says, if that was tested.
-        facts: facts about the machine.
+        facts: name -> fact about the computer, its software and the date.
         code: fingerprint of the code that computed the results.
         notices: sentences of the store on damaged entries.
         around: the resonance curves of the user's own machines, around their speeds.
     """
 
-    chapters: ClassVar[Chapters] = {}  # those of the page, in their order; none: `chapters.CHAPTERS`
+    chapters: ClassVar[Chapters] = {}  # those of the page, in their order; empty: `chapters.CHAPTERS`
     templates: ClassVar[tuple[str, ...]] = ()  # packages with templates of these chapters
     is_own: ClassVar[bool] = True  # whether the report is about the user's own machines
 
@@ -64,12 +64,16 @@ class Content:
 
     @classmethod
     def recordings(cls) -> list[RecordedTable]:
-        """Recorded tables that belong to the subject. CaseError: one cannot be read."""
+        """Recorded tables that belong to the subject.
+
+        Raises:
+            CaseError: a table cannot be read.
+        """
         return []
 
     @classmethod
     def further(cls, results: Sequence[CaseResult], workshop: Workshop) -> tuple[dict[str, Any], list[str]]:
-        """Further fields, computed from the results, and sentences on what could not be computed."""
+        """Values of a subclass's own fields, computed from the results, and sentences on what could not be computed."""
         return {}, []
 
     @property
@@ -84,7 +88,7 @@ class Content:
 
     @property
     def general_notes(self) -> frozenset[str]:
-        """Notes on cases that a chapter of its own treats."""
+        """Notes on cases that the page leaves out of its sections on single cases, because another chapter gives them."""
         return frozenset()
 
     @cached_property
