@@ -7,7 +7,7 @@ light and a dark ground; names are written in the colour of text.
 """
 
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -113,12 +113,6 @@ def looks(names: Iterable[str]) -> dict[str, Look]:
     project_looks = ENGINES | SIGNALS | EFFECTS | RESONANCE
     chosen = {name: project_looks[name] for name in wanted if name in project_looks}
     for name in sorted(set(wanted) - set(chosen)):
-        taken = list(chosen.values())
-        chosen[name] = min(_in_turn(name), key=taken.count)
+        taken, first = list(chosen.values()), zlib.crc32(name.encode()) % len(_OTHERS)
+        chosen[name] = min(_OTHERS[first:] + _OTHERS[:first], key=taken.count)
     return {name: chosen[name] for name in wanted}
-
-
-def _in_turn(name: str) -> Iterator[Look]:
-    """The looks for unknown names, beginning with the one that the name's checksum chooses."""
-    first = zlib.crc32(name.encode())
-    return (_OTHERS[(first + k) % len(_OTHERS)] for k in range(len(_OTHERS)))

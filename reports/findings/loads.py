@@ -1,6 +1,5 @@
 """Loads on the parts of a machine, by each engine on each case, and by the leading engine."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -69,11 +68,6 @@ def leading_loads(result: "CaseResult") -> CaseLoads:
         if loads is not None and loads.stress is not None:
             return CaseLoads(result.case, {name: loads})
     return CaseLoads(result.case, {})
-
-
-def loads_of_cases(results: "Sequence[CaseResult]") -> list[CaseLoads]:
-    """The loads of several cases."""
-    return [loads_of_case(result) for result in results]
 
 
 def verdict(loads: Loads) -> str:

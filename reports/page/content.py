@@ -11,10 +11,10 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import Matrix
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import Studies
-from quickreturn.reports.findings.failures import troubles
-from quickreturn.reports.findings.loads import CaseLoads, loads_of_cases
+from quickreturn.reports.findings.loads import CaseLoads, loads_of_case
 from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.findings.resonance import Around
 from quickreturn.reports.long_studies import About
@@ -94,7 +94,7 @@ class Content:
     @cached_property
     def loads(self) -> list[CaseLoads]:
         """Loads on the parts of the user's own machines."""
-        return loads_of_cases(self.results) if self.is_own else []
+        return [loads_of_case(result) for result in self.results] if self.is_own else []
 
     @property
     def comparisons(self) -> list[MeasuredHalf]:
@@ -104,4 +104,4 @@ class Content:
     @property
     def troubles(self) -> list[tuple[str, Run]]:
         """Runs that are not simply settled, each with the name of its case."""
-        return troubles(self.results)
+        return [(result.case.name, run) for result in self.results for run in result.runs.values() if run.status != Ending.SETTLED]

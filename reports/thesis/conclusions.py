@@ -104,7 +104,7 @@ def _first_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conc
     run = thesis_runs(basis.results).get(statement.runs[0])
     reference = run.runs.get(REFERENCE) if run else None
     means = [reference.consensus_frequency(half) for half in HALVES] if reference is not None and reference.usable else []
-    return _conclude("first_mode", statement, outcome, found=first, overlap=overlap, means=[mean for mean in means if mean is not None])
+    return _conclude("first_mode", statement, outcome, first=first, overlap=overlap, means=[mean for mean in means if mean is not None])
 
 
 def _second_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:

@@ -138,5 +138,5 @@ def _ranges(ratios: Mapping[str, Sequence[float]]) -> dict[str, list[str]]:
 
 def inconsistencies_found(content: "ThesisContent") -> dict[str, Any]:
     """The facts for `chapters/inconsistencies.html`."""
-    found = inconsistencies()
-    return {"found": found, "table": experiment_tables.inconsistencies(found)}
+    rows = inconsistencies()
+    return {"inconsistencies": rows, "table": experiment_tables.inconsistencies(rows)}

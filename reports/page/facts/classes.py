@@ -14,7 +14,7 @@ from quickreturn.reports.words import percent
 
 
 def classes(content: Content) -> dict[str, Any] | None:
-    """The facts; None if no map was recorded."""
+    """The facts for `chapters/classes.html`; None if no map was recorded."""
     class_map = content.classes
     if not class_map.scenes:
         return None

@@ -45,7 +45,7 @@ def methods(content: Content) -> dict[str, Any] | None:
         "unwon": len(contests) - sum(firsts.values()),
         "soonest": soonest,
         "own": any(is_own(point.engine) for point in first.points if point.method == winner),
-        "waiting": _waiting(first, LEVELS[1], winner),
+        "waiting": fastest_at(first.points, LEVELS[1]).get(winner, (None, None))[1],
         "compiling": next((each for each in content.compiling if each.engine == winner), None),
         "levels": [contest(first, level) for level in LEVELS],
         "missing": [name for name in SCENES if name not in {benchmark.case for benchmark in benchmarks}],
@@ -75,12 +75,6 @@ def _won(orders: Iterable[Sequence[str]]) -> dict[str, int]:
     """
     counts = Counter(order[0] for order in orders if order)
     return dict(counts.most_common())
-
-
-def _waiting(benchmark: Benchmark, level: float, method: str) -> Measured | None:
-    """Measurements of a method's fastest settings to an error."""
-    fastest = fastest_at(benchmark.points, level).get(method)
-    return fastest[1] if fastest else None
 
 
 def _models(benchmarks: Sequence[Benchmark]) -> dict[str, dict[str, float]]:

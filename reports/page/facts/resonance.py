@@ -14,7 +14,7 @@ _RPM: Final = per_unit("rpm")
 
 
 def resonance(content: Content) -> dict[str, Any] | None:
-    """The facts; None for a report on the thesis' runs."""
+    """The facts for `chapters/resonance.html`; None for a report on the thesis' runs."""
     if not content.around:
         return None
     return {

@@ -19,7 +19,7 @@ from quickreturn.reports.words import size
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:
-    """The facts; None for a report on other cases than the thesis' runs without a directly found steady state."""
+    """The facts for `chapters/accuracy.html`; None without studies and without a steady state that was found directly."""
     studies = content.studies
     marching = [name for name in engines_of(content.results) if name != REFERENCE]
     orbit_table = orbits(content.results, marching)
