@@ -36,10 +36,7 @@ ANY_ENGINE: Final = "engine"
 
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
-    """The outcome of each job, in a process of its own; `limits`: time and memory, None: `cases.jobs.job.default_limits`.
-
-    The processes have the modules `DESCRIBING`, unless `cases.jobs.fork_server.get_ready` has already preloaded others.
-    """
+    """The outcome of each job; `limits` None: the default ones. Jobs preload `DESCRIBING` unless `get_ready` has chosen other modules."""
     return answers(LocalProcesses(limits=limits, preload=DESCRIBING, quiet=quiet), jobs, title)
 
 

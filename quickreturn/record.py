@@ -19,7 +19,7 @@ from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.key import LIBRARIES, code_fingerprint
 from quickreturn.cases.jobs.store import Store, write_atomically
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.judging.matrix import Matrix, judge_scenes
+from quickreturn.cases.judging.matrix import judge_scenes
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.studies import confirming
@@ -65,7 +65,9 @@ def _hard_scenes(workshop: Workshop) -> str:
     matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop)
     if not matrix.cells:
         return ""
-    _write_matrix(matrix)
+    _write("hard_scenes", [matrix.cells[case.name, name] for case in matrix.cases for name in MAIN if (case.name, name) in matrix.cells])
+    conditionings = [(case.name, matrix.conditionings[case.name]) for case in matrix.cases if case.name in matrix.conditionings]
+    _write("hard_scenes_conditioning", [ConditioningRow(name, matrix.converged.get(name), each) for name, each in conditionings])
     return f"{len(matrix.cells)} cells of the hard scenes"
 
 
@@ -115,12 +117,6 @@ def _write_benchmarks(benchmarks: Sequence[Benchmark]) -> None:
             points.append(PointRow(benchmark.case, dataclasses.replace(point, measured=measured)))
     _write("benchmark", points)
     _write("benchmark_scenes", [dataclasses.replace(benchmark, points=()) for benchmark in benchmarks])
-
-
-def _write_matrix(matrix: Matrix) -> None:
-    _write("hard_scenes", [matrix.cells[case.name, name] for case in matrix.cases for name in MAIN if (case.name, name) in matrix.cells])
-    conditionings = [(case.name, matrix.conditionings[case.name]) for case in matrix.cases if case.name in matrix.conditionings]
-    _write("hard_scenes_conditioning", [ConditioningRow(name, matrix.converged.get(name), each) for name, each in conditionings])
 
 
 def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:

@@ -14,11 +14,7 @@ from quickreturn.commands import options
 @options.tag
 @options.engines_for(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
 @click.option(
-    "--column",
-    "columns",
-    metavar="NAME",
-    multiple=True,
-    help="Column to show; may be given again. Default: tip_deflection, tip_acceleration, strain_2, slider_force.",
+    "--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four, such as strain_2."
 )
 @options.duration
 @options.accuracy

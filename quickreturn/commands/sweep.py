@@ -28,9 +28,7 @@ class _WithMeasures(click.Command):
 
 @click.command(name="sweep", cls=_WithMeasures)
 @options.case
-@options.several(
-    "--vary", "axes", metavar="AXIS", required=True, help="Key and values: KEY = a .. b : n, KEY = log a .. b : n, or KEY = a; b; c."
-)
+@options.several("--vary", "axes", metavar="AXIS", required=True, help="Key and values: KEY = a .. b : n, log a .. b : n, or a; b; c.")
 @options.several("--measure", "measures", metavar="NAME", help="What to measure; default: peak.tip_acceleration and multiplier.")
 @options.engines
 @options.accuracy

@@ -7,13 +7,12 @@ from typing import Final
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from numpy.typing import NDArray
 from PIL import Image
 
 from quickreturn.cases.case import Case
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports.drawing.mechanism import Positions, Scenery, factor_for, legend, positions_of
-from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, new_figure
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, new_figure
 
 FRAMES: Final = 72  # pictures in a turn
 WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
@@ -51,7 +50,7 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
     return file.getvalue()
 
 
-def last_turn(trajectory: Trajectory) -> NDArray[np.float64]:
+def last_turn(trajectory: Trajectory) -> Array:
     """`FRAMES` + 1 evenly spaced times (s) over the last whole turn of the crank, or over the trajectory if it has none."""
     time, end = trajectory["time"], float(trajectory["time"][-1])
     angle = trajectory.columns.get("crank_angle")

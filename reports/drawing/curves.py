@@ -5,12 +5,11 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from quickreturn.cases.columns import UnknownColumn, known_column
 from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Drawing, look, new_figure, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, Drawing, look, new_figure, tidy
 
 #: Columns that are drawn if the caller names none.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
@@ -19,9 +18,6 @@ WIDE: Final = 8.0  # in, of several panels
 PANEL: Final = 1.9  # in, height
 #: Unit -> the unit in a picture, and the divisor that converts a value to it.
 _SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
-
-
-Array = NDArray[np.float64]
 
 
 def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:

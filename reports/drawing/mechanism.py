@@ -8,7 +8,6 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case import Case
@@ -18,10 +17,8 @@ from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reports.drawing.curves import WIDE
-from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Drawing, look, new_figure
+from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Array, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text
-
-Array = NDArray[np.float64]
 
 SHOWN: Final = 0.15  # of the follower's length, largest magnified deflection
 STRAIGHT: Final = 1e-6  # of the follower's length, deflection below which the follower counts as straight

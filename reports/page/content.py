@@ -64,11 +64,7 @@ class Content:
 
     @classmethod
     def recordings(cls) -> list[RecordedTable]:
-        """Recorded tables that belong to the subject.
-
-        Raises:
-            CaseError: a table cannot be read.
-        """
+        """Recorded tables that belong to the subject. CaseError: one cannot be read."""
         return []
 
     @classmethod

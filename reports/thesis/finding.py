@@ -118,10 +118,7 @@ def _plot(rows: Sequence[Row]) -> Plot:
 
 
 def _asked(simulation: float) -> list[tuple[float, float]]:
-    """Corners of the region, %, in which the words place the experiment; it is open below.
-
-    `simulation` is the simulated frequency before the return over that of the machine as published.
-    """
+    """Corners of the region, %, where the words place the experiment, open below; `simulation`: its frequency over the converged one."""
     ends = [simulation / ratio for ratio in (PRE.high, PRE.low)]
     corners = [(end, end / EXCESS) for end in ends] + [(end, end / EXCESS - DEPTH) for end in reversed(ends)]
     return [(100.0 * (x - 1.0), 100.0 * (y - 1.0)) for x, y in corners]

@@ -8,7 +8,7 @@ from quickreturn.cases.benchmark import SCENES, Benchmark, fastest_at, observed_
 from quickreturn.cases.benchmark.findings import LEVELS, Measured, completed, soonest_at
 from quickreturn.cases.benchmark.truth import CONFIRMED
 from quickreturn.cases.judging.conditioning import CHANGE, ILL
-from quickreturn.cases.judging.matrix import REQUESTED, Matrix
+from quickreturn.cases.judging.matrix import REQUESTED
 from quickreturn.cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
 from quickreturn.cases.library.hard import IMPOSSIBLE
 from quickreturn.engines.registry import MODEL, engine
@@ -69,10 +69,7 @@ def methods(content: Content) -> dict[str, Any] | None:
 
 
 def _won(orders: Iterable[Sequence[str]]) -> dict[str, int]:
-    """Method -> number of contests that it wins, the most frequent winner first.
-
-    `orders` ranks the methods of each contest, the fastest first.
-    """
+    """Method -> number of contests that it wins, the most frequent winner first; each of `orders` ranks the methods of a contest."""
     counts = Counter(order[0] for order in orders if order)
     return dict(counts.most_common())
 
@@ -140,7 +137,7 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
         "of_record": content.of_record.get("hard scenes"),
         "kinds": {kind: kinds[kind] for kind in MEANINGS if kinds[kind]},
         "own_equations": OWN_EQUATIONS,
-        "off": _model_errors(matrix),
+        "off": [cell.model_error for cell in matrix.cells.values() if cell.kind == OWN_EQUATIONS and cell.model_error is not None],
         "requested": REQUESTED,
         "checked": len(checked),
         "checked_own": sum(cell.of_own_equations for cell in checked),
@@ -155,8 +152,3 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
         "conditioning": hard_tables.conditioning(matrix),
         "cells": hard_tables.cells(matrix),
     }
-
-
-def _model_errors(matrix: Matrix) -> list[float]:
-    """Known errors of the models in cells that solve only their own equations."""
-    return [cell.model_error for cell in matrix.cells.values() if cell.kind == OWN_EQUATIONS and cell.model_error is not None]
