@@ -167,8 +167,8 @@ class Scenery:
             sides = {"crank": beside_crank if beside_crank @ away > 0.0 else -beside_crank, "slider": -away}
             for name, side in sides.items():
                 self._names[name].xyann = tuple(side * BESIDE)
-        for name, text in self._names.items():
-            text.xy = (float(where[name][0]), float(where[name][1]))
+        for name, annotation in self._names.items():
+            annotation.xy = (float(where[name][0]), float(where[name][1]))
         self._said.set_text(text)
 
 
