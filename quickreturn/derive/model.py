@@ -180,7 +180,7 @@ class Model:
 
     def refuse_unknown(self, names: Iterable[str], what: str, known: Iterable[str]) -> None:
         """Raise DescriptionError for an unknown name; the message lists the known ones."""
-        there = list(known)
+        accepted = list(known)
         for name in names:
-            if name not in there:
-                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(there)}")
+            if name not in accepted:
+                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(accepted)}")

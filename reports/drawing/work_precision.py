@@ -50,8 +50,8 @@ def draw(table: Benchmark) -> Figure:
 
 def _places(points: Sequence[Point], column: str) -> tuple[list[float], list[float]]:
     """Solve times in s and errors in percent of those points whose error is known."""
-    known = [(measured.solve_seconds, 100.0 * error) for point, measured in completed(points) if (error := point.error(column))]
-    return [x for x, _ in known], [y for _, y in known]
+    places = [(measured.solve_seconds, 100.0 * error) for point, measured in completed(points) if (error := point.error(column))]
+    return [x for x, _ in places], [y for _, y in places]
 
 
 def _look(point: Point) -> dict[str, Any]:

@@ -63,7 +63,7 @@ def troubles(runs: Sequence[tuple[str, Run]]) -> Table:
 
 def catalogue(tables: Sequence[Table], about: Mapping[str, Any]) -> Table:
     """All CSV files beside the page."""
-    found = Table("tables", ("file", Column("rows", form="d"), "what", *(Column(key, in_page=False) for key in about)))
+    catalogue_table = Table("tables", ("file", Column("rows", form="d"), "what", *(Column(key, in_page=False) for key in about)))
     for table in tables:
-        found.add(file=table.file, rows=len(table.rows), what=table.caption, **about)
-    return found
+        catalogue_table.add(file=table.file, rows=len(table.rows), what=table.caption, **about)
+    return catalogue_table

@@ -32,7 +32,7 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
     pairs = [(mine, its) for its in second for mine in rows if (mine.effect, mine.strength) == (its.effect, its.strength)]
     if not sets:
         return {"splitting": [], "effects_plot": None}
-    found = sufficiency(sets)
+    verdicts = sufficiency(sets)
     symmetric = {effect.id for effect in effects() if effect.symmetric}
     moved = {(row.effect, row.strength): gap for row in rows if (gap := row.apart) is not None}
     splitting = splits(rows)
@@ -41,8 +41,8 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
         "only_one_sided": all(each.one_sided for each in splitting),
         "symmetric": any(row.tells_halves_apart for row in rows if row.effect in symmetric),
         "against": max((gap, name_of(effect), strength) for (effect, strength), gap in moved.items() if effect in FRICTION),
-        "nothing": [each.statement.words for each in found if not each.sets and each.statement.id not in OF_NO_JOINT],
-        "conflicting": conflicting(found, "post-excess"),
+        "nothing": [each.statement.words for each in verdicts if not each.sets and each.statement.id not in OF_NO_JOINT],
+        "conflicting": conflicting(verdicts, "post-excess"),
         "sets": len(sets),
         "runs": min(row.runs for row in rows),
         "choices": sorted({len(each.choices) for each in sets}),
@@ -53,7 +53,7 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
         "effects_plot": _plot(rows),
         "effects": tables.effects(rows),
         "second": tables.second(pairs),
-        "sufficient": tables.statements(found, len(sets), OF_NO_JOINT),
+        "sufficient": tables.statements(verdicts, len(sets), OF_NO_JOINT),
         "all_sets": tables.sets(sets),
     }
 

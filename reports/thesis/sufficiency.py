@@ -96,8 +96,8 @@ def sufficiency(sets: Sequence[Trial]) -> list[Sufficiency]:
     verdicts = []
     for statement in statements():
         shown = [trial for trial in sets if trial.shown.get(statement.id)]
-        known = [trial for trial in sets if trial.shares.get(statement.id) is not None]
-        best = max(known, key=lambda trial: trial.shares[statement.id] or 0.0, default=None)
+        judged = [trial for trial in sets if trial.shares.get(statement.id) is not None]
+        best = max(judged, key=lambda trial: trial.shares[statement.id] or 0.0, default=None)
         verdicts.append(Sufficiency(statement, shown, min((len(trial.choices) for trial in shown), default=None), best))
     return verdicts
 
