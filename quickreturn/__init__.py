@@ -1,4 +1,4 @@
-"""Flexible-multibody engines on a quick-return mechanism, in three lines of Python.
+"""Flexible-multibody engines on a quick-return mechanism.
 
     import quickreturn as qr
     case = qr.case("thesis-24", {"crank.length": "5 in"})
@@ -79,7 +79,7 @@ __all__ = [
     "uncertainty",
 ]
 
-#: Module -> the names that are taken from it.
+#: Module -> the names that this one imports from it.
 _HOMES: Final = {
     "quickreturn.cases.case": ("Case",),
     "quickreturn.cases.columns": ("UnknownColumn",),

@@ -1,4 +1,4 @@
-"""Where a machine lies on the map of classes, and which method the map advises."""
+"""Where a machine lies on the recorded map of methods over classes of machines, and which methods are fastest there."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -68,35 +68,35 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
     """
     from quickreturn.reports.long_studies import class_map
 
-    chosen, wanted, known = one_case(case), checked(accuracy) or LEVELS[0], class_map()
+    chosen, error, recorded_map = one_case(case), checked(accuracy) or LEVELS[0], class_map()
     groups = groups_of(chosen.mechanism)
     if groups is None:
         problem = "a follower that cannot bend, or a crank that stands still, has no place on the map of classes"
         raise CaseError(chosen.name, None, None, problem, "a finite follower.bending_stiffness and a crank that turns")
-    if not known.scenes:
+    if not recorded_map.scenes:
         raise CaseError(chosen.name, None, None, "the map of classes has not been recorded", "python -m quickreturn.record classes")
-    return _advice(chosen, groups, wanted, known)
+    return _advice(chosen, groups, error, recorded_map)
 
 
-def _advice(case: Case, groups: Groups, accuracy: float, known: Map) -> Advice:
+def _advice(case: Case, groups: Groups, accuracy: float, class_map: Map) -> Advice:
     level = max((each for each in LEVELS if each <= accuracy), default=LEVELS[-1])
-    scene, steps = known.nearest(groups)
-    reaches = tuple(_held_against(case, reach) for reach in known.at(scene, level))
+    scene, steps = class_map.nearest(groups)
+    reaches = tuple(_for_machine(case, reach) for reach in class_map.at(scene, level))
     able = {reach.engine for reach in reaches if reach.status != REFUSED}
-    takers = {by: [name for name in known.ranked(scene, level, by) if name in able] for by in TIMES}
+    methods = {by: [name for name in class_map.ranked(scene, level, by) if name in able] for by in TIMES}
     outside = [
         f"{MEANINGS[name]} is {getattr(groups, name):.3g}, the map has {low:g} to {high:g}"
-        for name, (low, high) in known.outside(groups).items()
+        for name, (low, high) in class_map.outside(groups).items()
     ]
     if accuracy < level:
         outside.append(f"an error of {100.0 * accuracy:g} % is asked for, the tightest of the map is {100.0 * level:g} %")
     outside += off_the_map(case.mechanism)
-    use = {by: names[0] for by, names in takers.items() if names}
+    use = {by: names[0] for by, names in methods.items() if names}
     return Advice(case.name, groups, accuracy, level, scene.name, steps, scene.difference, tuple(outside), use, reaches)
 
 
-def _held_against(case: Case, reach: Reach) -> Reach:
-    """What an engine reached in a scene of the map; `REFUSED` if it refuses this machine."""
+def _for_machine(case: Case, reach: Reach) -> Reach:
+    """What an engine reached in a scene of the map, with the status `REFUSED` if it refuses this machine, and only then."""
     try:
         engine(reach.engine).check(case.mechanism)
     except Refusal as refusal:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from quickreturn.cases.jobs.job import Limits
     from quickreturn.cases.uncertainty.propagation import Scatter
 
-#: Keys of a study file: kind and example.
+#: Key of a study file -> its type, and an example.
 KEYS: Final[Mapping[str, tuple[type, str]]] = {
     "case": (str, '"thesis-24"'),
     "measures": (list, '["post.frequency"]'),
@@ -38,7 +38,7 @@ def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limi
             standard start or shows the steady state.
         free: keys of a case file, each alone, or with a range in which it lies: "tip.center_of_mass = 0 in .. 0.5 in".
         limits: time and memory limits of the process that computes; None: the default ones.
-        quiet: whether nothing is told on standard error.
+        quiet: whether progress on standard error is left out.
 
     Raises:
         CaseError: an invalid case, table or key.
@@ -73,7 +73,7 @@ def uncertainty(
         claims: whether every number gets the simulation's error estimate, which takes about twice as long.
         accuracy: error of the tip deflection to ask for; None: the engine's default.
         jobs: processes at a time; None: one per core.
-        quiet: whether nothing is told on standard error.
+        quiet: whether progress on standard error is left out.
 
     Returns:
         Points, which print as a summary, with `quantiles(measure)`, `shares(measure)` (Sobol' indices) and `surrogate(measure)`.
@@ -92,8 +92,8 @@ def uncertainty(
         case, measures, distributions = case or study["case"], measures or study["measures"], study["uncertain"]
     if case is None or not measures:
         raise CaseError(source, "measures" if case else "case", None, "is missing", 'give one, such as "post.frequency" or "thesis-24"')
-    asked = MeasureRequest(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
-    return planned(one_case(case), distributions, asked, samples, source).scatter(opened(jobs, quiet))
+    request = MeasureRequest(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
+    return planned(one_case(case), distributions, request, samples, source).scatter(opened(jobs, quiet))
 
 
 def _study_file(path: str) -> dict[str, Any]:

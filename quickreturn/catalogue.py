@@ -3,6 +3,7 @@
 import fnmatch
 import glob
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -31,10 +32,10 @@ class Listing(Shown, tuple[T, ...]):
 
     @classmethod
     def of(cls, things: Iterable[T], **columns: Callable[[T], str]) -> "Listing[T]":
-        """`columns`: head -> the text of a row in that column."""
-        found = cls(things)
-        found.columns = columns
-        return found
+        """A list of things; `columns`: heading -> function that gives a thing's text in that column."""
+        listing = cls(things)
+        listing.columns = columns
+        return listing
 
     def _parts(self) -> Iterator[Cell]:
         yield Rows([[text(each) for text in self.columns.values()] for each in self], list(self.columns))
@@ -81,9 +82,9 @@ def _name(given: str | os.PathLike[str] | CatalogueLine) -> str:
 
 def list_cases(tag: str | None = None) -> Listing[CatalogueLine]:
     """The cases of the library, or those with a tag. CaseError: no case has this tag."""
-    known = {each for line in catalogue() for each in line.tags}
-    if tag is not None and tag not in known:
-        raise CaseError(f"tag {as_written(tag)}", None, None, "no case has this tag", f"accepted: {', '.join(sorted(known))}")
+    tags = {name for line in catalogue() for name in line.tags}
+    if tag is not None and tag not in tags:
+        raise CaseError(f"tag {as_written(tag)}", None, None, "no case has this tag", f"accepted: {', '.join(sorted(tags))}")
     return Listing.of(catalogue(tag), NAME=lambda line: line.name, TAGS=lambda line: ", ".join(line.tags), TITLE=lambda line: line.title)
 
 
@@ -105,10 +106,10 @@ def matching(name: str) -> Sequence[str]:
     """Cases of the library, or else files, that match a name with *, ? or [...] (CaseError: none does); any other name for itself."""
     if not glob.has_magic(name) or os.path.lexists(name):
         return (name,)
-    found = fnmatch.filter(case_names(), name) or sorted(path for path in glob.glob(name) if path.endswith(".toml"))
-    if not found:
+    matches = fnmatch.filter(case_names(), name) or sorted(path for path in glob.glob(name) if path.endswith(".toml"))
+    if not matches:
         raise CaseError(as_written(name), None, None, "no case of the library and no case file matches", "such as thesis-2* or my/*.toml")
-    return found
+    return matches
 
 
 def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = load_case) -> list[Case]:
@@ -116,15 +117,15 @@ def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = loa
 
     CaseError: see `load` and `matching`; none is given; or two have the same name, so that their results could not be distinguished.
     """
-    each = [found for one in _several(names) for found in ([one] if isinstance(one, Case) else matching(_name(one)))]
-    chosen = [one if isinstance(one, Case) else load(one) for one in dict.fromkeys(each)]
-    if not chosen:
+    singles = [single for given in _several(names) for single in ([given] if isinstance(given, Case) else matching(_name(given)))]
+    cases = [single if isinstance(single, Case) else load(single) for single in dict.fromkeys(singles)]
+    if not cases:
         raise CaseError("cases", None, None, "none is given", 'give one, such as "thesis-24"')
-    called = [one.name for one in chosen]
-    for one in called:
-        if called.count(one) > 1:
-            raise CaseError(one, None, None, "two cases have this name", "give each a name of its own: case.with_(..., name=...)")
-    return chosen
+    counts = Counter(case.name for case in cases)
+    for name, count in counts.items():
+        if count > 1:
+            raise CaseError(name, None, None, "two cases have this name", "give each a name of its own: case.with_(..., name=...)")
+    return cases
 
 
 def _several(given: Any) -> list[Any]:
@@ -150,7 +151,7 @@ def prepared(
     """Names of engines, settings of each as texts, and recorded tables by case, all checked before anything runs.
 
     Args:
-        cases: that they run on.
+        cases: the cases on which the engines run.
         engines: with paths of recorded tables among them; the four main engines where no engine is among them.
         settings: see `questions.settings_of`.
 
@@ -163,10 +164,10 @@ def prepared(
     from quickreturn.engines.registry import MAIN, engine
     from quickreturn.questions import check_settings, settings_of
 
-    _ = [case.mechanism for case in cases]
-    each = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in _several(engines)]
-    paths = list(dict.fromkeys(one for one in each if isinstance(one, str) and is_table(one)))
-    names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in each if one not in paths) or MAIN)
+    _ = [case.mechanism for case in cases]  # raises CaseError for a follower alone
+    given = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in _several(engines)]
+    paths = list(dict.fromkeys(one for one in given if isinstance(one, str) and is_table(one)))
+    names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in given if one not in paths) or MAIN)
     for name in names:
         engine(name)
     texts = settings_of(settings, names)

@@ -96,7 +96,7 @@ def quickreturn() -> None:
 
     A CASE is the name of a library case, a pattern such as 'thesis-2*', or the path of a case file.
 
-    Completion for bash: eval "$(_QUICKRETURN_COMPLETE=bash_source quickreturn)"; zsh_source and fish_source do it for these.
+    Completion for bash: eval "$(_QUICKRETURN_COMPLETE=bash_source quickreturn)"; for zsh and fish write zsh_source and fish_source.
     """
 
 

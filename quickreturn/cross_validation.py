@@ -27,16 +27,16 @@ if TYPE_CHECKING:
     from quickreturn.catalogue import AnyEngineOrTable
     from quickreturn.reports.drawing.style import Drawing
 
-#: Fields of a measure, in the order of the table.
+#: Numbers of a measure, as columns of `CrossValidation.frame`.
 _NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
 
 
 class CrossValidation(Shown):
     """Results of some engines on some cases.
 
-    `passed` says whether all is well, `departures` where it is not:
+    `passed` says whether all engines delivered and agree within their claims, `departures` where they disagree:
 
-        assert found.passed, found.departures
+        assert results.passed, results.departures
 
     Attributes:
         results: for each case its runs by engine, the comparisons (`checks`), and the verdict.
@@ -59,8 +59,8 @@ class CrossValidation(Shown):
         Each has the measured quantity (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
         `its`, with `value`, `estimate` and `uncertainty`. Empty if no engine departs; `passed` is None if none could be judged.
         """
-        found = {result.case.name: result.with_tables.departures for result in self.results}
-        return {(case, *pair): checks for case, pairs in found.items() for pair, checks in pairs.items()}
+        by_case = {result.case.name: result.with_tables.departures for result in self.results}
+        return {(case, *pair): checks for case, pairs in by_case.items() for pair, checks in pairs.items()}
 
     def __getitem__(self, place: tuple[str, str]) -> Run:
         """The run of an engine on a case: `runs["thesis-24", "mujoco"]`. LookupError: there is none."""
@@ -68,9 +68,9 @@ class CrossValidation(Shown):
             raise LookupError(f'{as_written(place)}: give case and engine, such as ["thesis-24", "mujoco"]')
         case, name = place
         results = {result.case.name: result for result in self.results}
-        for given, known in ((case, results), (name, results[case].runs if case in results else {})):
-            if given not in known:
-                raise LookupError(f"{as_written(given)}: not among these results; {nearest_or_all(given, tuple(known))}")
+        for given, available in ((case, results), (name, results[case].runs if case in results else {})):
+            if given not in available:
+                raise LookupError(f"{as_written(given)}: not among these results; {nearest_or_all(given, tuple(available))}")
         return results[case].runs[name]
 
     def _ipython_key_completions_(self) -> list[tuple[str, str]]:
@@ -99,13 +99,11 @@ class CrossValidation(Shown):
         """Loads on the parts: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
         import pandas as pd
 
-        from quickreturn.reports.findings.loads import loads_of_cases
+        from quickreturn.reports.findings.loads import loads_of_case
         from quickreturn.reports.tables.strength import of_case
 
-        cases = loads_of_cases(self.results)
-        return pd.DataFrame(
-            [{"case": each.case.name, "engine": engine} | vars(number) for each in cases for engine, number in of_case(each)]
-        )
+        rows = [(result.case.name, *row) for result in self.results for row in of_case(loads_of_case(result))]
+        return pd.DataFrame([{"case": case, "engine": engine} | vars(number) for case, engine, number in rows])
 
     def cycle(self, case: str, engine: str) -> "pd.DataFrame":
         """The last cycle of an engine on a case, from the slider's farthest place to the next. LookupError: there is none."""
@@ -202,5 +200,5 @@ def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str
 
 
 def opened(jobs: int | None, quiet: bool) -> Workshop:
-    """The store of results and the processes of this machine. StoreError: see there."""
+    """The store of results with the processes of this machine, `jobs` at a time. StoreError: the folder of results cannot be used."""
     return Workshop(Store(), LocalProcesses(jobs, quiet=quiet))

@@ -34,7 +34,7 @@ def _attributes(solution: "Solution") -> dict[str, str | float]:
     from importlib.metadata import version
 
     result = solution.result
-    known: dict[str, str | float | None] = {
+    attributes: dict[str, str | float | None] = {
         "case": solution.case.name,
         "title": solution.case.title,
         "engine": solution.engine,
@@ -47,4 +47,4 @@ def _attributes(solution: "Solution") -> dict[str, str | float]:
         "remark": result.remark or None,
         "source": f"quickreturn {version('quickreturn')}",
     }
-    return {name: value for name, value in known.items() if value is not None}
+    return {name: value for name, value in attributes.items() if value is not None}

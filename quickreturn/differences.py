@@ -21,7 +21,7 @@ Places = NDArray[np.intp]
 #: A table: a path, a DataFrame or a dictionary of arrays with units in the headings, or a result of `simulate`.
 AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Trajectory | Any
 
-#: Part of a time step: instants that are no farther apart count as the same. Times written with five digits are rounded by less.
+#: Largest distance, over the smaller time step, of instants that count as the same. Times written with five digits are rounded by less.
 _SAME_INSTANT: Final = 1e-2
 
 
@@ -30,8 +30,8 @@ class Differences(Shown, Mapping[str, float]):
 
     Attributes:
         absolute: column -> RMS of the difference, in the column's SI unit.
-        rows: how many rows both have.
-        step: the time between two of them, s.
+        rows: number of rows that both have.
+        step: median time between two of these, s.
     """
 
     def __init__(self, relative: Mapping[str, float], absolute: Mapping[str, float], rows: int, step: float) -> None:
@@ -67,16 +67,16 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
     mine, its = as_table(ours, "ours").columns, as_table(theirs, "theirs").columns
     names = [name for name in COLUMNS if name in mine and name in its and name != "time"]
     if not names:
-        told = f"ours holds {', '.join(mine)}, theirs {', '.join(its)}"
-        raise CaseError("difference", None, None, "the two tables have no column in common but the time", told)
-    at, there = _common_rows(mine["time"], its["time"])
-    absolute = {name: rms(mine[name][at] - its[name][there]) for name in names}
-    relative = {name: _over(absolute[name], rms(its[name][there])) for name in names}
-    return Differences(relative, absolute, len(at), float(np.median(np.diff(its["time"][there]))))
+        columns = f"ours holds {', '.join(mine)}, theirs {', '.join(its)}"
+        raise CaseError("difference", None, None, "the two tables have no column in common but the time", columns)
+    rows, other_rows = _common_rows(mine["time"], its["time"])
+    absolute = {name: rms(mine[name][rows] - its[name][other_rows]) for name in names}
+    relative = {name: _over(absolute[name], rms(its[name][other_rows])) for name in names}
+    return Differences(relative, absolute, len(rows), float(np.median(np.diff(its["time"][other_rows]))))
 
 
 def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
-    """Any kind of table as a recorded table, which declares its case if it is known; `name`: that of a table without a file.
+    """Any kind of table as a recorded table, which declares its case if that is known; `name` is given to a table without a file.
 
     Raises:
         CaseError: it cannot be read, or is not a table.
@@ -97,12 +97,12 @@ def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
 
 def _common_rows(mine: Array, its: Array) -> tuple[Places, Places]:
     """Indices of the rows at the same instants, as many in each. CaseError: where both have rows, neither has all instants of the other."""
-    within = max(mine[0], its[0]), min(mine[-1], its[-1])
+    overlap = max(mine[0], its[0]), min(mine[-1], its[-1])
     near = _SAME_INSTANT * min(float(np.min(np.diff(times), initial=np.inf)) for times in (mine, its))
-    rows, other_rows = (np.flatnonzero((times >= within[0] - near) & (times <= within[1] + near)) for times in (mine, its))
+    rows, other_rows = (np.flatnonzero((times >= overlap[0] - near) & (times <= overlap[1] + near)) for times in (mine, its))
     if min(len(rows), len(other_rows)) < 2:
-        told = f"ours goes from {mine[0]:g} to {mine[-1]:g} s, theirs from {its[0]:g} to {its[-1]:g} s"
-        raise CaseError("difference", "time", None, "the two tables have fewer than two rows in common", told)
+        ranges = f"ours goes from {mine[0]:g} to {mine[-1]:g} s, theirs from {its[0]:g} to {its[-1]:g} s"
+        raise CaseError("difference", "time", None, "the two tables have fewer than two rows in common", ranges)
     if len(rows) <= len(other_rows):
         return rows, other_rows[_nearest(mine[rows], its[other_rows], near)]
     return rows[_nearest(its[other_rows], mine[rows], near)], other_rows
@@ -114,10 +114,10 @@ def _nearest(times: Array, others: Array, near: float) -> Places:
     places = np.where(times - others[after - 1] < others[after] - times, after - 1, after)
     alone = np.abs(others[places] - times) > near
     if np.any(alone):
-        told = f"one table has a row at {times[np.argmax(alone)]:.6g} s, the other has none"
-        raise CaseError("difference", "time", None, told, "give both the same output step, or one a multiple of the other's")
+        problem = f"one table has a row at {times[np.argmax(alone)]:.6g} s, the other has none"
+        raise CaseError("difference", "time", None, problem, "give both the same output step, or one a multiple of the other's")
     return places
 
 
-def _over(size: float, of: float) -> float:
-    return size / of if of > 0.0 else 0.0 if size == 0.0 else math.inf
+def _over(size: float, reference: float) -> float:
+    return size / reference if reference > 0.0 else 0.0 if size == 0.0 else math.inf

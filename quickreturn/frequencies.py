@@ -31,11 +31,11 @@ def modes(
     Args:
         case: a name, a path or a `Case`.
         engine: a name or an engine.
-        crank_angle: at which the crank is held, degrees; one or several.
-        count: how many at most; there are fewer columns if the model has fewer.
+        crank_angle: angle at which the crank is held, degrees; one or several.
+        count: largest number of frequencies; there are fewer columns if the model has fewer.
         settings: of the engine, by name; None: those for its default accuracy.
-        store: as of `simulate`.
-        quiet: likewise.
+        store: False: compute them anew, and store nothing.
+        quiet: whether messages on standard error are left out while code is compiled.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: an invalid argument, or a scene that the engine cannot model.
@@ -54,8 +54,8 @@ def modes(
     scene, chosen, texts = one_case(case), engine_from(engine), as_texts(settings or {})
     job = frequencies_job(chosen.name, scene.mechanism, engine, [math.radians(angle) for angle in angles], count, texts)
     with compilation_announced(quiet):
-        found, _ = answered(job, opened_store() if store else None)
-    table = pd.DataFrame(found.values, index=pd.Index(angles, name="crank angle [deg]"))
+        answer, _ = answered(job, opened_store() if store else None)
+    table = pd.DataFrame(answer.values, index=pd.Index(angles, name="crank angle [deg]"))
     table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])
-    table.attrs.update(case=scene.name, engine=chosen.name, version=found.version, settings=found.settings)
+    table.attrs.update(case=scene.name, engine=chosen.name, version=answer.version, settings=answer.settings)
     return table

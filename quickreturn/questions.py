@@ -1,7 +1,7 @@
 """Queries of the command line to engines. A query that may load a library runs in a process of its own.
 
 If a library crashes, prints or blocks the interpreter, only its own answer is lost: Ctrl-C works at once, and standard output has only the
-command's own text. Results come back through a pipe and are written here, so that a killed worker leaves no incomplete file.
+command's own text. Results come back through a pipe and this process writes them, so that a killed worker leaves no incomplete file.
 """
 
 import dataclasses
@@ -36,7 +36,7 @@ ANY_ENGINE: Final = "engine"
 
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
-    """The outcome of each job; `limits` None: `cases.jobs.job.default_limits`. `get_ready` decides which modules they preload."""
+    """The outcome of each job; `limits` None: the default ones. Jobs preload `DESCRIBING` unless `get_ready` has chosen other modules."""
     return answers(LocalProcesses(limits=limits, preload=DESCRIBING, quiet=quiet), jobs, title)
 
 
@@ -80,9 +80,9 @@ def check(name: str, scene: "Scene", settings: Mapping[str, str]) -> None:
 
     if name in engine_names() and name not in OWN:  # an engine of another package would load its library here
         return
-    found = engine(name)
-    found.settings_type().with_texts(dict(settings))
-    check_scene(found, scene)
+    chosen = engine(name)
+    chosen.settings_type().with_texts(dict(settings))
+    check_scene(chosen, scene)
 
 
 def check_settings(cases: "Sequence[Case]", settings: Mapping[str, Mapping[str, str]]) -> None:
@@ -101,14 +101,14 @@ def check_settings(cases: "Sequence[Case]", settings: Mapping[str, Mapping[str, 
 
 @dataclass(frozen=True, kw_only=True)
 class About:
-    """An engine: what its error estimate covers, and whether it can be used on this machine or why not."""
+    """An engine, as it describes itself."""
 
     name: str
     method: str
-    version: str | None = None
-    estimate_of: str | None = None
-    available: bool
-    reason: str | None
+    version: str | None = None  # of the library behind it; None if it is not available
+    estimate_of: str | None = None  # what its error estimate covers, see `engines.base.EstimateOf`
+    available: bool  # whether it can be used on this machine
+    reason: str | None  # why not
 
     @property
     def estimate(self) -> str:
@@ -125,10 +125,10 @@ def about(name: str) -> About:
     """The description of an engine by itself."""
     from quickreturn.engines.registry import engine
 
-    found = engine(name)
-    if reason := found.unavailable():
-        return About(name=name, method=found.method, available=False, reason=reason)
-    return About(name=name, method=found.method, version=found.version(), estimate_of=found.estimates, available=True, reason=None)
+    chosen = engine(name)
+    if reason := chosen.unavailable():
+        return About(name=name, method=chosen.method, available=False, reason=reason)
+    return About(name=name, method=chosen.method, version=chosen.version(), estimate_of=chosen.estimates, available=True, reason=None)
 
 
 def about_all() -> list[About]:
@@ -143,10 +143,10 @@ def about_all() -> list[About]:
 
 @dataclass(frozen=True)
 class Setting:
-    """A setting of an engine: name for `--set`, accepted values, meaning."""
+    """A setting of an engine."""
 
-    name: str
-    accepted: str
+    name: str  # key for `--set`
+    accepted: str  # accepted values, in words
     meaning: str
 
 
@@ -168,9 +168,9 @@ def settings(name: str) -> AboutSettings:
             return ", ".join(about["choices"])
         return "true or false" if isinstance(field.default, bool) else f"{about['low']:g} to {about['high']:g} {about['unit']}".strip()
 
-    found = engine(name)
-    rows = [Setting(f"engine.{each.name}", accepted(each), each.metadata["meaning"]) for each in dataclasses.fields(found.settings_type)]
-    return AboutSettings(**vars(about(name)), default_accuracy=found.default_accuracy, settings=tuple(rows))
+    chosen = engine(name)
+    rows = [Setting(f"engine.{each.name}", accepted(each), each.metadata["meaning"]) for each in dataclasses.fields(chosen.settings_type)]
+    return AboutSettings(**vars(about(name)), default_accuracy=chosen.default_accuracy, settings=tuple(rows))
 
 
 def model(name: str, scene: "Scene") -> "ModelDescription":

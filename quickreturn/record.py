@@ -1,4 +1,4 @@
-"""Writes the tables of `reports.long_studies`: `python -m quickreturn.record`.
+"""Records results of the long studies as the tables of `reports.long_studies`: `python -m quickreturn.record`.
 
 Missing results are computed, which takes hours; `--stored` takes only stored results.
 Names of studies, as in `CODE`, choose among them: `python -m quickreturn.record classes`.
@@ -19,7 +19,7 @@ from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.key import LIBRARIES, code_fingerprint
 from quickreturn.cases.jobs.store import Store, write_atomically
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.judging.matrix import Matrix, judge_scenes
+from quickreturn.cases.judging.matrix import judge_scenes
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.studies import confirming
@@ -30,7 +30,7 @@ from quickreturn.reports.long_studies import CODE, FOLDER, About, ConditioningRo
 from quickreturn.reports.machine import version
 from quickreturn.reports.thesis import long_studies as _  # noqa: F401 - registers its studies
 
-#: Statistics of a solver that the page shows.
+#: Statistics of a benchmark's runs that the page shows; the others are not recorded.
 STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
 
 
@@ -40,32 +40,34 @@ def main(arguments: Sequence[str]) -> int:
     if unknown := sorted(set(names) - set(CODE)):
         print(f"python -m quickreturn.record: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
         return 2
-    workshop, told = Workshop(Store()), list[str]()
+    workshop, lines = Workshop(Store()), list[str]()
     if "--stored" in arguments:
         workshop = workshop.as_it_is
     for study in names or CODE:
-        if found := _RECORDERS[study](workshop):
-            told.append(found)
-            _write("about", [_made(each) if each == study else made for each in CODE if (made := about(each)) or each == study])
+        if line := _RECORDERS[study](workshop):
+            lines.append(line)
+            _write("about", [_about_now(each) if each == study else old for each in CODE if (old := about(each)) or each == study])
             about.cache_clear()
-    print(", ".join(told) or "nothing is stored")
+    print(", ".join(lines) or "nothing is stored")
     return 0
 
 
 def _benchmark(workshop: Workshop) -> str:
     cases = [load_case(name) for name in SCENES]
-    found = [table for case in cases if (table := stored(case, workshop) or (measure(case, workshop) if workshop.computes else None))]
-    if found:
-        _write_benchmarks(found)
+    measured = (stored(case, workshop) or (measure(case, workshop) if workshop.computes else None) for case in cases)
+    if benchmarks := [benchmark for benchmark in measured if benchmark is not None]:
+        _write_benchmarks(benchmarks)
         _write("compiling", compiling(workshop, ENGINES))
-    return f"{len(found)} of {len(cases)} scenes of the benchmark" if found else ""
+    return f"{len(benchmarks)} of {len(cases)} scenes of the benchmark" if benchmarks else ""
 
 
 def _hard_scenes(workshop: Workshop) -> str:
     matrix = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop)
     if not matrix.cells:
         return ""
-    _write_matrix(matrix)
+    _write("hard_scenes", [matrix.cells[case.name, name] for case in matrix.cases for name in MAIN if (case.name, name) in matrix.cells])
+    conditionings = [(case.name, matrix.conditionings[case.name]) for case in matrix.cases if case.name in matrix.conditionings]
+    _write("hard_scenes_conditioning", [ConditioningRow(name, matrix.converged.get(name), each) for name, each in conditionings])
     return f"{len(matrix.cells)} cells of the hard scenes"
 
 
@@ -89,38 +91,32 @@ _RECORDERS: Final[Mapping[str, Callable[[Workshop], str]]] = {
 
 def _conforming(workshop: Workshop) -> list[ConformanceRow]:
     """The outcomes of all engines from the store; missing ones are computed unless only stored results are asked for."""
-    found = []
+    rows = []
     for name in ENGINES:
         job = conformance.job(name)
         outcome = workshop.stored(job)
         if outcome is None and workshop.computes:
             outcome = workshop.kept(Outcome(job, conformance.conform(name, workshop.executor)))
         if outcome is not None and outcome.value is not None:
-            found.append(ConformanceRow.of(outcome.value, engine(name).version()))
-    return found
+            rows.append(ConformanceRow.of(outcome.value, engine(name).version()))
+    return rows
 
 
-def _made(study: str) -> About:
+def _about_now(study: str) -> About:
     versions = [f"{name} {version(name)}" for name in LIBRARIES] + [str(engine(name).version()) for name in ("exudyn", "mujoco")]
     return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), code_fingerprint(CODE[study]))
 
 
-def _write_benchmarks(found: Sequence[Benchmark]) -> None:
+def _write_benchmarks(benchmarks: Sequence[Benchmark]) -> None:
     points = []
-    for table in found:
-        for point in table.points:
+    for benchmark in benchmarks:
+        for point in benchmark.points:
             measured = point.measured and dataclasses.replace(
                 point.measured, statistics={name: value for name, value in point.measured.statistics.items() if name in STATISTICS}
             )
-            points.append(PointRow(table.case, dataclasses.replace(point, measured=measured)))
+            points.append(PointRow(benchmark.case, dataclasses.replace(point, measured=measured)))
     _write("benchmark", points)
-    _write("benchmark_scenes", [dataclasses.replace(table, points=()) for table in found])
-
-
-def _write_matrix(matrix: Matrix) -> None:
-    _write("hard_scenes", [matrix.cells[case.name, name] for case in matrix.cases for name in MAIN if (case.name, name) in matrix.cells])
-    known = [(case.name, matrix.conditionings[case.name]) for case in matrix.cases if case.name in matrix.conditionings]
-    _write("hard_scenes_conditioning", [ConditioningRow(name, matrix.converged.get(name), found) for name, found in known])
+    _write("benchmark_scenes", [dataclasses.replace(benchmark, points=()) for benchmark in benchmarks])
 
 
 def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:

@@ -27,7 +27,7 @@ class Resonance(Shown):
     """The periodic motion of a machine over one of its quantities.
 
     Attributes:
-        curve: its points, special points and peaks.
+        curve: points, special points and peaks, as `reference` computed them.
     """
 
     def __init__(self, curve: ResonanceCurve) -> None:
@@ -103,6 +103,7 @@ class Resonance(Shown):
         return dataset_file(dataset, ending)
 
     def _unit(self, name: str) -> str:
+        """Unit of a column of `frame`."""
         name = name.removesuffix(ERROR)
         if name in PEAKS:
             return COLUMNS[PEAKS[name]].unit
@@ -148,10 +149,10 @@ def resonance(
         key: key of the varied quantity, as in a case file.
         range: range of its values, such as "60 rpm .. 300 rpm".
         speed: prescribed speed of the crank if another quantity varies, such as "165 rpm"; None: the case's own drive.
-        measures: what to measure, "peak.COLUMN"; peaks are those of the first.
+        measures: names of measures, "peak.COLUMN"; the curve's peaks are those of the first.
         accuracy: relative error of the model whose curve is followed; None: the default of `reference`.
         claims: whether the error of every point is estimated, which takes a third of the time or more.
-        quiet: whether nothing is told on standard error.
+        quiet: whether messages on standard error are left out while code is compiled.
 
     Raises:
         CaseError, Refusal, ImpossibleMechanism: an invalid argument, or a machine without such a curve.
@@ -165,7 +166,7 @@ def resonance(
 
 def speed_of(text: str | None, option: str = "--speed") -> float | None:
     """A crank speed, rad/s; None for None. CaseError: the text is not a speed, or is zero."""
-    found = None if text is None else si_value(SPEED, text, option)
-    if text is not None and found == 0.0:
+    speed = None if text is None else si_value(SPEED, text, option)
+    if text is not None and speed == 0.0:
         raise CaseError(option, SPEED, as_written(text), "does not turn the crank", 'give a speed such as "165 rpm"')
-    return found
+    return speed

@@ -44,10 +44,10 @@ class Solution(Shown):
     Attributes:
         case: what was simulated.
         engine: name of the engine.
-        version: of the library behind it.
+        version: version of the library behind it.
         result: trajectory, settings, error estimates and times as the engine gave them.
-        request: what was asked.
-        store: the store of the loads.
+        request: what was asked of the engine.
+        store: store from which the loads come and to which they go; None: they are computed.
         stored: whether it comes from the store; its times are then those of its computation.
     """
 
@@ -63,10 +63,10 @@ class Solution(Shown):
     def of(cls, case: Case, request: TrajectoryRequest, answer: Answer, store: Store | None, stored: bool) -> "Solution":
         """The solution of an answer. EngineFailure: the run failed."""
         chosen = engine_from(request.engine)
-        found = answer.result(request, chosen)
-        if isinstance(found, EngineFailure):
-            raise found
-        return cls(case, chosen.name, answer.version, found, request, store, stored)
+        result = answer.result(request, chosen)
+        if isinstance(result, EngineFailure):
+            raise result
+        return cls(case, chosen.name, answer.version, result, request, store, stored)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -139,7 +139,8 @@ class Solution(Shown):
 
         Raises:
             OutputError: another ending, or it cannot be written.
-            UnknownColumn: the engine does not give the follower's shape. CaseError: a page needs a crank.
+            UnknownColumn: the engine does not give the follower's shape.
+            CaseError: a page was asked for, and the case has no crank.
         """
         from quickreturn.reports.drawing.animation import moving
         from quickreturn.reports.output import check_writable, write_file
@@ -152,8 +153,8 @@ class Solution(Shown):
         """The rows of its table: a name, and a text or rows.
 
         Args:
-            kept: where the table's rows are.
-            notes: where the notes on the case are.
+            kept: the file that has the trajectory's rows, if any.
+            notes: words that say where the notes on the case are.
         """
         from quickreturn.reports.findings.loads import stress_text
         from quickreturn.reports.words import TIED, settings_words
@@ -184,20 +185,20 @@ class Solution(Shown):
         """
         from quickreturn.reports.words import ESTIMATE
 
-        found = self.result
-        name, beside = ESTIMATE[found.estimate_of]
-        asked = "" if found.accuracy is None else f"asked: {found.accuracy:g}"
+        result = self.result
+        name, remark = ESTIMATE[result.estimate_of]
+        asked = "" if result.accuracy is None else f"asked: {result.accuracy:g}"
         rows = []
         for column in (each for each in ESTIMATED if each in self.trajectory.columns):
-            relative, size, unit = found.error_estimates[column], rms(self.trajectory[column]), COLUMNS[column].unit
+            relative, size, unit = result.error_estimates[column], rms(self.trajectory[column]), COLUMNS[column].unit
             words = column.removeprefix("tip_").removeprefix("slider_").replace("_", " ")
-            if column == "tip_deflection" and relative is None and found.error_estimate is not None:
-                relative, size, words = found.error_estimate, self.case.scene.follower.length, "tip's place"
-            about = "; ".join(filter(None, (asked, beside))) if column == "tip_deflection" else ""
+            if column == "tip_deflection" and relative is None and result.error_estimate is not None:
+                relative, size, words = result.error_estimate, self.case.scene.follower.length, "tip's place"
+            about = "; ".join(filter(None, (asked, remark))) if column == "tip_deflection" else ""
             rows.append((words, _digits(relative), "" if relative is None else _digits(relative * size, unit), about))
         for words, columns in (("moments", BENDING), ("bearings", BEARINGS)):
-            if known := [estimate for column in columns if (estimate := found.error_estimates.get(column)) is not None]:
-                rows.append((words, _digits(max(known)), "", "at most"))
+            if estimates := [estimate for column in columns if (estimate := result.error_estimates.get(column)) is not None]:
+                rows.append((words, _digits(max(estimates)), "", "at most"))
         return name, Rows(rows, ("of", "relative", "RMS", ""))
 
     def _parts(self) -> Iterator[Cell]:
@@ -228,7 +229,7 @@ def simulate(
         quiet: whether messages on standard error are left out while code is compiled, which happens once on a machine.
 
     Raises:
-        CaseError, UnknownEngine, Refusal, SettingError: something cannot be; the sentence says what is accepted.
+        CaseError, UnknownEngine, Refusal, SettingError: an invalid argument, or a scene that the engine cannot model.
         ValueError: `accuracy` is out of range, or is given without an estimate.
         EngineFailure: the run failed; `partial` holds the trajectory up to then.
     """
@@ -261,7 +262,7 @@ def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
 
 
 def opened_store(tell: Callable[[str], object] = warnings.warn) -> Store | None:
-    """The store of results; None if it cannot be used, which a message says."""
+    """The store of results, or None with a message if it cannot be used."""
     try:
         return Store(tell=tell)
     except StoreError as error:
@@ -276,7 +277,7 @@ def engine_from(engine: "str | AnyEngine") -> AnyEngine:
 
 
 def framed(trajectory: Trajectory, **about: str) -> "pd.DataFrame":
-    """A trajectory as a table; its attributes hold the units and the other arguments."""
+    """A trajectory as a table; its `attrs` hold the `units` and the keywords `about`."""
     table = trajectory.table()
     table.attrs.update(units={name: COLUMNS[name].unit for name in table.columns}, **about)
     return table

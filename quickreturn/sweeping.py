@@ -61,7 +61,7 @@ def sweep(
         accuracy: error of the tip deflection to ask for; None: the engine's default.
         settings: settings of the engine, by name.
         claims: whether every number gets its error estimate, which takes about twice as long.
-        path: direction in which each row of points is computed, "up", "down" or "both": near a fold the motion depends on it.
+        path: direction in which each row of points is computed, "up", "down" or "both"; near a fold the motion depends on it.
         jobs: processes at a time; None: one per core.
         workshop: processes and store; None: those of this machine.
         quiet: whether progress on standard error is left out.
@@ -97,7 +97,7 @@ def computed(
     for name in {engine, *(name for each in axes if each.key == ENGINE for name in each.texts)}:
         usable_engine(name)
     texts = given_settings({engine: settings or {}})[engine]
-    asked = MeasureRequest(
+    request = MeasureRequest(
         measures=tuple(dict.fromkeys(measure(name).name for name in names)),
         engine=engine,
         claims=claims,
@@ -105,7 +105,7 @@ def computed(
         settings=texts,
         duration=case.duration,
     )
-    return study(Grid(case, tuple(axes)), asked, workshop, cast(Path, path))
+    return study(Grid(case, tuple(axes)), request, workshop, cast(Path, path))
 
 
 def _axis(key: str, values: str | Sequence[Any]) -> Axis:
@@ -114,33 +114,33 @@ def _axis(key: str, values: str | Sequence[Any]) -> Axis:
     return axis(f"{key} = {'; '.join(each if isinstance(each, str) else si_text(key, float(each)) for each in values)}")
 
 
-def dataset_of(found: Study) -> "xr.Dataset":
+def dataset_of(study: Study) -> "xr.Dataset":
     """A study as a dataset. Its attributes are texts and numbers, which netCDF can store."""
     import xarray as xr
 
-    axes, both = found.grid.axes, len(found.ways) > 1
+    axes, both = study.grid.axes, len(study.ways) > 1
     dimensions = ("path", *(each.key for each in axes))
     variables: dict[str, tuple[Any, ...]] = {}
-    for place, name in enumerate(found.asked.measures):
+    for place, name in enumerate(study.asked.measures):
         about = MEASURES[name]
-        variables[name] = (dimensions, found.values[..., place], {"units": about.unit, "long_name": about.meaning})
-        said = {"units": about.unit, "long_name": f"how far off {name} may be by the engine's own estimate"}
-        if found.asked.claims:
-            variables[f"{name}{ERROR}"] = (dimensions, found.errors[..., place], said)
-    variables["status"] = (dimensions, found.statuses.astype(str), {"long_name": "how the point ended"})
-    variables["sentence"] = (dimensions, found.sentences.astype(str), {"long_name": "why"})
+        variables[name] = (dimensions, study.values[..., place], {"units": about.unit, "long_name": about.meaning})
+        attributes_of_error = {"units": about.unit, "long_name": f"how far off {name} may be by the engine's own estimate"}
+        if study.asked.claims:
+            variables[f"{name}{ERROR}"] = (dimensions, study.errors[..., place], attributes_of_error)
+    variables["status"] = (dimensions, study.statuses.astype(str), {"long_name": "how the point ended"})
+    variables["sentence"] = (dimensions, study.sentences.astype(str), {"long_name": "why"})
     if both:
-        variables["two_motions"] = (dimensions[1:], found.two_motions, {"long_name": "whether the ways settle on two stable motions"})
+        variables["two_motions"] = (dimensions[1:], study.two_motions, {"long_name": "whether the ways settle on two stable motions"})
     coordinates: dict[str, tuple[Any, ...]] = {
         each.key: (each.key, np.array(each.values), {"units": each.unit} if each.unit else {}) for each in axes
     }
-    coordinates["path"] = ("path", list(found.ways))
-    case = found.grid.case
+    coordinates["path"] = ("path", list(study.ways))
+    case = study.grid.case
     attributes = {
         "case": case.name,
         "title": case.title,
         FILE: case.to_toml(),
-        "engine": found.asked.engine,
+        "engine": study.asked.engine,
         "source": f"quickreturn {version('quickreturn')}",
     }
     dataset = xr.Dataset(variables, coordinates, attributes)
@@ -172,7 +172,7 @@ def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
 
 
 def summary(dataset: "xr.Dataset") -> list[str]:
-    """Lines for a person: the number of points of each status, and the extremes of every measure with their places."""
+    """Lines for a terminal: the number of points of each status, and the extremes of every measure with their places."""
     counts = Counter(map(str, dataset["status"].values.flat)).most_common()
     points = ", ".join(f"{count} {status}" for status, count in counts)
     lines = [f"{dataset['status'].size} points: {points}"]
@@ -184,14 +184,14 @@ def summary(dataset: "xr.Dataset") -> list[str]:
             lines.append(f"{name}: no point has a value")
             continue
         ends = (("least", values.argmin(...)), ("greatest", values.argmax(...)))
-        told = [f"{which} {float(values[at]):.6g} at {_place(values[at], values)}" for which, at in ends]
-        lines.append(f"{name} [{values.attrs['units']}]: {', '.join(told)}")
+        ends_text = [f"{which} {float(values[at]):.6g} at {_place(values[at], values)}" for which, at in ends]
+        lines.append(f"{name} [{values.attrs['units']}]: {', '.join(ends_text)}")
     return lines
 
 
 def _place(end: "xr.DataArray", values: "xr.DataArray") -> str:
-    def told(key: str) -> str:
+    def text(key: str) -> str:
         value, unit = end[key].item(), values[key].attrs.get("units", "")
         return f"{key} = {value:.6g} {unit}".rstrip() if isinstance(value, float) else f"{key} = {value}"
 
-    return ", ".join(told(str(key)) for key in values.dims)
+    return ", ".join(text(str(key)) for key in values.dims)

@@ -28,7 +28,7 @@ class TableComparison(Shown):
 
     Attributes:
         result: runs of the engines and of the table, and all comparisons.
-        name: of the table.
+        name: name of the table.
     """
 
     def __init__(self, result: CaseResult, name: str) -> None:
@@ -72,12 +72,12 @@ class TableComparison(Shown):
     @cached_property
     def differences(self) -> dict[str, dict[str, float]]:
         """Engine -> column -> RMS difference over the engine's RMS, at equal crank angles of the turn that is compared."""
-        return {other.engine: column_differences(self.run, other) for other in self._opposite}
+        return {other.engine: column_differences(self.run, other) for other in self._comparable}
 
     @cached_property
     def explanations(self) -> dict[str, str]:
         """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is a table of another case."""
-        return next((explanations(self.run, other, self.result.case) for other in self._opposite), {})
+        return next((explanations(self.run, other, self.result.case) for other in self._comparable), {})
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -87,8 +87,8 @@ class TableComparison(Shown):
         return pd.DataFrame([check.as_dict() for check in self.rows])
 
     @property
-    def _opposite(self) -> list[Run]:
-        """The engines that the table can be compared with."""
+    def _comparable(self) -> list[Run]:
+        """Runs of the engines with which the table can be compared."""
         return [other for other in self.result.runs.values() if self.run.usable and other.usable]
 
     def _parts(self) -> list[Cell]:
@@ -126,7 +126,7 @@ def compare(
     tables = [as_table(table), *others.get(scene.name, ())]
     refuse_same_names(names, tables)
     results = hold_against_engines(scene, tables, opened(jobs, quiet), names, checked(accuracy), of_engines)
-    return next(found for result in results for found in tables_in(result) if found.name == tables[0].name)
+    return next(comparison for result in results for comparison in tables_in(result) if comparison.name == tables[0].name)
 
 
 def tables_in(result: CaseResult) -> list[TableComparison]:
@@ -135,7 +135,7 @@ def tables_in(result: CaseResult) -> list[TableComparison]:
 
 
 def refuse_same_names(engines: Sequence[str], tables: Sequence[RecordedTable]) -> None:
-    """CaseError: two tables, or a table and an engine, have the same name."""
+    """Raise CaseError if two tables, or a table and an engine, have the same name."""
     called = [*engines, *(table.name for table in tables)]
     for name in called:
         if called.count(name) > 1:
@@ -145,9 +145,9 @@ def refuse_same_names(engines: Sequence[str], tables: Sequence[RecordedTable]) -
 def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> list[Cell]:
     """The text on the tables of a result: measures and verdicts, differences by column, and their explanations."""
     parts = parts_of(result)
-    found = {(table, engine): shares for table in tables for engine, shares in table.differences.items()}
-    if columns := dict.fromkeys(column for shares in found.values() for column in shares):
-        heads = [engine if len(tables) == 1 else f"{table.name} - {engine}" for table, engine in found]
-        rows = [[f"  {column}", *(f"{each[column]:.1e}" if column in each else "-" for each in found.values())] for column in columns]
+    differences = {(table, engine): shares for table in tables for engine, shares in table.differences.items()}
+    if columns := dict.fromkeys(column for shares in differences.values() for column in shares):
+        heads = [engine if len(tables) == 1 else f"{table.name} - {engine}" for table, engine in differences]
+        rows = [[f"  {column}", *(f"{each[column]:.1e}" if column in each else "-" for each in differences.values())] for column in columns]
         parts += ["  RMS difference in this turn, over the engine's RMS:", Rows(rows, ("", *heads))]
     return [*parts, *(f"  {table.name}: {sentence}" for table in tables for sentence in table.explanations.values())]

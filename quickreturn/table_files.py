@@ -14,7 +14,7 @@ def table_file(frame: "pd.DataFrame", units: Mapping[str, str], ending: str) -> 
     Args:
         frame: columns with names, values in SI.
         units: unit of each column; "" for texts.
-        ending: ending of the file's name.
+        ending: ".csv" or ".parquet".
     """
     headed = frame.set_axis([f"{name} [{unit}]" if (unit := units.get(str(name), "")) else str(name) for name in frame.columns], axis=1)
     if ending == ".parquet":

@@ -10,9 +10,9 @@ from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reports.findings.loads import CaseLoads, leading_loads, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
 
-#: Largest number of departures shown for a pair of engines.
+#: Largest number of departures that the text shows for a pair of engines.
 SHOWN: Final = 5
-#: Differences shown for an engine that is not judged: word and kind.
+#: Word -> kind of the differences that are shown for an engine that is not judged.
 _OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude": "amplitude", "extremes": "extreme"}
 
 #: Names of forces and torques in the text.
@@ -28,10 +28,10 @@ def parts_of(result: CaseResult) -> list[Cell]:
     whole = result.with_tables
     rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
     remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
-    judged = [f"  {line}" for line in _verdict(whole)]
-    borne = [f"  {line}" for line in _borne(leading_loads(result))]
+    verdict = [f"  {line}" for line in _verdict(whole)]
+    loads = [f"  {line}" for line in _load_lines(leading_loads(result))]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
-    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _HEADS), *remarks, *borne, *judged]
+    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _HEADS), *remarks, *loads, *verdict]
 
 
 def _verdict(result: CaseResult) -> list[str]:
@@ -55,12 +55,12 @@ def _verdict(result: CaseResult) -> list[str]:
     for name, run in result.runs.items():
         if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):
             sizes = {word: [abs(each.relative) for each in result.differences(name, kind)] for word, kind in _OF_KIND.items()}
-            found = [f"{word} {100.0 * max(of_kind):.2g} %" for word, of_kind in sizes.items() if of_kind]
-            lines.append(f"{name}, not judged ({why}): largest differences from {REFERENCE}: {', '.join(found) or 'none'}")
+            largest = [f"{word} {100.0 * max(of_kind):.2g} %" for word, of_kind in sizes.items() if of_kind]
+            lines.append(f"{name}, not judged ({why}): largest differences from {REFERENCE}: {', '.join(largest) or 'none'}")
     return lines
 
 
-def _borne(case: CaseLoads) -> list[str]:
+def _load_lines(case: CaseLoads) -> list[str]:
     """Loads on the parts by the leading engine, and the nearest resonance."""
     if not case.lead:
         return []

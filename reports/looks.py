@@ -1,13 +1,13 @@
 """The look of each engine and each signal, everywhere: in the page's plots, curves and mechanism, and in pictures.
 
-A look belongs to a name, so a method keeps its colour, dashes and mark from chart to chart. Where curves coincide, the gaps between dashes
-show the curves below: the reference is a broad solid line, and on it the dashes of thesis, mujoco and exudyn have the same period and
-alternate, so that each shows in its own colour. Colours are also distinct for colour-blind eyes (`tests/reports/test_looks.py`), and have a
-contrast of at least 3 with a light and a dark ground; names are written in the colour of text.
+A look belongs to a name, so a method keeps its colour, dashes and mark from chart to chart. Where curves coincide, all of them show: the
+reference is a broad solid line, and the dashes of thesis, mujoco and exudyn on it have one period and are offset, so that each shows in its
+own colour. Colours are also distinct for colour-blind eyes (`tests/reports/test_looks.py`), and have a contrast ratio of at least 3 with a
+light and a dark ground; names are written in the colour of text.
 """
 
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -42,7 +42,7 @@ _FOREST: Final = ("#00330a", "#c8f38d")
 #: Looks of the project's engines.
 ENGINES: Final = {
     "reference": Look(*_BLUE, 5.5, order=1, marker="circle"),
-    # of every 26 pixels the first 20; the last 14 of these; and 9 that begin on the last 5 of these
+    # of each period of 26 pixels thesis draws 0 to 20, mujoco above it 6 to 20, and exudyn on top 15 to 24
     "thesis": Look(*_VERMILION, 2.6, (20.0, 6.0), order=2, marker="diamond"),
     "mujoco": Look(*_TEAL, 3.4, (14.0, 12.0), 20.0, order=3, marker="triangle-down"),
     "exudyn": Look(*_INK, 2.4, (9.0, 17.0), 11.0, order=4, marker="triangle"),
@@ -104,21 +104,15 @@ _OTHERS: Final = (
 
 
 def looks(names: Iterable[str]) -> dict[str, Look]:
-    """The look of each of some engines, signals or other names.
+    """Name -> its look, for engines, signals and any other names.
 
-    A name that the project does not know gets one of five looks, chosen by the name's checksum (CRC-32), or the next one that is free. With
-    more than five unknown names looks repeat.
+    An unknown name gets one of five looks, chosen by the name's checksum (CRC-32), or the next look that is free. With more than five
+    unknown names looks repeat.
     """
-    asked = list(dict.fromkeys(names))
-    known = ENGINES | SIGNALS | EFFECTS | RESONANCE
-    found = {name: known[name] for name in asked if name in known}
-    for name in sorted(set(asked) - set(found)):
-        taken = list(found.values())
-        found[name] = min(_in_turn(name), key=taken.count)
-    return {name: found[name] for name in asked}
-
-
-def _in_turn(name: str) -> Iterator[Look]:
-    """The looks for unknown names, beginning with the one that the name's checksum chooses."""
-    first = zlib.crc32(name.encode())
-    return (_OTHERS[(first + k) % len(_OTHERS)] for k in range(len(_OTHERS)))
+    wanted = list(dict.fromkeys(names))
+    project_looks = ENGINES | SIGNALS | EFFECTS | RESONANCE
+    chosen = {name: project_looks[name] for name in wanted if name in project_looks}
+    for name in sorted(set(wanted) - set(chosen)):
+        taken, first = list(chosen.values()), zlib.crc32(name.encode()) % len(_OTHERS)
+        chosen[name] = min(_OTHERS[first:] + _OTHERS[:first], key=taken.count)
+    return {name: chosen[name] for name in wanted}

@@ -16,7 +16,7 @@ PACKAGES: Final = ("quickreturn", "numpy", "scipy", "numba", "pandas", "matplotl
 
 
 def machine_facts() -> dict[str, str]:
-    """Facts in words, by name."""
+    """Name of a fact -> the fact in words."""
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "processor": _processor(),
@@ -29,7 +29,7 @@ def machine_facts() -> dict[str, str]:
 
 
 def version(package: str) -> str:
-    """Version of an installed package."""
+    """Version of a package, or "not installed"."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
@@ -38,9 +38,9 @@ def version(package: str) -> str:
 
 def _processor() -> str:
     with contextlib.suppress(OSError):
-        told = Path("/proc/cpuinfo").read_text("utf-8", errors="replace")
-        if found := re.search(r"^model name\s*:\s*(.+)$", told, re.MULTILINE):
-            return found[1].strip()
+        cpu_info = Path("/proc/cpuinfo").read_text("utf-8", errors="replace")
+        if model := re.search(r"^model name\s*:\s*(.+)$", cpu_info, re.MULTILINE):
+            return model[1].strip()
     return platform.processor() or platform.machine() or "unknown"
 
 

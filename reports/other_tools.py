@@ -16,20 +16,20 @@ from quickreturn.reference_model.mechanism import Mechanism, Slider, TorqueDrive
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 from quickreturn.reference_model.tip_force import WHOLE
 
-#: Letters in a line of prose.
+#: Largest number of letters in a line of prose.
 WIDTH: Final = 110
 #: Size, in SI units, below which a number of the start is zero except for rounding.
 ROUNDING: Final = 1e-12
-#: Columns that are left out: they describe something else than a closed mechanism, or have engine-specific conventions.
+#: Columns that another tool need not record: they do not describe a closed mechanism, or their convention depends on the engine.
 _NOT_ASKED: Final = (*LEFT_OUT, *BENDING, "base_torque", "axial_stretch", "gravity_energy", "dissipated_energy", "drive_work")
 
 
 def for_other_tools(case: Case, given: str) -> str:
-    """The text.
+    """The description.
 
     Args:
         case: a closed mechanism.
-        given: the case as it was named on the command line.
+        given: the name or path of the case, as on the command line.
 
     Raises:
         CaseError: there is no crank.
@@ -38,7 +38,7 @@ def for_other_tools(case: Case, given: str) -> str:
     pace = crank_pace(mechanism)
     columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in _NOT_ASKED]
     follower, tip = mechanism.follower, mechanism.tip_body
-    thick = follower.thickness > 0.0 and not follower.is_rigid
+    has_section = follower.thickness > 0.0 and not follower.is_rigid
     template = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=False).from_string(
         (files("quickreturn.reports") / "templates" / "other_tools.jinja").read_text("utf-8")
     )
@@ -51,7 +51,7 @@ def for_other_tools(case: Case, given: str) -> str:
         friction_torque=mechanism.base.friction_torque,
         pivot_rate=PIVOT_FRICTION_RATE,
         torque=isinstance(mechanism.crank.drive, TorqueDrive),
-        axial_stiffness=12.0 * follower.bending_stiffness / follower.thickness**2 if thick else 0.0,
+        axial_stiffness=12.0 * follower.bending_stiffness / follower.thickness**2 if has_section else 0.0,
         law=rollers(mechanism.slider),
         gravity=any(mechanism.gravity),
         tip_force=any(tip.force),
@@ -76,21 +76,21 @@ def _wrapped(line: str) -> str:
 
 
 def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
-    """Section -> name, value, unit and meaning of each quantity that is present."""
-    found: dict[str, list[tuple[str, str, str, str]]] = {}
+    """Section of the case file -> name, value, unit and meaning of each of its quantities that affects the motion."""
+    parts: dict[str, list[tuple[str, str, str, str]]] = {}
     for section, values in case.values.items():
         if section == "simulation" or (section == "slider" and case.mechanism.slider == Slider()):
             continue  # a slider that is only a point on the follower
-        known = SECTIONS[section]
+        keys = SECTIONS[section]
         without_force = section == "tip" and not any(values["force"])
-        found[section] = [
-            (name, _value(value), known[name].unit, known[name].meaning)
+        parts[section] = [
+            (name, _value(value), keys[name].unit, keys[name].meaning)
             for name, value in values.items()
-            if known[name].moves
+            if keys[name].moves
             and not (without_force and name.startswith("force"))
-            and not ((section == "slider" or name in ("friction_torque", "material_damping")) and value == known[name].default)
+            and not ((section == "slider" or name in ("friction_torque", "material_damping")) and value == keys[name].default)
         ]
-    return found
+    return parts
 
 
 def _start(mechanism: Mechanism) -> list[tuple[str, str, str]]:
@@ -103,12 +103,12 @@ def _start(mechanism: Mechanism) -> list[tuple[str, str, str]]:
 
 
 def _gap(mechanism: Mechanism, pace: float) -> float:
-    """Largest time between rows, s: for the turn, and for the first mode."""
+    """Largest time between rows, s, that resolves both the turn and the first mode; `pace` is the mean crank speed, rad/s."""
     scale = time_scale(mechanism)
     shortest = 1.0 / float(scale.frequencies(TURN)[:, 0].max()) if scale else math.inf
     return min(LARGEST_GAP * 2.0 * math.pi / pace if pace > 0.0 else math.inf, shortest / ROWS_PER_PERIOD)
 
 
 def _value(number: Any) -> str:
-    """The digits that read back as the same number."""
+    """A number, or a list of numbers, in digits that read back as the same number."""
     return ", ".join(map(_value, number)) if isinstance(number, (list, tuple)) else repr(float(number))

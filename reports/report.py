@@ -35,17 +35,17 @@ from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import verification as stored_verification
 
 PAGE: Final = "index.html"
-#: The list of all CSV files: from it the next report in the same folder knows the files of an earlier report.
+#: The list of all CSV files. The next report in the same folder reads it, and removes the tables that it does not replace.
 CATALOGUE: Final = "tables.csv"
 
 
 @dataclass(frozen=True)
 class Written:
-    """A written report: the page and its content."""
+    """A written report."""
 
-    page: Path
-    content: Content
-    tables: tuple[Table, ...]
+    page: Path  # path of its page
+    content: Content  # data behind the page
+    tables: tuple[Table, ...]  # those written as CSV files beside the page
 
     @property
     def unusable(self) -> list[tuple[str, Run]]:
@@ -80,10 +80,10 @@ def write_report(
         folder: folder of the page; it is created and checked before anything runs (see `reports.output.check_folder`).
         workshop: processes and store.
         engines: names of engines.
-        tables: case -> its recorded tables, besides those of the subject.
+        tables: case -> its recorded tables, besides those of `content_type.recordings`.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: engine -> setting -> value as text.
-        content_type: the subject.
+        content_type: `Content`, or its subclass for cases with chapters of their own.
 
     Raises:
         CaseError: a recorded table cannot be read or is not of its case; nothing has been computed.
@@ -91,12 +91,12 @@ def write_report(
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder, PAGE)
-    recorded = {case: [*found] for case, found in (tables or {}).items()}
+    recorded = {case: [*given] for case, given in (tables or {}).items()}
     for table in content_type.recordings():
         recorded.setdefault(table.declared["case"], []).append(table)
-    own = cases if content_type.is_own else []
-    beside = work() if _studied(cases) else Work(jobs=[job for job in jobs_around(own).values() if isinstance(job, Job)])
-    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, beside)
+    own_cases = cases if content_type.is_own else []
+    other_jobs = work() if _studied(cases) else Work(jobs=[job for job in jobs_around(own_cases).values() if isinstance(job, Job)])
+    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, other_jobs)
     further, missing = content_type.further(results, workshop)
     content = content_type(
         results=results,
@@ -107,7 +107,7 @@ def write_report(
         facts=machine_facts(),
         code=code_fingerprint((*SIMULATION, *CODE)),
         notices=(*missing, *workshop.store.notices),
-        around=curves_around(own, workshop),
+        around=curves_around(own_cases, workshop),
     )
     return write(content, folder)
 
@@ -131,36 +131,36 @@ def write(content: Content, folder: Path) -> Written:
 
 
 def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
-    """The stored verdicts, and the recorded ones for other engines."""
-    found = {name: workshop.stored(conformance.job(name)) for name in engines}
-    values = {name: outcome.value for name, outcome in found.items() if outcome is not None and outcome.value is not None}
-    own = {name: long_studies.ConformanceRow.of(value, engine(name).version()).words for name, value in values.items()}
-    return long_studies.conformance() | own
+    """Engine -> verdict on whether it does what it says: the user's stored one, else the recorded one."""
+    outcomes = {name: workshop.stored(conformance.job(name)) for name in engines}
+    judged = {name: outcome.value for name, outcome in outcomes.items() if outcome is not None and outcome.value is not None}
+    own_verdicts = {name: long_studies.ConformanceRow.of(value, engine(name).version()).words for name, value in judged.items()}
+    return long_studies.conformance() | own_verdicts
 
 
 def _studied(cases: Sequence[Case]) -> bool:
-    """Whether the report contains all runs of the studies."""
+    """Whether the studies belong to the report: the library's case that they are about is among its cases."""
     return ACCURACY_CASE in {case.name for case in cases if case.source == "library"}
 
 
 def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
-    """The studies of a report on all their runs; for other cases the latest measurements.
+    """The studies as fields of `Content`: the user's own results, or the recorded ones where the user has none.
 
-    If none of the user's own are stored, the recorded ones are used.
+    A report without the case of the studies has only the stored benchmarks of its own cases.
     """
     if not _studied(cases):
         return {"benchmarks": [table for case in cases if (table := stored(case, workshop))]}
     scenes = [load_case(entry.name) for entry in catalogue(TAG)]
     studies, matrix = run_studies(workshop), judge_scenes(scenes, workshop.as_it_is)
-    own, known = {name: stored(load_case(name), workshop) for name in SCENES}, long_studies.benchmarks()
+    own_benchmarks, recorded_benchmarks = {name: stored(load_case(name), workshop) for name in SCENES}, long_studies.benchmarks()
     of_record = {
         "confirmation": not studies.confirming,
-        "benchmark": any(own[name] is None and name in known for name in SCENES),
+        "benchmark": any(own_benchmarks[name] is None and name in recorded_benchmarks for name in SCENES),
         "hard scenes": not matrix.cells,
     }
     return {
         "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
-        "benchmarks": [table for name in SCENES if (table := own[name] or known.get(name))],
+        "benchmarks": [table for name in SCENES if (table := own_benchmarks[name] or recorded_benchmarks.get(name))],
         "compiling": compiling(workshop.as_it_is, ENGINES) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "classes": long_studies.class_map(),

@@ -18,22 +18,22 @@ PARTS: Final = ("reference_model", "engines", "cases")
 
 @dataclass(frozen=True)
 class Verification:
-    """The stored verification: `chapters` as described above, or why there are none."""
+    """The stored verification."""
 
-    chapters: tuple[dict[str, Any], ...] = ()
+    chapters: tuple[dict[str, Any], ...] = ()  # in the form above
     date: str = ""
-    absent: str = ""
+    absent: str = ""  # why there is none (a sentence), or ""
 
 
 def verification(folder: Path) -> Verification:
     """The verification in the store's folder."""
     try:
         document = json.loads((folder / FILE).read_text("utf-8"))
-        found = Verification(tuple(document["chapters"]), document["date"])
+        stored = Verification(tuple(document["chapters"]), document["date"])
     except FileNotFoundError:
         return Verification(absent="It has not been run with this store.")
     except (OSError, ValueError, KeyError, TypeError):
         return Verification(absent=f"{FILE} in the store cannot be read.")
     if document.get("code") != code_fingerprint(PARTS):
         return Verification(absent="Its stored results were made with other code than this page, so they are not shown.")
-    return found
+    return stored

@@ -8,9 +8,9 @@ from quickreturn.cases.library import registered
 from quickreturn.cases.units import in_si
 
 MINUS: Final = "−"
-#: A blank at which no line breaks.
+#: A space at which no line breaks.
 TIED: Final = "\N{NO-BREAK SPACE}"
-#: Range of powers of ten in which numbers are written without an exponent.
+#: Least and greatest power of ten with which a number is written without an exponent.
 LEAST, GREATEST = -3, 6
 RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 HALF: Final = {"pre": "pre-return", "post": "post-return"}
@@ -78,12 +78,12 @@ def duration(seconds: float) -> str:
 
 
 def cost(value: float | None) -> str:
-    """Seconds, or seconds per simulated second: two decimals, below one two figures."""
+    """Seconds, or seconds per simulated second: with two decimals, below one with two significant figures."""
     return "–" if value is None else number(value, ".2g" if value < 1.0 else ".2f")
 
 
 def times(factor: float) -> str:
-    """A ratio to two figures: "3.4 times"."""
+    """A ratio: "3.4 times", "34 times"."""
     return f"{number(factor, '.0f' if factor >= 9.95 else '.1f')} times"
 
 
@@ -103,12 +103,12 @@ def size(share: float) -> str:
     return f"{number(value, '.0f' if value >= 10.0 else '.1f' if value >= 1.0 else '.2g')}{TIED}%"
 
 
-#: Unit of the page -> the same as `in_si` reads it, where that differs.
+#: Unit as the page writes it -> the same unit as `in_si` reads it, where they differ.
 _READ: Final = {"": "1", "%": "percent", "10⁻⁶": "microstrain", "µε": "microstrain", "µs": "us", "°": "deg", "N m": "N*m", "m/s²": "m/s^2"}
 
 
 def per_unit(unit: str) -> float:
-    """By what a number in SI units is multiplied where the page shows it in a unit."""
+    """Factor from SI units to a unit of the page: 1000 for "mm"."""
     return 1.0 / in_si(_READ.get(unit, unit))
 
 
@@ -120,7 +120,7 @@ def quantity(value: float, unit: str) -> str:
 
 
 def off_by(error: float, value: float) -> str:
-    """The relative error of a number: "± 0.2 %"; less than 0.01 % is written as such."""
+    """The relative error of a number: "± 0.2 %", or "off by less than 0.01 %"."""
     share = abs(error / value) if value else 0.0
     return f"±{TIED}{size(share)}" if share >= 1e-4 else f"off by less than 0.01{TIED}%"
 
@@ -131,7 +131,7 @@ def degrees(angle: float) -> str:
 
 
 def span(low: float, high: float, form: str) -> str:
-    """A range."""
+    """A range of numbers: "2 to 3"."""
     return f"{number(low, form)} to {number(high, form)}"
 
 
@@ -141,7 +141,7 @@ def channel_name(column: str | None) -> str:
 
 
 def short_name(column: str) -> str:
-    """The same, short enough for the head of a narrow column."""
+    """A trajectory column in words that fit the head of a narrow column."""
     return {"tip_acceleration": "tip acc.", "tip_deflection": "deflection", "slider_force": "force"}.get(column, column.replace("_", " "))
 
 

@@ -24,7 +24,7 @@ ENDINGS: Final = (".webp", ".html")
 @options.accuracy
 @options.assignments
 @options.stored
-@options.output(f"Where it goes: {', '.join(ENDINGS)}.")
+@options.output(f"File for the moving picture: {', '.join(ENDINGS)}.")
 def command(
     case: str,
     engines: Sequence[str],

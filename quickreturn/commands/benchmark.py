@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 @click.command(name="benchmark")
 @options.cases
 @options.tag
-@options.engines_for(help="Engine to measure; may be given again. Default: all nine of ours.")
+@options.engines_for(help="Engine to measure; may be given again. Default: the nine engines that the report compares.")
 @options.single(
     "--repetitions",
     metavar="N",

@@ -15,7 +15,7 @@ from quickreturn.commands import options
     "--free", metavar="KEY", required=True, help='Parameter to find, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
 )
 @options.case_assignments
-@options.single("--output", metavar="CASE_FILE", help="Write the case with the values found: .toml.")
+@options.single("--output", metavar="CASE_FILE", help="File for the case with the values found: .toml.")
 @options.limited
 @options.json
 def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str], output: str | None, as_json: bool) -> int:

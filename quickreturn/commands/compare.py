@@ -17,7 +17,7 @@ PICTURES: Final = (".png", ".svg", ".pdf")
 @options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines.")
 @options.accuracy
 @options.assignments
-@options.single("--output", metavar="PICTURE", help="Draw it: .png, .svg or .pdf.")
+@options.single("--output", metavar="PICTURE", help="File for a picture of tables and engines: .png, .svg or .pdf.")
 @options.of_workshop
 @options.json
 def command(

@@ -29,7 +29,7 @@ from quickreturn.commands import options
     read=options.number(1, 100, 4, whole=True),
     default="4",
     show_default=True,
-    help="How many at most, 1 to 100.",
+    help="Largest number of frequencies, 1 to 100.",
 )
 @options.assignments
 @options.stored

@@ -30,7 +30,7 @@ _MOST_ANGLES: Final = 10_000
 
 
 def number(low: float, high: float, example: float, *, of: str = "", whole: bool = False) -> Reader:
-    """Reads a plain number within limits, both inclusive."""
+    """A reader of plain numbers from `low` to `high`, both included; the message of its error shows the example."""
 
     def read(option: str, text: str) -> float:
         value = plain_number(text)
@@ -69,7 +69,7 @@ def angles(option: str, text: str) -> list[float]:
 
 LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
 
-#: Keys of a context's `meta`: whether to be quiet, the folder of results, and whether none are stored.
+#: Keys of a click context's `meta`: whether to be quiet, the store of results, and whether results are not to be stored.
 QUIET: Final = "quickreturn.quiet"
 STORE: Final = "quickreturn.store"
 NO_STORE: Final = "--no-store"
@@ -102,12 +102,12 @@ def several(*names: str, help: str, **more: Any) -> Callable[[Any], Any]:
 
 
 def output(told: str, metavar: str = "FILE", *, required: bool = True) -> Callable[[Any], Any]:
-    """The option that says where the result goes."""
+    """The option --output, with the help `told`."""
     return single("--output", metavar=metavar, required=required, help=told)
 
 
 def complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Names of the library that begin so, and files."""
+    """Completions of a case: names of the library that begin with `begun`, and files."""
     from quickreturn.cases.library import case_names
 
     return [*(CompletionItem(name) for name in case_names() if name.startswith(begun)), CompletionItem(begun, type="file")]
@@ -255,9 +255,9 @@ def quiet() -> bool:
 
 
 def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Workshop":
-    """The store of results, which prints its notices at once, and the processes of this machine, as `of_workshop` or `limited` say.
+    """The store of results and what computes, by the options of `of_workshop` or `limited`: processes of this machine, or a cluster.
 
-    A message says here what will run on which engines, before the slow imports.
+    The store prints its notices at once. A message says what will run on which engines, before the slow imports.
     """
     from quickreturn.cases.jobs.processes import LocalProcesses
     from quickreturn.cases.jobs.store import Store
@@ -353,7 +353,7 @@ stored: Final[Callable[[Any], Any]] = click.option(
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add these options, the address of a cluster and the number of processes."""
+    """Add the options of `limited`, the address of a cluster and the number of processes."""
     told = "Compute on a cluster of Dask, whose scheduler has this address, e.g. tcp://host:8786."
     command = single("--cluster", metavar="ADDRESS", expose_value=False, help=told)(limited(command))
     told = "Processes at a time on this machine; default: one per core."

@@ -13,12 +13,14 @@ from quickreturn.commands import options
 @click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=options.complete_case)
 @options.tag
 @options.engines_for(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
-@click.option("--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four of them.")
+@click.option(
+    "--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four, such as strain_2."
+)
 @options.duration
 @options.accuracy
 @options.assignments
 @options.stored
-@options.output(f"Where the picture goes: {', '.join(options.PICTURES)}.")
+@options.output(f"File for the picture: {', '.join(options.PICTURES)}.")
 def command(
     sources: Sequence[str],
     tag: str | None,

@@ -16,13 +16,13 @@ TABLES: Final = (".csv", ".nc", ".parquet")
 @options.case
 @options.single("--speed", metavar="RANGE", help='Prescribed crank speed: "60 rpm .. 300 rpm"; with --vary a single speed.')
 @options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".')
-@options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2.")
+@options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2; default: peak.tip_acceleration.")
 @options.accuracy
 @click.option(
     "--claims/--no-claims", default=True, help="Estimate the error of every point (default), or not, which saves a third of the time."
 )
 @options.case_assignments
-@options.output(f"Where the table goes, {', '.join(TABLES)}; or a picture, {', '.join(PICTURES)}.", required=False)
+@options.output(f"File for the table ({', '.join(TABLES)}) or for a picture ({', '.join(PICTURES)}).", required=False)
 @options.single("--plot", metavar="FILE", help="File for a picture, beside the table.")
 @options.limited
 @options.json

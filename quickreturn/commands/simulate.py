@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
-#: Modules that are preloaded to show what a worker found.
+#: Modules that this process imports while workers simulate, to show their results.
 _SHOWING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
 
-#: Further keys of a simulation's JSON document; these values if a failure leaves none.
+#: Further keys of a simulation's JSON document, with the values that they have after a failure without any.
 _NOTHING: Final[dict[str, Any]] = {
     "version": None,
     "stored": False,
@@ -60,7 +60,7 @@ _NOTHING: Final[dict[str, Any]] = {
 @click.option("--no-estimate", is_flag=True, help="Make one run without an error estimate.")
 @options.assignments
 @options.output(
-    "Where the trajectory goes, as CSV; of several engines or cases with {engine} or {case} in the name. Default: nothing is written.",
+    "File for the trajectory. For several engines or cases put {engine} or {case} into its name. Default: nothing is written.",
     "FILE.csv",
     required=False,
 )
@@ -144,7 +144,7 @@ def _places(output: str | None, cases: "Sequence[Case]", engines: Sequence[str])
 
 
 def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:
-    """A value of --output for these."""
+    """A value of --output for some cases and engines."""
     return f"{cases[0].name if len(cases) == 1 else '{case}'}{'-{engine}' if len(engines) > 1 else ''}.csv"
 
 

@@ -16,7 +16,7 @@ class _WithMeasures(click.Command):
     """A command whose help lists the measures at its end."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The measures; those of each column of a trajectory in four lines."""
+        """Write the measures; those that every column of a trajectory has are listed once, for COLUMN."""
         from quickreturn.cases.sweep.measures import MEASURES, of_columns
         from quickreturn.reference_model.columns import COLUMNS
 
@@ -28,7 +28,7 @@ class _WithMeasures(click.Command):
 
 @click.command(name="sweep", cls=_WithMeasures)
 @options.case
-@options.several("--vary", "axes", metavar="AXIS", required=True, help="What varies: KEY = a .. b : n, log a .. b : n, or a; b; c.")
+@options.several("--vary", "axes", metavar="AXIS", required=True, help="Key and values: KEY = a .. b : n, log a .. b : n, or a; b; c.")
 @options.several("--measure", "measures", metavar="NAME", help="What to measure; default: peak.tip_acceleration and multiplier.")
 @options.engines
 @options.accuracy

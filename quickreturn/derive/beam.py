@@ -34,18 +34,18 @@ class Beam:
 
     Args:
         system: the system that contains the beam.
-        name: of the beam.
-        origin: place of its beginning.
-        angle: of its frame from n1, rad.
+        name: name of the beam.
+        origin: place of its beginning, m.
+        angle: angle of its frame from n1, rad.
         edges: arc lengths (m) of the ends of the cells, from 0 to the end. Each cell has Gauss points; a moving slider's place is a frozen
             edge.
         mass_per_length: kg/m.
-        tangent: angle of the tangent in the frame, rad; the places follow exactly. Alternatively
-        deflection: displacement across the frame's first axis, m, with
-        stretch: displacement along it, m, and
+        tangent: angle of the tangent in the frame, rad, from which the places follow exactly. Give this or `deflection`.
+        deflection: displacement across the frame's first axis, m.
+        stretch: displacement along that axis, m; only with `deflection`.
         foreshortening: whether a deflection moves the points towards the origin, by half the integral of its squared slope (thesis, section
-            4.2).
-        bending_stiffness: N m^2; None if the strain energy is given separately.
+            4.2); only with `deflection`.
+        bending_stiffness: N m^2; 0 if the strain energy is given separately.
         axial_stiffness: N.
         damping: damping per length of the velocity relative to the frame, N s/m^2.
         points: Gauss points per cell.
@@ -54,7 +54,7 @@ class Beam:
         x: places of all Gauss points along the frame's first axis, m, a column.
         y: places of all Gauss points along its second axis, m, a column.
         shares: the length that each Gauss point represents, m, a column.
-        lengths: of the cells, m.
+        lengths: lengths of the cells, m.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Beam:
             raise DescriptionError(f"beam {name!r} needs one of tangent and deflection")
         self._tangent, self._deflection, self._stretch, self._shortens = tangent, deflection, stretch, foreshortening
         self.origin, self.angle, self._points = origin, ca.SX(angle), points
-        self._whole = line = self._line(edges)
+        self._full_line = line = self._line(edges)
         inner = [k for k in range(line.s.numel()) if (k + 1) % (points + 1)]
         dx = column(*(h * ca.SX(0.5 * legendre.leggauss(points)[1]) for h in line.lengths))
         self.x, self.y, self.shares, self.lengths = x, y, _, _ = line.x[inner], line.y[inner], dx, line.lengths
@@ -99,11 +99,11 @@ class Beam:
 
     def end(self, cell: int = -1) -> ca.SX:
         """Place of a cell's end, by default the last cell's."""
-        return self._end(self._whole, cell)
+        return self._end(self._full_line, cell)
 
     def end_slope(self, cell: int = -1) -> ca.SX:
         """The tangent's angle from n1 at a cell's end."""
-        return self.angle + self._whole.psi[self._points :: self._points + 1][cell]
+        return self.angle + self._full_line.psi[self._points :: self._points + 1][cell]
 
     def slider(self, cell: int, advance: ca.SX, curvature: Any) -> ca.SX:
         """Place of a slider at a cell's end; `advance` is its arc length minus the frozen one.
@@ -133,10 +133,10 @@ class Beam:
         n, (gauss, weights) = self._points, legendre.leggauss(self._points)
         series = (np.arange(n)[:, None] + 0.5) * (legendre.legvander(gauss, n - 1) * weights[:, None]).T
         to_points = ca.SX(0.5 * legendre.legval(np.append(gauss, 1.0), legendre.legint(series, lbnd=-1)).T)
-        found = [ca.SX(0)]
+        parts = [ca.SX(0)]
         for k, h in enumerate(lengths):
-            found.append(found[-1][-1] + h * (to_points @ f[k * (n + 1) : k * (n + 1) + n]))
-        return column(*found[1:])
+            parts.append(parts[-1][-1] + h * (to_points @ f[k * (n + 1) : k * (n + 1) + n]))
+        return column(*parts[1:])
 
 
 def _derivative(field: Any, s: ca.SX) -> ca.SX:
@@ -149,9 +149,8 @@ def natural_shapes(supports: str, count: int) -> list[Field]:
     """Deflections of the first natural modes of a uniform beam as functions of x/L, by Ritz's method in polynomials.
 
     Args:
-        supports: those of the beginning and the end, each free, pinned or clamped, as in "clamped-free"; motions of the rigid beam come
-            first.
-        count: how many.
+        supports: supports of the beginning and the end, each free, pinned or clamped, such as "clamped-free".
+        count: number of modes; motions of the rigid beam come first and count.
     """
     begin, end = ({"free": 0, "pinned": 1, "clamped": 2}[each] for each in supports.split("-"))
     held = Polynomial([0.0, 1.0]) ** begin * Polynomial([1.0, -1.0]) ** end
@@ -164,4 +163,4 @@ def natural_shapes(supports: str, count: int) -> list[Field]:
 
 
 def _polynomial(coefficients: Array, u: ca.SX) -> ca.SX:
-    return reduce(lambda found, c: found * u + float(c), coefficients[::-1], 0.0 * u)
+    return reduce(lambda value, c: value * u + float(c), coefficients[::-1], 0.0 * u)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from quickreturn.derive.system import System, column
 from quickreturn.derive.units import DescriptionError, in_si
 
-#: Other units of mass, length and time, in kg, m and s: no product of their small powers is 1.
+#: Other units of mass, length and time, in kg, m and s. No product of their small powers is 1, so a wrong unit always shows.
 _OTHER: Final = (2.3, 1.7, 1.3)
 #: Largest relative difference from rounding when an expression is measured in other units.
 _ROUNDING: Final = 1e-7
@@ -18,27 +18,27 @@ _SINGULAR: Final = 1e-12
 
 
 def check_units(system: System) -> None:
-    """Measure the whole description in other units of mass, length and time: an expression must change as its unit says.
+    """Evaluate all expressions of a description in two systems of units: each must change as its unit says.
 
     Raises:
-        DescriptionError: an expression does not; the sentence names the first.
+        DescriptionError: an expression does not; the sentence names the first one.
     """
-    known = [(system.time, 0.1, "s"), *system.parameters.values()]
+    symbols = [(system.time, 0.1, "s"), *system.parameters.values()]
     for k, c in enumerate(system.coordinates):
         now = c.guess + 0.1 * c.size * (1.0 + 0.1 * k)
-        known += [(c.q, now, c.unit), (c.v, 0.2 * c.size, f"({c.unit})/s"), (c.a, 0.3 * c.size, f"({c.unit})/s^2")]
-        known += [(system.frozen[k], now, c.unit)] if k in system.frozen else []
-    known += [(force, 1.0, f"J/({loop.unit})") for loop in system.loops for force in ca.vertsplit(loop.force)]
+        symbols += [(c.q, now, c.unit), (c.v, 0.2 * c.size, f"({c.unit})/s"), (c.a, 0.3 * c.size, f"({c.unit})/s^2")]
+        symbols += [(system.frozen[k], now, c.unit)] if k in system.frozen else []
+    symbols += [(force, 1.0, f"J/({loop.unit})") for loop in system.loops for force in ca.vertsplit(loop.force)]
     for table in system.tables:
         middle = table.at(0.5 * (table.low + table.high))
-        known += [(table.row[k], middle[k], unit) for k, unit in table.units.items()]
-    evaluate = ca.Function("stated", [column(*(symbol for symbol, _, _ in known))], [column(*(ca.vec(e) for _, e, _ in system.stated))])
-    here = np.array([value for _, value, _ in known])
-    one, other = (np.array(evaluate(at)).ravel() for at in (here, here * [_factor(unit) for _, _, unit in known]))
+        symbols += [(table.row[k], middle[k], unit) for k, unit in table.units.items()]
+    evaluate = ca.Function("stated", [column(*(symbol for symbol, _, _ in symbols))], [column(*(ca.vec(e) for _, e, _ in system.stated))])
+    here = np.array([value for _, value, _ in symbols])
+    one, other = (np.array(evaluate(at)).ravel() for at in (here, here * [_factor(unit) for _, _, unit in symbols]))
     ends = np.cumsum([e.numel() for _, e, _ in system.stated])
-    for (what, _, unit), found, expected in zip(system.stated, np.split(other, ends), np.split(one, ends), strict=False):
+    for (what, _, unit), measured, expected in zip(system.stated, np.split(other, ends), np.split(one, ends), strict=False):
         scaled = expected * _factor(unit)
-        if np.any(np.abs(found - scaled) > _ROUNDING * np.max(np.abs([found, scaled]), initial=0.0)):
+        if np.any(np.abs(measured - scaled) > _ROUNDING * np.max(np.abs([measured, scaled]), initial=0.0)):
             raise DescriptionError(f"units do not fit: the {what} is not in {unit}; look for a sum or a function of different dimensions")
 
 

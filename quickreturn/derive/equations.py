@@ -60,11 +60,11 @@ class Equations:
         if ca.depends_on(Q, column(self.a, *(loop.force for loop in loops))):
             raise DescriptionError(f"a load of {system.name!r} depends on an acceleration or on a loop's force; only outputs may")
         gap, forces = column(*(loop.gap for loop in loops)), column(*(loop.force for loop in loops))
-        found = [M, Q, gap, ca.jacobian(gap, self._z), self._bias(gap), 0.5 * ca.bilin(M, self._w, self._w), potential, work, heat]
+        expressions = [M, Q, gap, ca.jacobian(gap, self._z), self._bias(gap), 0.5 * ca.bilin(M, self._w, self._w), potential, work, heat]
         # after all derivatives: frozen values become present ones
         present = column(*system.frozen.values()), column(*(self.q[k] for k in system.frozen))
-        found = _replaced([*found, *(e for e, _ in system.outputs.values())], *present)
-        self.M, self.Q, self.gap, self.G, self.bias, kinetic, potential, work, heat, *results = found
+        expressions = _replaced([*expressions, *(e for e, _ in system.outputs.values())], *present)
+        self.M, self.Q, self.gap, self.G, self.bias, kinetic, potential, work, heat, *results = expressions
 
         self._given = [k for loop in loops for k in loop.gives]
         if form == "projection":

@@ -10,9 +10,9 @@ from quickreturn.derive.equations import Equations
 from quickreturn.derive.system import System, column
 from quickreturn.derive.units import DescriptionError
 
-#: Largest number of instructions: beyond it the equations are unreadable, and sympy takes minutes.
+#: Largest number of CasADi's instructions: with more the equations are unreadable, and sympy takes minutes.
 _LONGEST = 1500
-#: Largest denominator: other numbers are written as decimals.
+#: Largest denominator of a number that is written as a fraction; other numbers are decimals.
 _LARGEST_DENOMINATOR = 16
 
 
@@ -35,17 +35,17 @@ def latex(system: System) -> str:
         raise DescriptionError(
             f"the equations of {system.name!r} take {function.n_instructions()} instructions; LaTeX is for {_LONGEST} at most"
         )
-    found = [sp.simplify(each) for each in _translated(function, symbols)]
+    equations = [sp.simplify(each) for each in _translated(function, symbols)]
     accelerations = [symbols[k] for k, (_, name) in enumerate(names) if name.startswith(r"\ddot")]
-    left, right = [sp.collect(sp.expand(each), accelerations) for each in found[:n]], found[n : 2 * n]
+    left, right = [sp.collect(sp.expand(each), accelerations) for each in equations[:n]], equations[n : 2 * n]
     lines = [f"{sp.latex(one)} &= {sp.latex(other)}" for one, other in zip(left, right, strict=True)]
-    return " \\\\\n".join([*lines, *(f"{sp.latex(gap)} &= 0" for gap in found[2 * n :])])
+    return " \\\\\n".join([*lines, *(f"{sp.latex(gap)} &= 0" for gap in equations[2 * n :])])
 
 
 def _written(name: str) -> str:
     """Greek and single letters as sympy writes them, words upright."""
-    found = sp.latex(sp.Symbol(name))
-    return found if "\\" in found or len(name.split("_")[0]) == 1 else rf"\mathrm{{{name.replace('_', ' ').replace(' ', '~')}}}"
+    written = sp.latex(sp.Symbol(name))
+    return written if "\\" in written or len(name.split("_")[0]) == 1 else rf"\mathrm{{{name.replace('_', ' ').replace(' ', '~')}}}"
 
 
 def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr]:
@@ -54,21 +54,21 @@ def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr
     functions |= {name: getattr(sp, name) for name in ("sin", "cos", "tan", "sqrt", "exp", "tanh", "atan", "atan2")}
     functions |= {"div": operator.truediv, "constpow": operator.pow, "assign": operator.pos}
     functions |= {"sq": lambda a: a**2, "twice": lambda a: 2 * a, "inv": lambda a: 1 / a}
-    known = {getattr(ca, f"OP_{name.upper()}"): each for name, each in functions.items()}
-    held: dict[int, sp.Expr] = {}
+    translations = {getattr(ca, f"OP_{name.upper()}"): each for name, each in functions.items()}
+    values: dict[int, sp.Expr] = {}
     outputs = [sp.Integer(0)] * function.numel_out()
     for k in range(function.n_instructions()):
         operation, inputs, out = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
         if operation == ca.OP_OUTPUT:
-            outputs[out[1]] = held[inputs[0]]
+            outputs[out[1]] = values[inputs[0]]
         elif operation == ca.OP_INPUT:
-            held[out[0]] = symbols[inputs[1]]
+            values[out[0]] = symbols[inputs[1]]
         elif operation == ca.OP_CONST:
             value = function.instruction_constant(k)
             exact = sp.nsimplify(value, rational=True)
-            held[out[0]] = exact if exact.q <= _LARGEST_DENOMINATOR else sp.Float(value)
-        elif operation in known:
-            held[out[0]] = known[operation](*(held[i] for i in inputs))
+            values[out[0]] = exact if exact.q <= _LARGEST_DENOMINATOR else sp.Float(value)
+        elif operation in translations:
+            values[out[0]] = translations[operation](*(values[i] for i in inputs))
         else:
             raise DescriptionError(f"operation {operation} of CasADi has no LaTeX here")
     return outputs

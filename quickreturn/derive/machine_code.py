@@ -43,8 +43,8 @@ _CALLS: Final = {name: "{r} = call double @" + name + f"({arguments})" for name,
 #: CasADi's number of an operation -> its LLVM instructions.
 _LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEMPLATES | _CALLS).items()}
 
-#: Largest accepted difference between machine code and interpreter, relative to the greatest of three values: the output, a thousandth of
-#: the largest output, and 0.001 in SI units. Fused operations round differently; if all forces vanish, only this rounding is left.
+#: Largest accepted difference between machine code and CasADi's interpreter, relative to the greatest of three: the output, a thousandth of
+#: the largest output, and 0.001 in SI units. Fused operations round differently; where all forces vanish, only this rounding is left.
 AGREEMENT: Final = 1e-9
 #: Optimization level of the compiler, 0 to 3. At level 0 a function of 30,000 instructions compiles in half the time and runs three to
 #: fifteen times as long.
@@ -84,12 +84,12 @@ class MachineCode:
         Raises:
             DescriptionError: an output is not a number, or the two differ.
         """
-        found, expected = self(x), np.array(self.interpreter(x)).ravel()
+        compiled, expected = self(x), np.array(self.interpreter(x)).ravel()
         refuse_nan(self.names, expected)
-        excess = np.abs(found - expected) - AGREEMENT * np.maximum(np.abs(expected), 1e-3 * max(1.0, np.max(np.abs(expected))))
+        excess = np.abs(compiled - expected) - AGREEMENT * np.maximum(np.abs(expected), 1e-3 * max(1.0, np.max(np.abs(expected))))
         worst = int(np.argmax(excess))
         if not excess[worst] <= 0.0:
-            raise DescriptionError(f"machine code gives {found[worst]} for {self.names[worst]}, the interpreter {expected[worst]}")
+            raise DescriptionError(f"machine code gives {compiled[worst]} for {self.names[worst]}, the interpreter {expected[worst]}")
 
 
 def refuse_nan(names: Sequence[str], values: Array) -> None:
@@ -103,20 +103,20 @@ def _assembly(function: Any) -> str:
     """The LLVM assembly of a CasADi function of one dense vector."""
     lines = [f"declare double @{name}({arguments.format(a='', b='')})" for name, arguments in _FUNCTIONS.items()]
     lines.append("define void @equations(ptr %in, ptr %out) {")
-    held: dict[int, str] = {}
+    operands: dict[int, str] = {}
     for k in range(function.n_instructions()):
         operation, r = function.instruction_id(k), f"%r{k}"
         inputs, outputs = function.instruction_input(k), function.instruction_output(k)
         if operation == ca.OP_OUTPUT:
-            lines += [f"%p{k} = getelementptr double, ptr %out, i64 {outputs[1]}", f"store double {held[inputs[0]]}, ptr %p{k}"]
+            lines += [f"%p{k} = getelementptr double, ptr %out, i64 {outputs[1]}", f"store double {operands[inputs[0]]}, ptr %p{k}"]
             continue
         if operation == ca.OP_CONST:
             r = f"0x{np.float64(function.instruction_constant(k)).view(np.uint64):016X}"
         elif operation == ca.OP_INPUT:
             lines += [f"%p{k} = getelementptr double, ptr %in, i64 {inputs[1]}", f"{r} = load double, ptr %p{k}"]
         elif operation in _LINES:
-            lines.append(_LINES[operation].format(r=r, a=held[inputs[0]], b=held[inputs[-1]]))
+            lines.append(_LINES[operation].format(r=r, a=operands[inputs[0]], b=operands[inputs[-1]]))
         else:
             raise DescriptionError(f"operation {operation} of CasADi is not translated to machine code; write it with other functions")
-        held[outputs[0]] = r
+        operands[outputs[0]] = r
     return "\n".join([*lines, "ret void", "}"])

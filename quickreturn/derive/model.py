@@ -68,12 +68,12 @@ class Model:
         Raises:
             DescriptionError: an unknown name, or a loop that does not close.
         """
-        each = self.system.coordinates
-        self.refuse_unknown(values, "coordinate or rate", [name for c in each for name in (c.name, c.rate_name)])
-        q = np.array([values[c.name] * in_si(c.unit)[0] if c.name in values else c.guess for c in each])
-        v = np.array([values.get(c.rate_name, 0.0) * in_si(c.unit)[0] for c in each])
+        coordinates = self.system.coordinates
+        self.refuse_unknown(values, "coordinate or rate", [name for c in coordinates for name in (c.name, c.rate_name)])
+        q = np.array([values[c.name] * in_si(c.unit)[0] if c.name in values else c.guess for c in coordinates])
+        v = np.array([values.get(c.rate_name, 0.0) * in_si(c.unit)[0] for c in coordinates])
         given = [k for loop in self.system.loops for k in loop.gives]
-        seek, turn = ([k for k in given if each[k][which] not in values] for which in (0, 1))
+        seek, turn = ([k for k in given if coordinates[k][which] not in values] for which in (0, 1))
         return self.closed(q, v, self.values(parameters), seek, turn)
 
     def closed(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> Array:
@@ -92,22 +92,22 @@ class Model:
             if np.max(np.abs(step), initial=0.0) < 1e-14:
                 break
         sizes = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
-        told = "cannot close at the start: {left:.3g} {unit} remain; change the start, the lengths, or the guess of what it gives"
-        self._refuse_rows(gap, CLOSED * sizes, told)
+        problem = "cannot close at the start: {left:.3g} {unit} remain; change the start, the lengths, or the guess of what it gives"
+        self._refuse_rows(gap, CLOSED * sizes, problem)
         if turn:
             v[turn] = np.linalg.lstsq(G[:, turn], -G @ np.append(v, 1.0), rcond=None)[0]
         rates = np.append(v, 1.0)
         fastest = np.max(np.abs(G) @ np.abs(rates), initial=0.0)
-        told = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
-        self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), told)
+        problem = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
+        self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), problem)
         return self.state(q, v)
 
-    def _refuse_rows(self, rows: Array, allowed: Array, told: str) -> None:
+    def _refuse_rows(self, rows: Array, allowed: Array, problem: str) -> None:
         """Raise DescriptionError if a row of the loops exceeds its allowed size."""
         of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
-        for loop, left, most in zip(of_rows, np.abs(rows), allowed, strict=True):
-            if not left <= most:
-                raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {told.format(left=left, unit=loop.unit)}")
+        for loop, left, limit in zip(of_rows, np.abs(rows), allowed, strict=True):
+            if not left <= limit:
+                raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {problem.format(left=left, unit=loop.unit)}")
 
     def simulate(
         self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
@@ -117,7 +117,7 @@ class Model:
         Args:
             start: name -> coordinate or rate at time 0; see `start`.
             duration: s.
-            step: s, between two rows.
+            step: time between two rows, s.
             tolerance: local error, relative to each coordinate or rate and to the coordinate's `size`.
             method: method of scipy's `solve_ivp`: "DOP853", or "Radau" for stiff equations.
             parameters: name -> changed value, in the parameter's unit.
@@ -133,13 +133,13 @@ class Model:
 
     def integrate(self, rates: Rates, y: Array, times: Array, tolerance: float, sizes: Array, method: str = "DOP853") -> Array:
         """The states at given times, shape (times, len(y)); errors are relative to the states and to `sizes`. See `simulate`."""
-        found = solve_ivp(rates, (0.0, times[-1]), y, method, times, rtol=tolerance, atol=tolerance * sizes)
-        if not found.success:
-            at = found.t[-1] if len(found.t) else 0.0
+        solution = solve_ivp(rates, (0.0, times[-1]), y, method, times, rtol=tolerance, atol=tolerance * sizes)
+        if not solution.success:
+            at = solution.t[-1] if len(solution.t) else 0.0
             ends = ", ".join(self.system.coordinates[table.index].name for table in self.system.tables)
             cause = f" ({ends} may have left its table)" if ends else ""
-            raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {at:g} s{cause}: {found.message}")
-        return np.asarray(found.y.T)
+            raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {at:g} s{cause}: {solution.message}")
+        return np.asarray(solution.y.T)
 
     def check(self, y: Array, p: Array) -> None:
         """Raise DescriptionError if accelerations are undetermined, an output is not finite, or code and interpreter differ."""
@@ -166,7 +166,7 @@ class Model:
         return frame
 
     def input(self, time: float, y: Array, p: Array) -> Array:
-        """The values of all symbols of the equations."""
+        """The values of all symbols of the equations, SI, in the order of `inputs`."""
         return np.concatenate([[time], y, p, *(table.at(y[table.index]) for table in self.system.tables)])
 
     def state(self, q: Array, v: Array) -> Array:
@@ -180,7 +180,7 @@ class Model:
 
     def refuse_unknown(self, names: Iterable[str], what: str, known: Iterable[str]) -> None:
         """Raise DescriptionError for an unknown name; the message lists the known ones."""
-        there = list(known)
+        accepted = list(known)
         for name in names:
-            if name not in there:
-                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(there)}")
+            if name not in accepted:
+                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(accepted)}")

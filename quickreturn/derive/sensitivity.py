@@ -23,9 +23,9 @@ def sensitivities(
         to: names of the parameters.
         start: see `Model.simulate`; coordinates that the loops give change with the parameters.
         duration: s.
-        step: s, of the output.
+        step: time between two rows, s.
         tolerance: see `Model.simulate`.
-        parameters: changed values, in their units.
+        parameters: name -> changed value, in the parameter's unit.
 
     Returns:
         Columns "OUTPUT by PARAMETER", units in `attrs["units"]`.

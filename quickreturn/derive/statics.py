@@ -16,21 +16,21 @@ Array = NDArray[np.float64]
 
 
 class Linear(NamedTuple):
-    """M x'' + D x' + K x = 0 for small motions q = q0 + Z x that keep the loops closed, SI."""
+    """M x'' + D x' + K x = 0 for small motions q = q0 + Z x that keep the loops closed, SI; x has m entries, q has n."""
 
-    M: Array
-    D: Array
-    K: Array
-    Z: Array
+    M: Array  # mass, shape (m, m)
+    D: Array  # damping, shape (m, m)
+    K: Array  # stiffness, shape (m, m)
+    Z: Array  # shape (n, m)
 
 
 class Statics:
     """Forces of a system at rest, and how they change with its coordinates.
 
     Args:
-        model: of the system.
+        model: the compiled equations of the system.
         hold: names of coordinates that do not move.
-        parameters: changed values, in their units.
+        parameters: name -> changed value, in the parameter's unit.
     """
 
     def __init__(self, model: Model, hold: Sequence[str] = (), parameters: Values | None = None) -> None:
@@ -45,10 +45,10 @@ class Statics:
         moved = column(*(t.row + t.row_slope * (e.q[t.index] - now[t.index]) for t in system.tables))
         M, Q, G, gap = ca.substitute([M, Q, G, gap], [column(*(t.row for t in system.tables))], [moved])
         balance = Q + G.T @ force
-        found = [balance, gap, G, M, -ca.jacobian(Q, e.v), -ca.jacobian(balance, e.q)]
+        expressions = [balance, gap, G, M, -ca.jacobian(Q, e.v), -ca.jacobian(balance, e.q)]
         tables = [each for t in system.tables for each in (t.row, t.row_slope)]
         inputs = column(system.time, e.q, now, e.v, force, model.constants, *tables)
-        self._evaluate = ca.Function("statics", [inputs], [ca.densify(each) for each in found])
+        self._evaluate = ca.Function("statics", [inputs], [ca.densify(each) for each in expressions])
 
     def equilibrium(self, start: Values) -> dict[str, float]:
         """Coordinates at rest under the forces, by name in their units, found from a start by Newton's method.
@@ -87,18 +87,18 @@ class Statics:
         """Balance, gaps, G, M, D and K."""
         rows = [t.at(q[t.index], slope) for t in self._model.system.tables for slope in (False, True)]
         constants = self._model.values(self._parameters)
-        found = self._evaluate(np.concatenate([[0.0], q, q, np.zeros(len(q)), force, constants, *rows]))
-        return [np.array(each).ravel() if k < 2 else np.array(each) for k, each in enumerate(found)]
+        values = self._evaluate(np.concatenate([[0.0], q, q, np.zeros(len(q)), force, constants, *rows]))
+        return [np.array(each).ravel() if k < 2 else np.array(each) for k, each in enumerate(values)]
 
 
 def natural_frequencies(model: Model, at: Values, hold: Sequence[str] = (), parameters: Values | None = None) -> Array:
     """Undamped natural frequencies (Hz, ascending) of small vibrations about a configuration at rest; below zero: unstable.
 
     Args:
-        model: of the system.
+        model: the compiled equations of the system.
         at: coordinates by name; the others are zero, or follow from the loops.
         hold: names of coordinates that do not move.
-        parameters: changed values, in their units.
+        parameters: name -> changed value, in the parameter's unit.
     """
     small = Statics(model, hold, parameters).linearised(at)
     squares = eigh(small.K, small.M, eigvals_only=True)

@@ -109,7 +109,7 @@ class System:
         return ca.jtimes(expression, column(q, v, self.time), column(v, a, 1))
 
     def freeze(self, coordinate: ca.SX) -> ca.SX:
-        """The present value of a coordinate, substituted after differentiation: points move with a slider, the material does not."""
+        """The present value of a coordinate, a constant in derivatives: points can follow a slider while the material does not."""
         k = self._index(coordinate)
         return self.frozen.setdefault(k, ca.SX.sym(f"{self.coordinates[k].name} now"))
 
@@ -173,7 +173,7 @@ class System:
         self.states(f"output {name!r}", expression, unit)
 
     def states(self, what: str, expression: Any, unit: str) -> None:
-        """Remember that an expression must have a unit; `Model` checks it."""
+        """State that an expression has a unit; `Model` checks it. `what` names the expression in the message."""
         in_si(unit)
         self.stated.append((what, ca.SX(expression), unit))
 

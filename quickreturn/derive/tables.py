@@ -15,7 +15,7 @@ class Table:
 
     Args:
         index: the coordinate's place among the coordinates.
-        unit: of the coordinate.
+        unit: unit of the coordinate.
         away: s minus its frozen value: its value is 0, its derivative by s is 1.
         low: smallest s, in SI.
         step: length of the intervals, in SI.
@@ -37,20 +37,20 @@ class Table:
         self.high = low + step * len(self.coefficients)
 
     def function(self, unit: str, columns: Sequence[int], first: Sequence[int] = (), second: Sequence[int] = ()) -> ca.SX:
-        """f(s) = f0 + f1 d + f2 d^2 / 2 about the present s, d = 0, as a column: its derivatives by s are those of the table.
+        """f(s) = f0 + f1 d + f2 d^2 / 2 as a column; d is s minus its present value, so f's derivatives by s are those of the table.
 
         Args:
-            unit: of f, in SI.
-            columns: of the table, which hold f0.
-            first: which hold the first derivative of each by s; none: it does not depend on s.
-            second: which hold the second.
+            unit: unit of f, in SI.
+            columns: columns of the table that hold f0.
+            first: columns that hold the first derivative of each by s; none: f does not depend on s.
+            second: columns that hold the second derivative.
         """
-        found = ca.SX.zeros(len(columns))
+        values = ca.SX.zeros(len(columns))
         for power, more in enumerate((columns, first, second)):
             if len(more):
-                found += self.row[list(more)] * self._away**power / max(power, 1)
+                values += self.row[list(more)] * self._away**power / max(power, 1)
                 self.units |= dict.fromkeys(more, f"({unit})/({self._unit})**{power}")
-        return found
+        return values
 
     def at(self, s: float, slope: bool = False) -> Array:
         """The row at a place, or its derivative by s; NaN outside the table, which makes an integrator take shorter steps."""

@@ -21,13 +21,13 @@ def in_si(unit: str) -> tuple[float, tuple[float, ...]]:
         DescriptionError: pint does not know the unit, or it is not mechanical.
     """
     try:
-        found = _REGISTRY.Quantity(1.0, unit or "1").to_base_units()
+        quantity = _REGISTRY.Quantity(1.0, unit or "1").to_base_units()
     except (pint.errors.PintError, AssertionError, TypeError, AttributeError) as error:
         raise DescriptionError(f"unit {unit!r} is not known; write it as in 'kg*m^2' or 'lbf*in*s/rad'") from error
-    dimension = {name: float(power) for name, power in found.dimensionality.items()}
+    dimension = {name: float(power) for name, power in quantity.dimensionality.items()}
     if other := sorted(set(dimension) - set(_BASE)):
         raise DescriptionError(f"unit {unit!r} is not mechanical: it contains {other[0]}; use units of mass, length, time and angle")
-    return float(found.magnitude), tuple(dimension.get(name, 0.0) for name in _BASE)
+    return float(quantity.magnitude), tuple(dimension.get(name, 0.0) for name in _BASE)
 
 
 def per(unit: str, other: str) -> str:

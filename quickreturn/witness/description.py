@@ -1,6 +1,6 @@
 """The quick-return with a flexible follower, described for `quickreturn.derive`: parts, joint, drive and outputs.
 
-It contains no equation derived by hand. It shares only the table of the follower's shapes with them.
+It contains no equation derived by hand. With the equations that are, it shares only the table of the follower's shapes.
 """
 
 from collections.abc import Callable
@@ -58,15 +58,15 @@ def constants(scene: Mechanism) -> dict[str, float]:
 
 
 class Follower(NamedTuple):
-    """The follower in the description. `place`, `angle` (of the tangent) and `curvature` are those at the slider."""
+    """The follower in the description."""
 
     beam: Beam
-    end: ca.SX
-    strain: ca.SX
-    slider_cell: int
-    place: ca.SX
-    angle: ca.SX
-    curvature: ca.SX
+    end: ca.SX  # place of its flexible end, m
+    strain: ca.SX  # strain energy, J
+    slider_cell: int  # index of the cell that ends at the slider
+    place: ca.SX  # of the centre line at the slider, m
+    angle: ca.SX  # of the tangent there, rad
+    curvature: ca.SX  # there, 1/m
 
 
 def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None) -> System:
@@ -116,15 +116,15 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
         system.load("friction", s, -p.friction)
 
     # the slider's force on the follower: its rotary inertia makes a moment, which a force along the bent line must balance
-    beside = 1 - gap * curvature
-    moment = -p.slider_inertia * system.rate(system.rate(slope)) / beside
+    arc_ratio = 1 - gap * curvature  # length of the slider's path over that of the line beside it
+    moment = -p.slider_inertia * system.rate(system.rate(slope)) / arc_ratio
     along, tangent, lever = -moment * curvature, turned(slope, 1), foot - pivot
     if rigid:  # the residual of few shapes along the tangent is ignored: only the moment about P counts
         across = (_cross(lever, held) - along * _cross(lever, tangent)) / ca.dot(lever, tangent)
     else:
         across = p.joint_stiffness * gap + p.joint_damping * system.rate(gap) + p.joint_force
         across += p.joint_inertia * system.rate(system.rate(gap))
-        along, moment = along + p.friction / beside, moment - gap * p.friction / beside
+        along, moment = along + p.friction / arc_ratio, moment - gap * p.friction / arc_ratio
     on_follower = across * normal + along * tangent
     of_crank = p.crank_mass * (_acceleration(system, center) - system.gravity)
     of_slider = p.slider_mass * (_acceleration(system, crank_tip) - system.gravity) + on_follower

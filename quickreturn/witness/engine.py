@@ -56,11 +56,11 @@ class DerivedEngine(Engine[DerivedSettings]):
     quantities = (*USUAL, "slider.inertia", *SPRING, "base.friction_torque", "follower.material_damping")
 
     def version(self) -> str:
-        """The version of CasADi."""
+        """The version of CasADi, or that it is not installed."""
         return f"casadi {installed('casadi') or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        """The missing package, and how to install it."""
+        """The missing package and how to install it; None if it is installed."""
         return None if find_spec("casadi") else "CasADi is not installed; pip install 'quickreturn[derive]'"
 
     def check(self, scene: Scene) -> None:

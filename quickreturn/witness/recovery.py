@@ -18,7 +18,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 Array = NDArray[np.float64]
 Vectors = NDArray[np.complex128]
 
-#: Columns of the description that are columns of a trajectory as they are.
+#: Outputs of the description that become columns of a trajectory unchanged.
 AS_THEY_ARE: Final = ("crank_angle", "crank_speed", "tip_acceleration", "slider_force", "crank_torque", "kinetic_energy", "strain_energy")
 
 
@@ -99,17 +99,17 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     for span, curvature in zip(spans, bent, strict=True):
         angles = angle + span.integral(curvature, np.append(gauss, 1.0))
         directions = np.exp(1j * angles)
-        reached = line + span.integral(directions[:, :-1], np.append(gauss, 1.0))
-        angle, line = angles[:, -1:], reached[:, -1:]
-        lines.append(reached[:, :-1])
+        places = line + span.integral(directions[:, :-1], np.append(gauss, 1.0))
+        angle, line = angles[:, -1:], places[:, -1:]
+        lines.append(places[:, :-1])
         ends.append(line[:, 0])
         tangents.append(directions[:, -1])
     crank_tip = scene.crank.length * np.exp(1j * shown["crank_angle"]) - scene.pivot_distance
     gap = shown.get("gap", np.zeros(len(s)))
     tangent = tangents[slider_cell]
-    beside = ends[slider_cell] + 1j * gap * tangent
-    ahead = 0.5 * (np.abs(crank_tip) ** 2 - np.abs(beside) ** 2) / (beside * tangent.conj()).real
-    base = crank_tip / (beside + ahead * tangent)
+    slider_place = ends[slider_cell] + 1j * gap * tangent
+    ahead = 0.5 * (np.abs(crank_tip) ** 2 - np.abs(slider_place) ** 2) / (slider_place * tangent.conj()).real
+    base = crank_tip / (slider_place + ahead * tangent)
     base /= np.abs(base)
     at_tip = base * ends[-1]
 
@@ -117,8 +117,8 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     pivot = pivot - body - vector("tool") - on_follower
     crank = vector("crank_force")
     twelfths = np.arange(1, PLACES + 1) * beam.length / (PLACES + 1)
-    found = {name: shown[name] for name in AS_THEY_ARE}
-    found |= {
+    table = {name: shown[name] for name in AS_THEY_ARE}
+    table |= {
         "follower_angle": np.pi + np.angle(-base),
         "slider_position": s[:, 0] + ahead,
         "tip_x": scene.pivot_distance + at_tip.real,
@@ -134,18 +134,18 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
         "crank_force_y": crank.imag,
     }
     strains = 0.5 * beam.thickness * _along(spans, bent, np.array(beam.strain_gauges))
-    found |= {f"strain_{k + 1}": strains[:, k] for k in range(3)}
-    found |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths).T, strict=True))
+    table |= {f"strain_{k + 1}": strains[:, k] for k in range(3)}
+    table |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths).T, strict=True))
     of_moments = np.column_stack([_along(spans, moments, twelfths), at_slider])
-    return found | dict(zip(BENDING, of_moments.T, strict=True))
+    return table | dict(zip(BENDING, of_moments.T, strict=True))
 
 
 def _along(spans: list[_Span], values: list[Array], x: Array) -> Array:
     """A field that may jump or kink between cells, at arc lengths (k,); shape (rows, k)."""
-    found, x = spans[0].at(values[0], x), np.broadcast_to(x, (len(spans[0].begin), len(x)))
+    field, x = spans[0].at(values[0], x), np.broadcast_to(x, (len(spans[0].begin), len(x)))
     for span, each in zip(spans[1:], values[1:], strict=True):
-        found = np.where(x > span.begin * (1.0 + 1e-12), span.at(each, x), found)
-    return np.asarray(found)
+        field = np.where(x > span.begin * (1.0 + 1e-12), span.at(each, x), field)
+    return np.asarray(field)
 
 
 def _cross(a: Any, b: Any) -> Any:

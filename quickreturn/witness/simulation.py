@@ -57,21 +57,21 @@ class DerivedSimulation(Simulation):
 
         began, equations = time.perf_counter(), self.model()
         times = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
-        found = solve_ivp(
+        solution = solve_ivp(
             equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=ROUNDING,
             atol=self.tolerance * self.sizes,
         )  # fmt: skip
         place = equations.system.tables[0].index
-        states = found.y.T if len(found.t) else self.state[None]
-        left = states[:, place] > self.shapes.reach
-        states = states[: max(int(np.argmax(left)), 1)] if left.any() else states
+        states = solution.y.T if len(solution.t) else self.state[None]
+        beyond_end = states[:, place] > self.shapes.reach
+        states = states[: max(int(np.argmax(beyond_end)), 1)] if beyond_end.any() else states
         rows = equations.observe(times[: len(states)], states, self.values)
         shown = {str(name): values.to_numpy(dtype=np.float64) for name, values in rows.items()}
         table = {"time": times[: len(states)]} | columns(self.mechanism, shown, self.mechanism.follower.material_damping)
-        trajectory = Trajectory(table, time.perf_counter() - began, {"right_hand_side_calls": float(found.nfev)})
+        trajectory = Trajectory(table, time.perf_counter() - began, {"right_hand_side_calls": float(solution.nfev)})
         self.state, self.time = states[-1], float(times[len(states) - 1])
         if len(states) < len(times):
-            gone = left.any() or states[-1, place] > NEARLY * self.shapes.reach
+            gone = beyond_end.any() or states[-1, place] > NEARLY * self.shapes.reach
             cause = "the slider has left the follower's end" if gone else "the integration does not get on"
             raise EngineFailure(self.time, cause, "try a slower crank, a stiffer or longer follower", trajectory)
         return trajectory

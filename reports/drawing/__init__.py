@@ -1,1 +1,1 @@
-"""Pictures for the documents and of recorded tables."""
+"""Pictures by matplotlib: of cases, trajectories, studies and recorded tables, and those of the documents."""

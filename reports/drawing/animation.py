@@ -7,19 +7,18 @@ from typing import Final
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from numpy.typing import NDArray
 from PIL import Image
 
 from quickreturn.cases.case import Case
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports.drawing.mechanism import Positions, Scenery, factor_for, legend, positions_of
-from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, new_figure
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, new_figure
 
-FRAMES: Final = 72
+FRAMES: Final = 72  # pictures in a turn
 WIDTH, HEIGHT, DENSITY = 7.2, 3.9, 100  # in, in, dots per inch
-SLOWED: Final = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # possible factors of slow motion
+SLOWED: Final = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # factors of slow motion; the least that makes a turn last `TURN` is used
 TURN: Final = 4.0  # s, least duration of a turn in the picture
-COLOURS: Final = 64  # enough for lines and their smoothed edges; more colours make the file larger
+COLOURS: Final = 64  # in a picture: enough for lines and their smoothed edges; more make the file larger
 
 
 def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magnify: float | None = None) -> bytes:
@@ -32,7 +31,8 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
         magnify: factor of the deflection in a picture; None: a round factor that makes the deflection visible.
 
     Raises:
-        UnknownColumn: an engine does not give the follower's shape. CaseError: a page needs a crank.
+        UnknownColumn: an engine does not give the follower's shape.
+        CaseError: a page was asked for, and the case has no crank.
     """
     if ending == ".html":
         from quickreturn.reports.page.render import animation_page
@@ -50,8 +50,8 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
     return file.getvalue()
 
 
-def last_turn(trajectory: Trajectory) -> NDArray[np.float64]:
-    """Even times (s) over the last whole turn of the crank, or over the trajectory if it has none; one more than `FRAMES`."""
+def last_turn(trajectory: Trajectory) -> Array:
+    """`FRAMES` + 1 evenly spaced times (s) over the last whole turn of the crank, or over the trajectory if it has none."""
     time, end = trajectory["time"], float(trajectory["time"][-1])
     angle = trajectory.columns.get("crank_angle")
     begin = float(time[0])
@@ -70,7 +70,7 @@ def _frames(case: Case, motions: Mapping[str, Positions], factor: float, slowed:
     samples = {"handlelength": SAMPLE, "ncols": 4, "fontsize": FONT_SIZE - 1.0, "frameon": False}
     figure.legend(handles=legend(motions, factor), loc="outside lower center", **samples)
     figure.set_dpi(DENSITY)
-    canvas, found = FigureCanvasAgg(figure), []
+    canvas, images = FigureCanvasAgg(figure), []
     first = next(iter(motions.values()))
     scenery.show(0, " ")
     canvas.draw()
@@ -80,5 +80,5 @@ def _frames(case: Case, motions: Mapping[str, Positions], factor: float, slowed:
         scenery.show(instant, f"{time:6.3f} s{angle}")
         canvas.draw()
         image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-        found.append(image.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).convert("RGB"))
-    return found
+        images.append(image.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).convert("RGB"))
+    return images

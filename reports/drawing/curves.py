@@ -5,12 +5,11 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from quickreturn.cases.columns import UnknownColumn, known_column
 from quickreturn.cases.units import in_si
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Drawing, look, new_figure, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, Drawing, look, new_figure, tidy
 
 #: Columns that are drawn if the caller names none.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
@@ -21,18 +20,21 @@ PANEL: Final = 1.9  # in, height
 _SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
-Array = NDArray[np.float64]
-
-
 def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
-    """Draw columns over time, a panel for each; without any, those of `USUAL` that exist. UnknownColumn: no trajectory has it.
+    """Draw columns over time, a panel for each.
 
-    `trajectories`: columns by label: an engine's name, which is drawn in its colour, or any other text.
+    Args:
+        trajectories: label -> column -> values; a label that is an engine's name gives the line that engine's look.
+        columns: names of columns; empty: those of `USUAL` that exist.
+        title: text above the panels.
+
+    Raises:
+        UnknownColumn: no trajectory has a column of that name, or any of `USUAL`.
     """
-    there = {name: None for trajectory in trajectories.values() for name in trajectory}
-    chosen = [known_column(name, there) for name in columns] or [name for name in USUAL if name in there]
+    available = {name: None for trajectory in trajectories.values() for name in trajectory}
+    chosen = [known_column(name, available) for name in columns] or [name for name in USUAL if name in available]
     if not chosen:
-        raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in there if name != 'time')}")
+        raise UnknownColumn(f"none of the usual columns is there; name some of {', '.join(name for name in available if name != 'time')}")
     figure = new_figure(0.8 + PANEL * len(chosen), WIDE)
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, chosen, strict=True):
@@ -43,7 +45,7 @@ def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[st
 
 
 def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Sequence[str]) -> Drawing:
-    """Draw the last cycles of several cases over the crank angle: a row for each case, in it a panel for each column."""
+    """Draw cycles (case -> label -> column -> values) over the crank angle: a row for each case, in it a panel for each column."""
     figure = new_figure(0.8 + PANEL * len(cycles), max(WIDE, 4.0 * len(columns)))
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
     for row, (case, runs) in zip(grid, cycles.items(), strict=True):

@@ -1,7 +1,6 @@
 """Draws the still pictures of the documents: `python -m quickreturn.reports.drawing.document_pictures docs/pictures`.
 
-It computes run 24's steady state and the studies unless they are stored, which takes some minutes; the picture of methods shows the
-recorded benchmark.
+Run 24's steady state and the studies take some minutes unless they are stored; the picture of methods shows the recorded benchmark.
 """
 
 import io
@@ -33,7 +32,7 @@ CASE = f"thesis-{RUN}"
 COLOURS = 48  # in the palette: the most frequent ones, so that lines keep their colours; smoothed edges get the nearest
 
 
-#: The studies of the documents, as in the commands there.
+#: Crank speeds of the resonance curve, and measure -> the two varied keys of its map, as in the commands of `docs/studies.md`.
 CURVE: Final = "180 rpm .. 260 rpm"
 MAPS: Final = {
     "peak.tip_acceleration": ("crank.prescribed_speed = 90 rpm .. 240 rpm : 101", "tip.mass = 0 g .. 50 g : 26"),
@@ -50,9 +49,9 @@ def main(folder: Path) -> None:
     (folder / "methods.png").write_bytes(png(work_precision.draw(benchmarks()[CASE])))
     (folder / "resonance.png").write_bytes(png(curve(case, workshop)))
     for measure, axes in MAPS.items():
-        asked = MeasureRequest(measures=(measure,), claims=False, duration=case.duration)
-        found = study(Grid(case, tuple(axis(text) for text in axes)), asked, workshop)
-        (folder / f"{measure.rpartition('.')[2].replace('_', '-')}.png").write_bytes(png(study_plot.draw(found)))
+        request = MeasureRequest(measures=(measure,), claims=False, duration=case.duration)
+        drawn = study_plot.draw(study(Grid(case, tuple(axis(text) for text in axes)), request, workshop))
+        (folder / f"{measure.rpartition('.')[2].replace('_', '-')}.png").write_bytes(png(drawn))
 
 
 def curve(case: Case, workshop: Workshop) -> Figure:
@@ -79,5 +78,5 @@ def png(figure: Figure) -> bytes:
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
-        raise SystemExit("python -m quickreturn.reports.drawing.document_pictures FOLDER: give the folder that they go to")
+        raise SystemExit("python -m quickreturn.reports.drawing.document_pictures FOLDER: give the folder for the pictures")
     main(Path(sys.argv[1]))

@@ -8,7 +8,6 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.case import Case
@@ -18,14 +17,12 @@ from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reports.drawing.curves import WIDE
-from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Drawing, look, new_figure
+from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Array, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text
 
-Array = NDArray[np.float64]
-
-SHOWN: Final = 0.15  # of the follower's length: limit of the magnified deflection
-STRAIGHT: Final = 1e-6  # of the follower's length: a smaller deflection counts as none
-STEPS: Final = (1.0, 2.0, 5.0)  # of the factor, times powers of ten
+SHOWN: Final = 0.15  # of the follower's length, largest magnified deflection
+STRAIGHT: Final = 1e-6  # of the follower's length, deflection below which the follower counts as straight
+STEPS: Final = (1.0, 2.0, 5.0)  # factors of magnification are these times a power of ten
 POINTS: Final = 61  # along the follower
 BESIDE: Final = np.array([18.0, 11.0])  # points: distance of a name from the point that it names, to the side and up
 CLEAR: Final = math.radians(120.0)  # rad, a crank angle at which no part covers another
@@ -57,17 +54,21 @@ class Positions:
 
 
 def positions_of(scene: Scene, trajectory: Trajectory, times: Array) -> Positions:
-    """The places from a trajectory, at some of its times (s, shape (n,)). UnknownColumn: it does not give the follower's shape."""
+    """The places from a trajectory at `times` (s, shape (n,)), interpolated between its rows.
+
+    Raises:
+        UnknownColumn: the trajectory does not give the follower's shape.
+    """
     if missing := [name for name in SHAPE if name not in trajectory.columns]:
         raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
-    found = {name: np.interp(times, trajectory["time"], values) for name, values in trajectory.columns.items()}
+    sampled = {name: np.interp(times, trajectory["time"], values) for name, values in trajectory.columns.items()}
     length = scene.follower.length
-    told = np.stack([np.zeros_like(times), *(found[name] for name in SHAPE), found["tip_deflection"]], axis=1)
+    deflections = np.stack([np.zeros_like(times), *(sampled[name] for name in SHAPE), sampled["tip_deflection"]], axis=1)
     clamped_free: Any = ((1, np.zeros_like(times)), (2, np.zeros_like(times)))
-    shape = CubicSpline(np.linspace(0.0, length, PLACES + 2), told, axis=1, bc_type=clamped_free)
+    shape = CubicSpline(np.linspace(0.0, length, PLACES + 2), deflections, axis=1, bc_type=clamped_free)
     x = np.linspace(0.0, length, POINTS)
-    W, base = shape(x), found["follower_angle"]
-    crank_angle = found.get("crank_angle")
+    W, base = shape(x), sampled["follower_angle"]
+    crank_angle = sampled.get("crank_angle")
     chord = rigid_motion(scene, crank_angle, 0.0).follower_angle if scene.crank is not None and crank_angle is not None else base
     turn = (base - chord)[:, None]
     bent = np.stack([np.cos(turn) * x - np.sin(turn) * W, np.sin(turn) * x + np.cos(turn) * W], axis=-1)
@@ -85,7 +86,7 @@ def unbent(case: Case) -> Positions:
 
 
 def factor_for(motions: Sequence[Positions], length: float) -> float:
-    """A round factor, at least 1, by which the largest deflection becomes at most `SHOWN` of the length; 1 where nothing bends."""
+    """A round factor, at least 1, that magnifies the largest deflection to at most `SHOWN` of `length` (m); 1 where nothing bends."""
     largest = max(float(np.max(np.abs(motion.follower[..., 1]))) for motion in motions)
     if largest <= STRAIGHT * length:
         return 1.0
@@ -105,9 +106,10 @@ class Scenery:
         self._frame(axes, scene.follower.length)
         self._fixed(axes, case)
         looks = {label: look(label) for label in motions}
-        self._followers = {label: axes.plot([], [], **(one | {"linewidth": 2.2 * one["linewidth"]}))[0] for label, one in looks.items()}
+        wide = {label: style | {"linewidth": 2.2 * style["linewidth"]} for label, style in looks.items()}
+        self._followers = {label: axes.plot([], [], **style)[0] for label, style in wide.items()}
         marker: dict[str, Any] = {"markeredgecolor": "black", "markersize": 7.0}
-        self._tips = {label: axes.plot([], [], "o", color=one["color"], zorder=3.5, **marker)[0] for label, one in looks.items()}
+        self._tips = {label: axes.plot([], [], "o", color=style["color"], zorder=3.5, **marker)[0] for label, style in looks.items()}
         self._straight = axes.plot([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.6)[0]
         self._crank = axes.plot([], [], color="black", linewidth=3.0, solid_capstyle="round", zorder=4.0)[0]
         self._slider = axes.plot([], [], "s", color=QUICK, zorder=6.0, **marker)[0]
@@ -141,8 +143,8 @@ class Scenery:
         axes.plot(*self._pivot, "^", color="black", markersize=8.0, zorder=5.0)
         _beside(axes, "P", -16.0, x=d, fontsize=FONT_SIZE)
 
-    def show(self, instant: int, said: str) -> None:
-        """Move all parts to an instant, with the text `said` below."""
+    def show(self, instant: int, text: str) -> None:
+        """Move all parts to an instant, with a text below."""
         first = next(iter(self._motions.values()))
         along = np.array([math.cos(first.direction[instant]), math.sin(first.direction[instant])])
         end = self._pivot + first.follower[instant, -1, 0] * along
@@ -165,9 +167,9 @@ class Scenery:
             sides = {"crank": beside_crank if beside_crank @ away > 0.0 else -beside_crank, "slider": -away}
             for name, side in sides.items():
                 self._names[name].xyann = tuple(side * BESIDE)
-        for name, text in self._names.items():
-            text.xy = (float(where[name][0]), float(where[name][1]))
-        self._said.set_text(said)
+        for name, annotation in self._names.items():
+            annotation.xy = (float(where[name][0]), float(where[name][1]))
+        self._said.set_text(text)
 
 
 def _beside(axes: Axes, name: str, up: float, x: float = 0.0, **look: Any) -> Any:
@@ -177,9 +179,9 @@ def _beside(axes: Axes, name: str, up: float, x: float = 0.0, **look: Any) -> An
 
 def legend(motions: Mapping[str, Positions], factor: float) -> list[Line2D]:
     """Samples of the engines' lines and of the quick return, and the factor of the deflection."""
-    said = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
+    deflection = "deflection as it is" if factor == 1.0 else f"deflection × {factor:g}"
     samples = [Line2D([], [], label=label, **look(label)) for label in motions]
-    samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {said}"))
+    samples.append(Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label=f"straight follower; {deflection}"))
     if any(motion.crank_angle is not None for motion in motions.values()):
         samples.append(Line2D([], [], color=QUICK, linewidth=2.0, alpha=0.6, label="quick return"))
     return samples
@@ -190,8 +192,8 @@ def mechanisms(cases: Sequence[Case]) -> Drawing:
     motions = [unbent(case) for case in cases]
     figure = new_figure(0.3 + 3.2 * len(cases), WIDE)
     for axes, case, motion in zip(figure.subplots(len(cases), 1, squeeze=False)[:, 0], cases, motions, strict=True):
-        said = "" if motion.crank_angle is None else f"crank at {angle_text(math.degrees(float(motion.crank_angle[0])))}"
-        Scenery(axes, case, {"reference": motion}, 1.0).show(0, said)
+        text = "" if motion.crank_angle is None else f"crank at {angle_text(math.degrees(float(motion.crank_angle[0])))}"
+        Scenery(axes, case, {"reference": motion}, 1.0).show(0, text)
         axes.set_title(f"{case.name}: {case.title}", fontsize=FONT_SIZE, loc="left")
     figure.legend(handles=legend({"follower": motions[0]}, 1.0)[2:], loc="outside lower center", fontsize=SMALL, frameon=False)
     return figure

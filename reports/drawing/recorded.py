@@ -14,12 +14,12 @@ from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.cycle import direction, fraction, stacked_panels
 from quickreturn.reports.drawing.style import all_looks, legend_above, new_figure, note, picture
 
-#: Columns of a table that are drawn.
+#: Largest number of columns of a table that are drawn.
 MOST_PANELS: Final = 8
 
 
 def drawn(results: Sequence[CaseResult], ending: str) -> bytes:
-    """A picture file of them all; `ending` is ".png", ".svg" or ".pdf"."""
+    """The content of a picture file with the recorded tables of the results; `ending` is ".png", ".svg" or ".pdf"."""
     return picture(draw_recorded(results), ending)
 
 
@@ -48,7 +48,7 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
 
 
 def _names(result: CaseResult) -> list[str]:
-    """The columns of a result that are drawn: those with vibration first."""
+    """The columns of a result's recorded tables that are drawn, those that show vibration first."""
     names = [name for name in (*VIBRATING, *COLUMNS) if name not in GROWING and any(name in run.cycle for run in result.recorded.values())]
     return list(dict.fromkeys(names))[:MOST_PANELS]
 

@@ -21,11 +21,11 @@ def draw(figure: Figure, curve: ResonanceCurve, mark: float | None = None) -> No
     for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
         for part, unstable in curve.stretches():
             kind = "unstable" if unstable else "stable"
-            known = axes.get_legend_handles_labels()[1]
-            axes.plot(shown[part], heights[part], label="" if kind in known else kind, **look(kind))
-        for kind in dict.fromkeys(each.kind for each in curve.special):
-            at, its = [each.at for each in curve.special if each.kind == kind], looks([kind])[kind]
-            axes.plot(shown[at], heights[at], MARKERS[its.marker], markersize=4.0, color=its.light, label=kind, zorder=3.0)
+            labelled = axes.get_legend_handles_labels()[1]
+            axes.plot(shown[part], heights[part], label="" if kind in labelled else kind, **look(kind))
+        for kind in dict.fromkeys(point.kind for point in curve.special):
+            places, style = [point.at for point in curve.special if point.kind == kind], looks([kind])[kind]
+            axes.plot(shown[places], heights[places], MARKERS[style.marker], markersize=4.0, color=style.light, label=kind, zorder=3.0)
         for peak in curve.peaks if name == next(iter(curve.measures)) else ():
             place = (peak.value / curve.range.size, peak.height)
             axes.annotate(f"{peak.order}×", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)

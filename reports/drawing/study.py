@@ -1,4 +1,4 @@
-"""Draws a study over one or two keys: lines, or heat maps. Marks show the status of points that did not settle."""
+"""Draws a study over one or two keys, as lines or heat maps. Marks and hatches show the status of points that did not settle."""
 
 import itertools
 from collections.abc import Iterator, Sequence
@@ -29,7 +29,7 @@ from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, le
 LINES: Final = 6
 #: Ratio of the largest to the smallest value above which their axis is logarithmic.
 DECADE: Final = 10.0
-#: Approximate number of colours of a map: a logarithmic scale has at least so many.
+#: Approximate number of colours of a map; a logarithmic scale has at least as many.
 COLOURS: Final = 10
 #: Steps of a logarithmic scale within a decade, from coarse to fine.
 STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
@@ -44,37 +44,37 @@ ENDINGS: Final = {
     Ending.REFUSED: ("||||", "P"),
     Ending.FAILED: ("++++", "*"),
 }
-#: Colours from low to high: those of viridis that are bright enough for a dark hatch.
+#: Colours of a map from low to high: those of viridis that are bright enough for a dark hatch.
 BRIGHT: Final = matplotlib.colormaps["viridis"](np.linspace(0.25, 1.0, 256))
 _DARK: Final = "#222222"
 
 
 def drawable(axes: Sequence[Axis]) -> bool:
-    """Whether a study can be drawn: it needs a key with finite numbers in order, and at most one more, with such numbers or few values."""
-    numbers = [np.array(each.values, dtype=float) for each in axes if each.unit]
-    ordered = all(np.isfinite(each).all() and len(set(np.sign(np.diff(each)))) == 1 for each in numbers)
-    return bool(numbers) and ordered and len(axes) <= 2 and all(bool(each.unit) or len(each.texts) <= LINES for each in axes)
+    """Whether a study can be drawn: over one key with finite numbers in order, and at most one more, with such numbers or few texts."""
+    numbers = [np.array(axis.values, dtype=float) for axis in axes if axis.unit]
+    ordered = all(np.isfinite(values).all() and len(set(np.sign(np.diff(values)))) == 1 for values in numbers)
+    return bool(numbers) and ordered and len(axes) <= 2 and all(bool(axis.unit) or len(axis.texts) <= LINES for axis in axes)
 
 
-def draw(found: Study) -> Figure:
+def draw(study: Study) -> Figure:
     """Draw a panel for each measure; for maps also for each direction of the rows. The study must be `drawable`."""
-    axes = found.grid.axes
+    axes = study.grid.axes
     along = max((place for place, each in enumerate(axes) if each.unit), key=lambda place: len(axes[place].texts))
     mapped = len(axes) == 2 and len(axes[1 - along].texts) > LINES
-    ways = found.ways if mapped else ("",)
-    panels = list(itertools.product(range(len(found.asked.measures)), range(len(ways))))
+    directions = study.ways if mapped else ("",)
+    panels = list(itertools.product(range(len(study.asked.measures)), range(len(directions))))
     figure = new_figure(0.6 + (2.3 if mapped else 2.0) * len(panels))
-    statuses = [each for each in ENDINGS if each in found.statuses]
+    statuses = [each for each in ENDINGS if each in study.statuses]
     handles: list[Artist] = []
-    for (measure, way), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
-        about = MEASURES[found.asked.measures[measure]]
+    for (measure, direction), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
+        about = MEASURES[study.asked.measures[measure]]
         label = f"{about.name} [{about.unit.replace('^2', '²')}]"
         if mapped:
-            values, endings = (np.moveaxis(each[way], along, 1) for each in (found.values[..., measure], found.statuses))
+            values, endings = (np.moveaxis(each[direction], along, 1) for each in (study.values[..., measure], study.statuses))
             handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)
-            panel.set_title(f"the way {ways[way]}" if len(ways) > 1 else "", fontsize=SMALL)
+            panel.set_title(f"the way {directions[direction]}" if len(directions) > 1 else "", fontsize=SMALL)
         else:
-            handles = _lines(panel, found, along, measure, statuses)
+            handles = _lines(panel, study, along, measure, statuses)
             tidy(panel, label)
     panel.set_xlabel(_scaled(axes[along])[1], fontsize=FONT_SIZE)
     if handles:
@@ -90,26 +90,27 @@ def _scaled(axis: Axis) -> tuple[Array, str]:
     return np.array(axis.values, dtype=float) / size, f"{axis.key} [{unit or 1}]"
 
 
-def _wide(values: Array) -> bool:
-    known = values[np.isfinite(values)]
-    return bool(known.size and known.min() > 0.0 and known.max() > DECADE * known.min())
+def _spans_decade(values: Array) -> bool:
+    """Whether the values are positive and span more than `DECADE`, so that their axis is logarithmic."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > DECADE * finite.min())
 
 
-def _lines(panel: Axes, found: Study, along: int, measure: int, statuses: Sequence[str]) -> list[Artist]:
+def _lines(panel: Axes, study: Study, along: int, measure: int, statuses: Sequence[str]) -> list[Artist]:
     """Draw a measure over a key, a line for each direction and each value of the other key; return the entries of the legend."""
-    x, lines = _scaled(found.grid.axes[along])[0], list(_each_line(found, along))
+    x, lines = _scaled(study.grid.axes[along])[0], list(_each_line(study, along))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.75, len(lines)))
     handles: list[Artist] = []
     for (label, place), colour, dash in zip(lines, colours, itertools.cycle(("-", "--", "-.", ":"))):
-        values = found.values[(*place, measure)]
+        values = study.values[(*place, measure)]
         handles += panel.plot(x, values, color=colour, linestyle=dash, linewidth=1.2, label=label)
         look: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": colour}
         for status in statuses:
-            (_, mark), there = ENDINGS[status], found.statuses[place] == status
-            lost = there & ~np.isfinite(values)
-            panel.plot(x[there], values[there], marker=mark, **look)
+            (_, mark), marked = ENDINGS[status], study.statuses[place] == status
+            lost = marked & ~np.isfinite(values)
+            panel.plot(x[marked], values[marked], marker=mark, **look)
             panel.plot(x[lost], np.full(lost.sum(), 0.04), marker=mark, transform=panel.get_xaxis_transform(), **look)
-    if _wide(found.values[..., measure]):
+    if _spans_decade(study.values[..., measure]):
         logarithmic(panel)
     panel.set_xscale("log" if _is_geometric(x) else "linear")
     of_points: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgecolor": _DARK}
@@ -117,14 +118,14 @@ def _lines(panel: Axes, found: Study, along: int, measure: int, statuses: Sequen
     return [*(handles if len(lines) > 1 else []), *marks]
 
 
-def _each_line(found: Study, along: int) -> Iterator[tuple[str, tuple[int | slice, ...]]]:
+def _each_line(study: Study, along: int) -> Iterator[tuple[str, tuple[int | slice, ...]]]:
     """Label and index in the study's arrays of each line."""
-    others = [(axis, range(len(axis.texts))) for place, axis in enumerate(found.grid.axes) if place != along]
-    for way, *at in itertools.product(range(len(found.ways)), *(places for _, places in others)):
+    others = [(axis, range(len(axis.texts))) for place, axis in enumerate(study.grid.axes) if place != along]
+    for direction, *at in itertools.product(range(len(study.ways)), *(places for _, places in others)):
         place: list[int | slice] = list(at)
         place.insert(along, slice(None))
-        told = [axis.texts[each] for (axis, _), each in zip(others, at, strict=True)]
-        yield ", ".join([*told, *([found.ways[way]] if len(found.ways) > 1 else [])]), (way, *place)
+        texts = [axis.texts[each] for (axis, _), each in zip(others, at, strict=True)]
+        yield ", ".join([*texts, *([study.ways[direction]] if len(study.ways) > 1 else [])]), (direction, *place)
 
 
 def _map(
@@ -143,10 +144,10 @@ def _map(
         bar.minorticks_off()
     handles: list[Artist] = []
     for status in statuses:
-        (hatch, _), there = ENDINGS[status], endings == status
-        known = bool(np.isfinite(values[there]).all())
-        look: dict[str, Any] = {"facecolor": "none" if known else LIGHT, "edgecolor": _DARK, "hatch": hatch, "linewidth": 0.0}
-        cells = [_cell(columns[j : j + 2], rows[i : i + 2]) for i, j in np.argwhere(there)]
+        (hatch, _), marked = ENDINGS[status], endings == status
+        drawn = bool(np.isfinite(values[marked]).all())
+        look: dict[str, Any] = {"facecolor": "none" if drawn else LIGHT, "edgecolor": _DARK, "hatch": hatch, "linewidth": 0.0}
+        cells = [_cell(columns[j : j + 2], rows[i : i + 2]) for i, j in np.argwhere(marked)]
         if cells:
             panel.add_patch(PathPatch(Path.make_compound_path(*cells), **look))
         handles.append(Patch(label=status, **look))
@@ -160,7 +161,7 @@ def _map(
 def _levels(values: Array) -> Array:
     """Round bounds of the steps of colour."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    if not _wide(values):
+    if not _spans_decade(values):
         return np.asarray(MaxNLocator(COLOURS + 2).tick_values(low, high))
     for steps in STEPS:
         powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)

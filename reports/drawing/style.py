@@ -1,7 +1,7 @@
 """Common style of all pictures: sizes, colours and lines of the engines, axes.
 
-Pictures are 480 CSS pixels wide: two fit side by side on a screen, one fills the width of a telephone with its 12 pixel letters no smaller
-than 10, and in print it is 127 mm wide. Engines look as on the page.
+A picture is 480 CSS pixels wide, 127 mm in print. Two fit side by side on a screen; on a telephone's width its letters of 12 pixels shrink
+to no less than 10. Engines look as on the page.
 """
 
 import io
@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 WIDTH: Final = 5.0  # in, 480 CSS pixels
 WHOLE: Final = 32  # 1/32 in is 3 CSS pixels and exact in binary: sizes in pixels are whole numbers
-NOTEBOOK: Final = 110  # dots per inch
-PER_INCH: Final = 192  # dots of a picture file: two to a CSS pixel, sharp on fine screens
+NOTEBOOK: Final = 110  # dots per inch in a notebook
+PER_INCH: Final = 192  # dots per inch of a picture file: two to a CSS pixel, sharp on fine screens
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
 
@@ -41,24 +41,24 @@ MARKERS: Final = {
     "circle": "o", "square": "s", "diamond": "D", "triangle": "^", "triangle-down": "v", "triangle-left": "<", "triangle-right": ">",
     "pentagon": "p", "hexagon": "h", "star": "*", "plus": "P", "cross": "X",
 }  # fmt: skip
-#: Points for a CSS pixel of a line on the page; dashes are in widths of the line.
+#: Points (1/72 in) of a picture for a CSS pixel of a line on the page.
 SCALE: Final = 0.5
 
 
 def look(engine: str) -> dict[str, Any]:
-    """Keywords of the line of an engine, alone or among the project's, as on the page."""
+    """Matplotlib's keywords for the line of one engine, as on the page."""
     return all_looks([engine])[engine]
 
 
 def all_looks(engines: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Keywords of the lines of some engines or recorded tables, as on the page."""
-    return {name: _of_line(found) for name, found in looks(engines).items()}
+    """Name -> matplotlib's keywords for its line, as on the page, for engines and recorded tables."""
+    return {name: _of_line(one) for name, one in looks(engines).items()}
 
 
-def _of_line(found: Look) -> dict[str, Any]:
-    width = max(0.9, SCALE * found.width)
-    style = (SCALE * found.offset / width, tuple(SCALE * part / width for part in found.dash)) if found.dash else "-"
-    return {"color": found.light, "linestyle": style, "linewidth": width, "zorder": 2.0 + 0.05 * (found.order - 1)}
+def _of_line(look: Look) -> dict[str, Any]:
+    width = max(0.9, SCALE * look.width)
+    style = (SCALE * look.offset / width, tuple(SCALE * part / width for part in look.dash)) if look.dash else "-"
+    return {"color": look.light, "linestyle": style, "linewidth": width, "zorder": 2.0 + 0.05 * (look.order - 1)}
 
 
 def picture(figure: Figure, ending: str) -> bytes:
@@ -78,7 +78,7 @@ class Drawing(Figure):
 
 
 def new_figure(height: float, width: float = WIDTH) -> Drawing:
-    """An empty figure of a width and a height in inches (rounded up to whole pixels), with constrained layout."""
+    """An empty figure with constrained layout; height and width in inches, the height rounded up to whole pixels."""
     return Drawing(figsize=(width, math.ceil(WHOLE * height) / WHOLE), layout="constrained", facecolor="white")
 
 

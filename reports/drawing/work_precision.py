@@ -20,15 +20,15 @@ PANELS: Final = {
     "strain": "worst strain",
     "slider_force": "slider force",
 }
-#: Largest errors that are shown, in percent.
+#: Least and largest error that is shown, percent of the RMS.
 LOWEST, HIGHEST = 1e-3, 300.0
-FRONT_WIDTH: Final = 5.0
+FRONT_WIDTH: Final = 5.0  # pt, line of the Pareto front
 
 
 def draw(table: Benchmark) -> Figure:
     """Draw the error of four observables against solve time, with the Pareto front of each.
 
-    In the hatched range errors are less than the difference of the two reference solutions.
+    In the hatched range an error is less than the difference between the two solutions that define it.
     """
     methods: dict[str, list[Point]] = {}
     for point, _ in completed(table.points):
@@ -44,14 +44,14 @@ def draw(table: Benchmark) -> Figure:
             axes.plot(*_places(points, column), **_look(points[0]), markersize=4.2, markeredgewidth=0.8)
         axes.set_title(words, fontsize=9.0, pad=3.0)
     _axes(panels)
-    legend_above(figure, [Line2D([], [], **_look(found[0]), markersize=5.0, label=method) for method, found in methods.items()], 4)
+    legend_above(figure, [Line2D([], [], **_look(points[0]), markersize=5.0, label=method) for method, points in methods.items()], 4)
     return figure
 
 
 def _places(points: Sequence[Point], column: str) -> tuple[list[float], list[float]]:
     """Solve times in s and errors in percent of those points whose error is known."""
-    known = [(measured.solve_seconds, 100.0 * error) for point, measured in completed(points) if (error := point.error(column))]
-    return [x for x, _ in known], [y for _, y in known]
+    places = [(measured.solve_seconds, 100.0 * error) for point, measured in completed(points) if (error := point.error(column))]
+    return [x for x, _ in places], [y for _, y in places]
 
 
 def _look(point: Point) -> dict[str, Any]:

@@ -35,7 +35,7 @@ def differences(
     results: Sequence[CaseResult], name: str, kind: Kind, other: str = REFERENCE, half: str | None = None, channel: str | None = None
 ) -> list[Difference]:
     """The differences of all cases; see `CaseResult.differences`."""
-    return [found for result in results for found in result.differences(name, kind, other, half, channel)]
+    return [difference for result in results for difference in result.differences(name, kind, other, half, channel)]
 
 
 def outward(quantity: str, difference: float) -> float:
@@ -46,10 +46,10 @@ def outward(quantity: str, difference: float) -> float:
     return -difference if quantity == "minimum" else difference
 
 
-def spread(found: Sequence[Difference]) -> Spread | None:
+def spread(compared: Sequence[Difference]) -> Spread | None:
     """The summary of some differences; None if there are none."""
-    short = summary_of([difference.relative for difference in found])
-    return Spread(**vars(short), worst=max(found, key=lambda difference: abs(difference.relative))) if short else None
+    short = summary_of([difference.relative for difference in compared])
+    return Spread(**vars(short), worst=max(compared, key=lambda difference: abs(difference.relative))) if short else None
 
 
 def engines_of(results: Sequence[CaseResult]) -> list[str]:
@@ -58,7 +58,7 @@ def engines_of(results: Sequence[CaseResult]) -> list[str]:
 
 
 def resolvable(results: Sequence[CaseResult], engine: str) -> tuple[int, int]:
-    """The number of halves of settled cycles with a resolvable consensus frequency, and the number of all halves."""
+    """Of an engine's usable runs: the number of half cycles with a resolvable consensus frequency, and of all half cycles."""
     usable = [result.runs[engine] for result in results if engine in result.runs and result.runs[engine].usable]
-    found = [run.consensus_frequency(half) is not None for run in usable for half in HALVES]
-    return sum(found), len(found)
+    resolved = [run.consensus_frequency(half) is not None for run in usable for half in HALVES]
+    return sum(resolved), len(resolved)

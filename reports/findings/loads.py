@@ -1,6 +1,5 @@
 """Loads on the parts of a machine, by each engine on each case, and by the leading engine."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -27,28 +26,28 @@ class CaseLoads:
         """The engine whose numbers are shown: `reference`, or else the first that gives a stress; "" if none does, or if it is zero."""
         from quickreturn.cases.runs.comparison import REFERENCE  # the loads of a single trajectory need no comparison
 
-        stressed = [name for name, found in self.loads.items() if found.stress is not None and found.stress.largest.value > 0.0]
+        stressed = [name for name, loads in self.loads.items() if loads.stress is not None and loads.stress.largest.value > 0.0]
         return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
 
     @cached_property
     def resonance(self) -> Resonance | None:
-        """First mode and crank."""
+        """The first mode beside the crank's frequency; None where there is no such mode."""
         return resonance(self.case.mechanism)
 
     @property
     def verdict(self) -> str:
-        """Whether the arm holds, by the engine that leads (a sentence); "" where no strength is given."""
+        """Whether the arm holds, by the leading engine (a sentence); "" where no strength is given."""
         return verdict(self.loads[self.lead])
 
     @cached_property
     def shift_of_motion(self) -> float:
-        """Change of the mean first frequency, Hz, by the rotation of the crank, which frequencies with the crank held do not contain."""
+        """Amount, Hz, by which the crank's rotation changes the mean first frequency; frequencies with the crank held lack it."""
         return abs(shift_of_motion(self.case.mechanism))
 
     def departures(self) -> dict[str, float]:
-        """Largest stress by the other engines with the same model, over that by the leading engine, minus one."""
-        same = {name: found for name, found in self.loads.items() if name not in self.models}
-        stress = {name: found.stress.largest.value for name, found in same.items() if found.stress is not None}
+        """Engine -> its largest stress over the leading engine's, minus one; without engines whose discretization is their model."""
+        same = {name: loads for name, loads in self.loads.items() if name not in self.models}
+        stress = {name: loads.stress.largest.value for name, loads in same.items() if loads.stress is not None}
         lead = stress.pop(self.lead, 0.0)
         return {name: value / lead - 1.0 for name, value in stress.items()} if lead else {}
 
@@ -56,8 +55,8 @@ class CaseLoads:
 def loads_of_case(result: "CaseResult") -> CaseLoads:
     """The loads of a case by each engine; recorded tables are left out, because they may lack the moments."""
     mechanism = result.case.mechanism
-    found = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
-    return CaseLoads(result.case, found, frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration"))
+    by_engine = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
+    return CaseLoads(result.case, by_engine, frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration"))
 
 
 def leading_loads(result: "CaseResult") -> CaseLoads:
@@ -72,33 +71,28 @@ def leading_loads(result: "CaseResult") -> CaseLoads:
     return CaseLoads(result.case, {})
 
 
-def loads_of_cases(results: "Sequence[CaseResult]") -> list[CaseLoads]:
-    """The loads of several cases."""
-    return [loads_of_case(result) for result in results]
-
-
 def verdict(loads: Loads) -> str:
     """Whether the arm holds (a sentence); "" where no strength is given."""
-    factors = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
-    known = {against: factor for against, factor in factors.items() if factor is not None}
-    if not known:
+    both = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
+    factors = {against: factor for against, factor in both.items() if factor is not None}
+    if not factors:
         return ""
-    told = " and ".join(f"{factor.value:.3g} against {against}" for against, factor in known.items())
-    broken = any(factor.value + (factor.error or 0.0) < 1.0 for factor in known.values())
-    close = any(abs(factor.value - 1.0) <= (factor.error or 0.0) for factor in known.values())
+    values = " and ".join(f"{factor.value:.3g} against {against}" for against, factor in factors.items())
+    broken = any(factor.value + (factor.error or 0.0) < 1.0 for factor in factors.values())
+    close = any(abs(factor.value - 1.0) <= (factor.error or 0.0) for factor in factors.values())
     begin = "The arm does not hold" if broken else "Whether the arm holds is too close to tell" if close else "The arm holds"
-    below = ", below one" if broken and len(known) == 1 else ""
-    return f"{begin}: the safety factor is {told}{below}."
+    below = ", below one" if broken and len(factors) == 1 else ""
+    return f"{begin}: the safety factor is {values}{below}."
 
 
 def stress_text(loads: Loads, length: float) -> str:
     """The largest stress and where it is, and whether the arm holds, in a line; `length` is the arm's, m. There must be a stress."""
     assert loads.stress is not None
-    found, places = loads.stress.largest, []
-    if found.place is not None:
-        places.append(f"{found.place / in_si('mm'):.0f} mm from P ({100.0 * found.place / length:.0f} % of the arm)")
-    if found.crank_angle is not None:
-        places.append(f"crank at {degrees(found.crank_angle)}")
-    error = "" if found.error is None else f" ({off_by(found.error, found.value)})"
-    largest = f"largest stress {quantity(found.value, 'MPa')}{error}, {', '.join(places)}"
-    return f"{largest}. {told.removesuffix('.')}" if (told := verdict(loads)) else largest
+    largest_stress, where = loads.stress.largest, []
+    if largest_stress.place is not None:
+        where.append(f"{largest_stress.place / in_si('mm'):.0f} mm from P ({100.0 * largest_stress.place / length:.0f} % of the arm)")
+    if largest_stress.crank_angle is not None:
+        where.append(f"crank at {degrees(largest_stress.crank_angle)}")
+    error = "" if largest_stress.error is None else f" ({off_by(largest_stress.error, largest_stress.value)})"
+    text = f"largest stress {quantity(largest_stress.value, 'MPa')}{error}, {', '.join(where)}"
+    return f"{text}. {verdict_text.removesuffix('.')}" if (verdict_text := verdict(loads)) else text

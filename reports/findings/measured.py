@@ -12,7 +12,7 @@ from quickreturn.cases.runs.request import Run
 
 @dataclass(frozen=True)
 class MeasuredHalf:
-    """One half of the turn that is measured in a recorded table, in one channel."""
+    """One half of a recorded table's measured turn, in one channel, beside the engines."""
 
     case: Case
     table: Run  # the recorded table
@@ -22,11 +22,11 @@ class MeasuredHalf:
 
 def measured_halves(results: Sequence[CaseResult]) -> list[MeasuredHalf]:
     """All recorded tables that can be compared with the engines, both halves of each channel."""
-    found = []
+    halves = []
     for result in results:
         for table in (run for run in result.recorded.values() if run.usable):
-            for measure in (each for each in table.measures if each.channel in CHANNELS):
-                pairs = {name: run.measure(measure.half, measure.channel) for name, run in result.runs.items() if run.usable}
-                engines = {name: its for name, its in pairs.items() if its is not None}
-                found.append(MeasuredHalf(result.case, table, measure, engines))
-    return found
+            for measure in (measure for measure in table.measures if measure.channel in CHANNELS):
+                same = {name: run.measure(measure.half, measure.channel) for name, run in result.runs.items() if run.usable}
+                engines = {name: of_engine for name, of_engine in same.items() if of_engine is not None}
+                halves.append(MeasuredHalf(result.case, table, measure, engines))
+    return halves

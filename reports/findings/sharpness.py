@@ -1,7 +1,7 @@
-"""The smallest error that the comparison of engines would have found: errors are planted in the measured numbers, and judged as before.
+"""The smallest error that the comparison of engines would find: errors are planted in the measured numbers, which are judged anew.
 
-A planted error scales a number of one engine in every case alike, as in an engine that is wrong by a factor. The claims of both engines
-stay the same. The judgement is `cases.runs.comparison.Difference.passed`.
+A planted error scales one number of one engine by the same factor in every case, as in an engine that is wrong by a factor. The claims of
+both engines stay the same. `cases.runs.comparison.Difference.passed` judges.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 
 from quickreturn.cases.runs.comparison import KINDS, CaseResult, Difference, Kind
 
-#: Bounds of the search for the smallest relative error that is found, and its precision.
+#: Bounds of the search for the smallest relative error that is found, and the relative precision of the search.
 SEARCHED: Final = (1e-9, 1e9)
 PRECISION: Final = 1e-3
 

@@ -1,6 +1,7 @@
-"""Recorded results of the long studies as small tables beside this file; the page shows them if the user's own are missing.
+"""Recorded results of the long studies, as small CSV tables beside this file; the page shows them if the user's own are missing.
 
-A row is a dataclass: fields of fields and numbers of mappings have names with a dot, other mappings are JSON, numbers have five digits.
+Each row is a dataclass. The columns of a field that is a dataclass, or a mapping to numbers, are named `field.key`; a cell of any other
+structure is JSON. Numbers have five digits.
 `python -m quickreturn.record` writes them; `about.csv` gives the date, versions and code of each study.
 """
 
@@ -46,7 +47,7 @@ CODE: Final[dict[str, tuple[str, ...]]] = {
 }
 #: Significant digits of recorded numbers.
 DIGITS: Final = 5
-#: Mappings with a column for each key; a missing number is left out of the first, and is None in the second.
+#: Types of mappings with a column for each key. An empty cell is left out of a mapping of the first type, and is None in the second.
 _NUMBERS: Final = (dict[str, float], dict[str, float | None])
 
 
@@ -84,7 +85,7 @@ class ConditioningRow:
 
 @dataclass(frozen=True)
 class ConformanceRow:
-    """Whether an engine does what it says, and the number of checks behind this."""
+    """The verdict of `quickreturn conform` on a version of an engine, and the number of checks behind it."""
 
     engine: str
     version: str
@@ -94,10 +95,10 @@ class ConformanceRow:
     not_judged: int
 
     @classmethod
-    def of(cls, found: Conformance, version: str) -> "ConformanceRow":
+    def of(cls, conformance: Conformance, version: str) -> "ConformanceRow":
         """The outcome for a version of an engine."""
-        counts = Counter(check.status for check in found.checks)
-        return cls(found.engine, version, found.verdict, counts["passed"], counts["failed"], counts["not judged"])
+        counts = Counter(check.status for check in conformance.checks)
+        return cls(conformance.engine, version, conformance.verdict, counts["passed"], counts["failed"], counts["not judged"])
 
     @property
     def words(self) -> str:
@@ -109,15 +110,15 @@ class ConformanceRow:
 @cache
 def about(study: str) -> About | None:
     """Date, versions and code of a recorded study; None if it was not recorded."""
-    return next((found for found in table("about", About) if found.study == study), None)
+    return next((row for row in table("about", About) if row.study == study), None)
 
 
 @cache
 def benchmarks() -> Mapping[str, Benchmark]:
     """Scene -> its measured benchmark."""
     points: dict[str, list[Point]] = {}
-    for each in table("benchmark", PointRow):
-        points.setdefault(each.case, []).append(each.point)
+    for row in table("benchmark", PointRow):
+        points.setdefault(row.case, []).append(row.point)
     return {scene.case: dataclasses.replace(scene, points=tuple(points[scene.case])) for scene in table("benchmark_scenes", Benchmark)}
 
 
@@ -128,13 +129,13 @@ def compiling() -> list[Compiling]:
 
 
 def conformance() -> dict[str, str]:
-    """Engine -> verdict on whether it does what it says, with its date and code."""
-    made = about("conformance")
-    if made is None:
+    """Engine -> recorded verdict on whether it does what it says, with the date and code of the record."""
+    record = about("conformance")
+    if record is None:
         return {}
-    older = "" if made.current else ", which is older than this page’s"
-    told = f"recorded on {made.date} with code {made.code[:12]}{older}"
-    return {found.engine: f"{found.words} ({told})" for found in table("conformance", ConformanceRow)}
+    older = "" if record.current else ", which is older than this page’s"
+    origin = f"recorded on {record.date} with code {record.code[:12]}{older}"
+    return {row.engine: f"{row.words} ({origin})" for row in table("conformance", ConformanceRow)}
 
 
 def confirming() -> list[Confirmation]:
@@ -152,9 +153,9 @@ def matrix(cases: Iterable[Case]) -> Matrix | None:
     cells = {(cell.scene, cell.engine): cell for cell in table("hard_scenes", Judged)}
     if not cells:
         return None
-    known = table("hard_scenes_conditioning", ConditioningRow)
+    rows = table("hard_scenes_conditioning", ConditioningRow)
     shown = tuple(case for case in cases if any(scene == case.name for scene, _ in cells))
-    return Matrix(shown, MAIN, cells, {each.scene: each.conditioning for each in known}, {each.scene: each.converged for each in known})
+    return Matrix(shown, MAIN, cells, {row.scene: row.conditioning for row in rows}, {row.scene: row.converged for row in rows})
 
 
 def table(name: str, kind: type[T]) -> list[T]:
@@ -162,7 +163,7 @@ def table(name: str, kind: type[T]) -> list[T]:
     path = FOLDER / f"{name}.csv"
     if not path.exists():
         return []
-    return [_whole(kind, row) for row in csv.DictReader(path.read_text("utf-8").splitlines())]
+    return [_unflat(kind, row) for row in csv.DictReader(path.read_text("utf-8").splitlines())]
 
 
 def text_of(rows: Iterable[Any]) -> str:
@@ -174,6 +175,7 @@ def text_of(rows: Iterable[Any]) -> str:
 
 
 def _flat(item: Any, prefix: str = "") -> dict[str, str]:
+    """Heading -> cell for the fields of a dataclass, each heading beginning with `prefix`."""
     hints, row = get_type_hints(type(item)), dict[str, str]()
     for field in dataclasses.fields(item):
         value, name = getattr(item, field.name), prefix + field.name
@@ -187,26 +189,27 @@ def _flat(item: Any, prefix: str = "") -> dict[str, str]:
 
 
 def _short(value: Any) -> Any:
-    """The value with numbers of `DIGITS` digits."""
+    """The value with its numbers rounded to `DIGITS` digits."""
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}")
     if isinstance(value, dict):
-        return {name: _short(each) for name, each in value.items()}
-    return [_short(each) for each in value] if isinstance(value, list) else value
+        return {name: _short(item) for name, item in value.items()}
+    return [_short(item) for item in value] if isinstance(value, list) else value
 
 
-def _whole(kind: Any, row: Mapping[str, str], prefix: str = "") -> Any:
+def _unflat(kind: Any, row: Mapping[str, str], prefix: str = "") -> Any:
+    """The dataclass `kind` from a row's cells: the inverse of `_flat`."""
     hints, values = get_type_hints(kind), dict[str, Any]()
     for field in dataclasses.fields(kind):
         hint, name = hints[field.name], prefix + field.name
-        inner = next((each for each in get_args(hint) if each is not NoneType), hint) if NoneType in get_args(hint) else hint
+        inner = next((part for part in get_args(hint) if part is not NoneType), hint) if NoneType in get_args(hint) else hint
         if dataclasses.is_dataclass(inner):
-            there = any(text and head.startswith(f"{name}.") for head, text in row.items())
-            values[field.name] = _whole(inner, row, f"{name}.") if there else None
+            present = any(text and head.startswith(f"{name}.") for head, text in row.items())
+            values[field.name] = _unflat(inner, row, f"{name}.") if present else None
         elif hint in _NUMBERS:
             cells = {key.removeprefix(f"{name}."): text for key, text in row.items() if key.startswith(f"{name}.")}
-            found = {key: float(text) if text else None for key, text in cells.items()}
-            values[field.name] = {key: number for key, number in found.items() if number is not None or hint is _NUMBERS[1]}
+            numbers = {key: float(text) if text else None for key, text in cells.items()}
+            values[field.name] = {key: number for key, number in numbers.items() if number is not None or hint is _NUMBERS[1]}
         elif row.get(name):
             values[field.name] = row[name] if inner is str else decoded(hint, Record(json.loads(row[name])))
         elif name in row or (field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING):

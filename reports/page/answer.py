@@ -14,7 +14,7 @@ from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import Spread, differences, engines_of, spread
 from quickreturn.reports.page.content import Content
 
-#: An engine counts as agreeing if at most this part of its numbers differ by more than claimed.
+#: Largest part of an engine's numbers that may differ by more than claimed if it is to count as agreeing.
 FEW: Final = 0.05
 #: Engines that are packages of other authors, in this project's adapters.
 PACKAGES: Final = ("exudyn", "mujoco")
@@ -22,24 +22,21 @@ PACKAGES: Final = ("exudyn", "mujoco")
 
 @dataclass(frozen=True)
 class Cubic:
-    """The thesis' model over the converged one: first-mode frequency, and the median of the peaks' ratios of the strain at mid-arm."""
+    """The thesis' model compared with the converged one."""
 
-    frequency: Spread
-    strain: float | None
+    frequency: Spread  # relative differences of its first-mode frequency
+    strain: float | None  # its peak of the strain at mid-arm over the converged one, median over the cases
 
 
 @dataclass(frozen=True)
 class Contest:
-    """Solve times, s, to an error of the tip deflection: of the fastest method, the next of another engine, and the packages.
+    """The fastest methods in a scene."""
 
-    `setup_seconds`: set-up time of the fastest method. `own`: whether it is code of this project, compiled for the one mechanism.
-    """
-
-    case: str
-    level: float
-    found: Sequence[tuple[str, float]]
-    setup_seconds: float = 0.0
-    own: bool = False
+    case: str  # the scene
+    level: float  # relative error of the tip deflection that each must reach
+    solve_times: Sequence[tuple[str, float]]  # method and s: the fastest, the next of another engine, and the packages
+    setup_seconds: float = 0.0  # of the fastest method
+    own: bool = False  # whether that is code of this project, compiled for the one mechanism
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,7 @@ def answer_of(content: Content) -> Answer:
     others = list(dict.fromkeys(check.other for check in checks)) if alike else []
     against = others[0] if others else REFERENCE
     kinds: tuple[Kind, ...] = ("frequency", "amplitude", "extreme")
-    found = {kind: spread([each for name in alike for each in differences(results, name, kind, against)]) for kind in kinds}
+    spreads = {kind: spread([difference for name in alike for difference in differences(results, name, kind, against)]) for kind in kinds}
     fastest = contest(content.benchmarks[0], LEVELS[1]) if content.benchmarks else None
     return Answer(
         cases=len(results),
@@ -81,9 +78,9 @@ def answer_of(content: Content) -> Answer:
         settled=sum(run.status == Ending.SETTLED for run in runs),
         alike=[*others, *alike],
         departing=[name for name in judged if name not in alike],
-        **found,
+        **spreads,
         cubic=_cubic(results),
-        fastest=fastest if fastest and fastest.found else None,
+        fastest=fastest if fastest and fastest.solve_times else None,
     )
 
 
@@ -97,15 +94,15 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
 
 
 def contest(table: Benchmark, level: float) -> Contest:
-    """The fastest methods in a scene to an error of the tip deflection."""
+    """The fastest methods in a scene to an error `level` of the tip deflection."""
     best = fastest_at(table.points, level)
     if not best:
         return Contest(table.case, level, [])
-    found = [(name, point.engine, measured.solve_seconds) for name, (point, measured) in best.items()]
-    others = [each for each in found[1:] if each[1] != found[0][1]]
-    told = found[:1] + others[:1] + [each for each in others[1:] if each[0] in PACKAGES]
+    ranked = [(name, point.engine, measured.solve_seconds) for name, (point, measured) in best.items()]
+    others = [entry for entry in ranked[1:] if entry[1] != ranked[0][1]]
+    shown = ranked[:1] + others[:1] + [entry for entry in others[1:] if entry[0] in PACKAGES]
     first, measured = next(iter(best.values()))
-    return Contest(table.case, level, [(name, seconds) for name, _, seconds in told], measured.setup_seconds, is_own(first.engine))
+    return Contest(table.case, level, [(name, seconds) for name, _, seconds in shown], measured.setup_seconds, is_own(first.engine))
 
 
 def is_own(engine: str) -> bool:

@@ -1,6 +1,6 @@
 """The chapters of a report and the facts behind them. Their texts are in `templates/chapters/`.
 
-A chapter is a template with two macros, `finding` for its heading and `body`, both made from the chapter's facts. Tables and plots are
+A chapter is a template with two macros, `finding` for its heading and `body`, which both take the chapter's facts. Tables and plots are
 among the facts; each table is also written as a CSV file beside the page.
 """
 
@@ -36,7 +36,7 @@ class Chapter:
 
 
 def tables_in(values: Any) -> Iterator[Table]:
-    """Tables that have rows, also those in lists."""
+    """Tables that have rows, among values and in lists of values."""
     for value in values:
         if isinstance(value, Table):
             yield from [value] if value.rows else []
@@ -63,7 +63,7 @@ CHAPTERS: Final[Chapters] = {
 
 def chapters_of(content: Content) -> list[Chapter]:
     """The chapters with facts, in their order; the last one lists all files."""
-    made = ((name, title, make(content)) for name, (title, make) in (content.chapters or CHAPTERS).items())
-    chapters = [Chapter(name, title, facts) for name, title, facts in made if facts is not None]
-    listed = own.files(content, [table for chapter in chapters for table in chapter.tables])
-    return [*chapters, Chapter("files", "Tables as files", listed)]
+    all_facts = ((name, title, make(content)) for name, (title, make) in (content.chapters or CHAPTERS).items())
+    chapters = [Chapter(name, title, facts) for name, title, facts in all_facts if facts is not None]
+    file_facts = own.files(content, [table for chapter in chapters for table in chapter.tables])
+    return [*chapters, Chapter("files", "Tables as files", file_facts)]

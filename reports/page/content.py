@@ -11,10 +11,10 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import Matrix
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import Studies
-from quickreturn.reports.findings.failures import troubles
-from quickreturn.reports.findings.loads import CaseLoads, loads_of_cases
+from quickreturn.reports.findings.loads import CaseLoads, loads_of_case
 from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.findings.resonance import Around
 from quickreturn.reports.long_studies import About
@@ -31,20 +31,20 @@ class Content:
     Attributes:
         results: the cases, at least one.
         studies: results of the studies; None if their cases are not all among the results.
-        benchmarks: those of the scenes on which methods are compared, as far as they exist.
+        benchmarks: measurements of the scenes on which methods are compared, as far as they exist.
         compiling: times to compile engines, if they were measured.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
         of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
-        verification: results of the long verification, if there are any.
+        verification: results of the long verification, or why there are none.
         conformance: engine -> verdict on whether it does what it says, if that was tested.
-        facts: facts about the machine.
+        facts: name -> fact about the computer, its software and the date.
         code: fingerprint of the code that computed the results.
         notices: sentences of the store on damaged entries.
         around: the resonance curves of the user's own machines, around their speeds.
     """
 
-    chapters: ClassVar[Chapters] = {}  # those of the page, in their order; none: `chapters.CHAPTERS`
+    chapters: ClassVar[Chapters] = {}  # those of the page, in their order; empty: `chapters.CHAPTERS`
     templates: ClassVar[tuple[str, ...]] = ()  # packages with templates of these chapters
     is_own: ClassVar[bool] = True  # whether the report is about the user's own machines
 
@@ -69,7 +69,7 @@ class Content:
 
     @classmethod
     def further(cls, results: Sequence[CaseResult], workshop: Workshop) -> tuple[dict[str, Any], list[str]]:
-        """Further fields, computed from the results, and sentences on what could not be computed."""
+        """Values of a subclass's own fields, computed from the results, and sentences on what could not be computed."""
         return {}, []
 
     @property
@@ -84,13 +84,13 @@ class Content:
 
     @property
     def general_notes(self) -> frozenset[str]:
-        """Notes on cases that a chapter of its own treats."""
+        """Notes on cases that the page leaves out of its sections on single cases, because another chapter gives them."""
         return frozenset()
 
     @cached_property
     def loads(self) -> list[CaseLoads]:
         """Loads on the parts of the user's own machines."""
-        return loads_of_cases(self.results) if self.is_own else []
+        return [loads_of_case(result) for result in self.results] if self.is_own else []
 
     @property
     def comparisons(self) -> list[MeasuredHalf]:
@@ -100,4 +100,4 @@ class Content:
     @property
     def troubles(self) -> list[tuple[str, Run]]:
         """Runs that are not simply settled, each with the name of its case."""
-        return troubles(self.results)
+        return [(result.case.name, run) for result in self.results for run in result.runs.values() if run.status != Ending.SETTLED]

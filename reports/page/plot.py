@@ -1,4 +1,4 @@
-"""A plot as data for the script. Its numbers are those of the table in its file."""
+"""A plot as data for the page's script. Its numbers are those of a table, which it names."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -11,7 +11,7 @@ class Series:
 
     Attributes:
         name: name in the legend.
-        of: engine, signal or other name whose look it has; the engine's checkbox shows and hides its series.
+        of: engine, signal or other name whose look it has; an engine's checkbox shows and hides its series.
         x: values on the horizontal axis.
         y: values on the vertical axis, as many; None in both: a gap in the line.
         text: remark on each point, shown after the name when the point is touched; one per point, or nothing.
@@ -41,12 +41,12 @@ class Plot:
     """A plot.
 
     Attributes:
-        file: file of the table with these numbers.
+        file: CSV file of the table with these numbers.
         x: label of the horizontal axis, with its unit.
         y: label of the vertical axis, with its unit.
         series: what is drawn, later ones on top.
         log: which axes are logarithmic: "", "x", "y" or "xy".
-        below: values on the vertical axis below this are not meaningful: the range is shaded.
+        below: value on the vertical axis below which numbers mean nothing; that range is shaded.
         categories: texts of an axis that has rows instead of numbers; `y` then belongs to the horizontal axis.
         limit: a value that is marked by a line across the rows, and its meaning.
         regions: areas behind the points: their corners as pairs of values.

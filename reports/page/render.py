@@ -17,7 +17,7 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.tables.table import csv_text
 
-#: Parts of the script, in their order; and those for chapters.
+#: Parts of every page's script, in their order, and further parts for a page with chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")
 OF_CHAPTERS: Final = ("tables.js", "marks.js", "chart.js", "plots.js", "choice.js")
 #: Short description of an engine for a reader.
@@ -37,10 +37,10 @@ KINDS: Final = {
 
 def environment(packages: Sequence[str] = ()) -> Environment:
     """The templates of a page, with those of other packages."""
-    made = templates.environment(packages=packages)
-    made.filters["csv"] = csv_text
-    made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    return made
+    jinja = templates.environment(packages=packages)
+    jinja.filters["csv"] = csv_text
+    jinja.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    return jinja
 
 
 def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: Sequence[str] = (), **values: Any) -> str:
@@ -53,7 +53,7 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: Se
         packages: further packages with templates.
         values: values for the template.
     """
-    made = environment(packages)
+    jinja = environment(packages)
     shared = {
         "view": view,
         "document": view.document | {"start": values.pop("start", view.runs[0]["name"])},
@@ -62,10 +62,10 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: Se
         "cyclic": view.axis == "crank_angle",
         "enveloped": any(run["stress"] for run in view.runs),
         "groups": _groups(view),
-        "style": Markup(made.get_template("style.css").render(engines=view.engines, looks=view.looks)),
-        "script": Markup("\n".join(made.get_template(f"script/{part}").render() for part in (*SCRIPT, *more))),
+        "style": Markup(jinja.get_template("style.css").render(engines=view.engines, looks=view.looks)),
+        "script": Markup("\n".join(jinja.get_template(f"script/{part}").render() for part in (*SCRIPT, *more))),
     }
-    return made.get_template(template).render(shared | values)
+    return jinja.get_template(template).render(shared | values)
 
 
 def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
@@ -86,7 +86,7 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         content=content,
         answer=answer,
-        answers=content.loads if any(each.lead for each in content.loads) else [],
+        answers=content.loads if any(loads.lead for loads in content.loads) else [],
         curves=[around.case.name for around in content.around if around.curve],
         shown=shown.case.name,
         title_of_case=title_of_case,
@@ -99,8 +99,8 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
 def _first_mode(result: CaseResult) -> str:
     """First-mode frequencies before and after the return by the leading engine, "" if none is resolvable."""
     lead = result.runs.get(REFERENCE) or next(iter(result.runs.values()))
-    found = [lead.consensus_frequency(half) if lead.usable else None for half in HALVES]
-    return " / ".join("n. r." if value is None else f"{value:.1f}" for value in found) + " Hz" if any(found) else ""
+    frequencies = [lead.consensus_frequency(half) if lead.usable else None for half in HALVES]
+    return " / ".join("n. r." if value is None else f"{value:.1f}" for value in frequencies) + " Hz" if any(frequencies) else ""
 
 
 def animation_page(case: Case, motions: Mapping[str, Trajectory]) -> str:
@@ -111,14 +111,14 @@ def animation_page(case: Case, motions: Mapping[str, Trajectory]) -> str:
         motions: engine -> its trajectory.
 
     Raises:
-        CaseError: the case has no crank and no slider.
+        CaseError: the case has no crank.
     """
     view = trajectories(case, {name: motion.columns for name, motion in motions.items()})
     return rendered("animation.html", view, title=case.title, subtitle="motion from the standard start")
 
 
 def _groups(view: View) -> dict[str, list[dict[str, Any]]]:
-    """The registered cases by their group, if there are no other cases; otherwise none: a list then offers the cases."""
+    """Group -> its registered cases, for the page's buttons; empty if there is another case, which the page then offers in a list."""
     if len(view.runs) < 2 or not all(run["group"] for run in view.runs):
         return {}
     return {group: [run for run in view.runs if run["group"] == group] for group in dict.fromkeys(run["group"] for run in view.runs)}

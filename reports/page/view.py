@@ -24,7 +24,7 @@ from quickreturn.reports.words import per_unit
 
 Array = NDArray[np.float64]
 
-#: Signals of the curve -> name, and unit on the screen.
+#: Column that the curve can show -> its name, and its unit on the screen.
 SIGNALS: Final = {
     "tip_acceleration": ("tip acceleration", "m/s²"),
     "tip_deflection": ("tip deflection", "mm"),
@@ -38,13 +38,13 @@ SIGNALS: Final = {
 }
 #: Places along the arm at which its stress is drawn.
 ALONG: Final = 61
-#: Further columns that place the mechanism.
+#: Further columns, which place the mechanism.
 _PLACES: Final = ("time", "crank_angle", "follower_angle")
 
 
 @dataclass
 class View:
-    """The data for the script."""
+    """The data of a page's first screen."""
 
     axis: str  # column on the horizontal axis of curves: "crank_angle" of a cycle, "time" of a trajectory
     engines: Sequence[str]  # names
@@ -97,7 +97,7 @@ def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequenc
         engines: names.
         loads: loads of the cases whose stress is drawn.
     """
-    stressed = {each.case.name: each for each in loads if each.lead}
+    stressed = {loads_of_case.case.name: loads_of_case for loads_of_case in loads if loads_of_case.lead}
     view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
     for result in results:
         runs = result.with_tables.runs
@@ -115,18 +115,18 @@ def trajectories(case: Case, motions: Mapping[str, Mapping[str, Array]]) -> View
 
 def _stress(loads: CaseLoads | None) -> dict[str, Any] | None:
     """Least and greatest stress along the arm over the cycle, in MPa at even arc lengths from P to the tip; None where not known."""
-    found = None if loads is None else loads.loads[loads.lead].stress
-    if loads is None or found is None:
+    stress = None if loads is None else loads.loads[loads.lead].stress
+    if loads is None or stress is None:
         return None
-    places = np.linspace(0.0, found.places[-1], ALONG)
-    low, high = (np.interp(places, found.places, per_unit("MPa") * values) for values in (found.lowest, found.highest))
-    largest = found.largest
+    places = np.linspace(0.0, stress.places[-1], ALONG)
+    low, high = (np.interp(places, stress.places, per_unit("MPa") * values) for values in (stress.lowest, stress.highest))
+    largest = stress.largest
     return {
         "engine": loads.lead,
         "low": [float(f"{value:.4g}") for value in low],
         "high": [float(f"{value:.4g}") for value in high],
         "largest": per_unit("MPa") * largest.value,
-        "at": None if largest.place is None else largest.place / float(found.places[-1]),
+        "at": None if largest.place is None else largest.place / float(stress.places[-1]),
     }
 
 
@@ -134,21 +134,21 @@ def _fact(run: Run) -> str:
     """A remark on a run: peak of the tip acceleration and first-mode frequency, or its status."""
     if not run.usable:
         return run.status
-    found = [f"{run.peak('tip_acceleration'):.1f} m/s²"] if "tip_acceleration" in run.cycle else []
+    texts = [f"{run.peak('tip_acceleration'):.1f} m/s²"] if "tip_acceleration" in run.cycle else []
     frequency = run.consensus_frequency("post") or run.consensus_frequency("pre")
-    return ", ".join(found + ([f"{frequency:.1f} Hz"] if frequency else []))
+    return ", ".join(texts + ([f"{frequency:.1f} Hz"] if frequency else []))
 
 
 def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
     """The columns that are drawn, without those that have gaps."""
-    found = {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
-    return {name: values for name, values in found.items() if np.all(np.isfinite(values))}
+    present = {name: np.asarray(columns[name]) for name in (*_PLACES, *SIGNALS, *SHAPE) if name in columns}
+    return {name: values for name, values in present.items() if np.all(np.isfinite(values))}
 
 
 def _scene(mechanism: Mechanism) -> dict[str, Any]:
-    """Lengths in m, and the crank angle (rad, either side of 0) at which the follower's swing back begins: crank and follower are square.
+    """Lengths in m, and the crank angle (rad, either side of 0) at which the swing back begins and ends: crank and follower are square.
 
-    For a compliant joint: whether its rollers have clearance, and which of them, plus or minus, is the softer one.
+    For a compliant joint: whether its rollers have clearance, and whether the plus and the minus roller are softer than the other.
     """
     ratio, slider = mechanism.crank.length / mechanism.pivot_distance, mechanism.slider
     return {

@@ -15,104 +15,104 @@ _ERRORS: Final = {"tip_deflection": "deflection", "tip_acceleration": "tip acc."
 SCENE: Final = replace(CASE, head="scene")
 
 
-def methods_of(tables: Sequence[Benchmark]) -> list[str]:
+def methods_of(benchmarks: Sequence[Benchmark]) -> list[str]:
     """Names of all methods, in their order."""
-    return list(dict.fromkeys(point.method for table in tables for point in table.points))
+    return list(dict.fromkeys(point.method for benchmark in benchmarks for point in benchmark.points))
 
 
-def fastest(tables: Sequence[Benchmark]) -> Table:
-    """Solve time of each method's fastest point within an error, per scene."""
-    times = [Column(f"{name} solve_seconds", name, "[s]", ".2g") for name in methods_of(tables)]
-    found = Table("fastest", (SCENE, Column("level", "error", "%", "g"), *times))
-    for table in tables:
+def fastest(benchmarks: Sequence[Benchmark]) -> Table:
+    """Solve time of each method's fastest settings within each error, per scene."""
+    times = [Column(f"{name} solve_seconds", name, "[s]", ".2g") for name in methods_of(benchmarks)]
+    table = Table("fastest", (SCENE, Column("level", "error", "%", "g"), *times))
+    for benchmark in benchmarks:
         for level in LEVELS:
             cells: dict[str, Cell] = {}
-            for name, (point, measured) in fastest_at(table.points, level).items():
+            for name, (point, measured) in fastest_at(benchmark.points, level).items():
                 seconds, note = measured.solve_seconds, settings_words(point.changing)
                 cells[f"{name} solve_seconds"] = Cell(seconds, duration(seconds), note, "" if cells else "good")
-            found.add(case=table.case, level=level, **cells)
-    return found
-
-
-def waiting(tables: Sequence[Benchmark]) -> Table:
-    """Waiting time with each method's fastest settings to an error, if the time of the error estimate was measured."""
-    parts = ("setup_seconds", "setup"), ("solve_seconds", "solve"), ("estimate_seconds", "error estimate"), ("waited_seconds", "together")
-    seconds = (Column(key, head, "[s]", ".2g", words=duration) for key, head in parts)
-    found = Table("waiting", (SCENE, Column("level", "error", "%", "g"), "method", "settings", *seconds))
-    for table in tables:
-        for level in LEVELS:
-            best = fastest_at(table.points, level)
-            for place, (name, seconds_waited) in enumerate(soonest_at(table.points, level)):
-                point, measured = best[name]
-                found.add(
-                    measured,
-                    case=table.case,
-                    level=level,
-                    method=name,
-                    settings=settings_words(point.changing),
-                    waited_seconds=Cell(seconds_waited, mark="" if place else "good"),
-                )
-    return found
-
-
-def compiling(found: Sequence[Compiling]) -> Table:
-    """Times to compile engines."""
-    parts = ("compile_seconds", "compiling, once"), ("load_seconds", "loading, in every process")
-    table = Table("compiling", ("engine", *(Column(key, head, "s", ".2g") for key, head in parts)))
-    for each in found:
-        table.add(each)
+            table.add(case=benchmark.case, level=level, **cells)
     return table
 
 
-def orders(tables: Sequence[Benchmark]) -> Table:
+def waiting(benchmarks: Sequence[Benchmark]) -> Table:
+    """Waiting time with each method's fastest settings to each error, if the time of the error estimate was measured."""
+    parts = ("setup_seconds", "setup"), ("solve_seconds", "solve"), ("estimate_seconds", "error estimate"), ("waited_seconds", "together")
+    seconds = (Column(key, head, "[s]", ".2g", words=duration) for key, head in parts)
+    table = Table("waiting", (SCENE, Column("level", "error", "%", "g"), "method", "settings", *seconds))
+    for benchmark in benchmarks:
+        for level in LEVELS:
+            best = fastest_at(benchmark.points, level)
+            for rank, (name, seconds_waited) in enumerate(soonest_at(benchmark.points, level)):
+                point, measured = best[name]
+                table.add(
+                    measured,
+                    case=benchmark.case,
+                    level=level,
+                    method=name,
+                    settings=settings_words(point.changing),
+                    waited_seconds=Cell(seconds_waited, mark="" if rank else "good"),
+                )
+    return table
+
+
+def compiling(times: Sequence[Compiling]) -> Table:
+    """Times to compile engines."""
+    parts = ("compile_seconds", "compiling, once"), ("load_seconds", "loading, in every process")
+    table = Table("compiling", ("engine", *(Column(key, head, "s", ".2g") for key, head in parts)))
+    for time in times:
+        table.add(time)
+    return table
+
+
+def orders(benchmarks: Sequence[Benchmark]) -> Table:
     """Order of each method's error of the tip deflection in its degrees of freedom."""
-    found = Table("orders", ("method", *(Column(table.case, case_label(table.case), "1", ".1f") for table in tables)))
-    for name in methods_of(tables):
-        found.add(method=name, **{table.case: observed_order(table.points, name) for table in tables})
-    return found
+    table = Table("orders", ("method", *(Column(benchmark.case, case_label(benchmark.case), "1", ".1f") for benchmark in benchmarks)))
+    for name in methods_of(benchmarks):
+        table.add(method=name, **{benchmark.case: observed_order(benchmark.points, name) for benchmark in benchmarks})
+    return table
 
 
-def joints(table: Benchmark) -> Table:
+def joints(benchmark: Benchmark) -> Table:
     """Errors of each method's joint at its finest settings."""
-    through = (Column("largest_gap", unit="m", form=".1e"), Column("spurious_share", "spurious work", "%", ".2g"))
-    found = Table("joints", ("method", "settings", *through), case=case_label(table.case))
-    for name in methods_of([table]):
-        done = [(point, measured.statistics) for point, measured in completed(table.points) if point.method == name]
+    errors = (Column("largest_gap", unit="m", form=".1e"), Column("spurious_share", "spurious work", "%", ".2g"))
+    table = Table("joints", ("method", "settings", *errors), case=case_label(benchmark.case))
+    for name in methods_of([benchmark]):
+        done = [(point, measured.statistics) for point, measured in completed(benchmark.points) if point.method == name]
         if done and {"largest_gap", "spurious_share"} & set(done[-1][1]):
-            found.add(done[-1][1], method=name, settings=settings_words(done[-1][0].changing))
-    return found
+            table.add(done[-1][1], method=name, settings=settings_words(done[-1][0].changing))
+    return table
 
 
-def front(table: Benchmark) -> Table:
+def front(benchmark: Benchmark) -> Table:
     """The Pareto front of one scene."""
-    found = Table("front-", _POINT, of=table.case, case=case_label(table.case))
-    for point in pareto_front(table.points):
-        found.add(point.measured, **_told(point))
-    return found
+    table = Table("front-", _POINT, of=benchmark.case, case=case_label(benchmark.case))
+    for point in pareto_front(benchmark.points):
+        table.add(point.measured, **_cells(point))
+    return table
 
 
-def failures(tables: Sequence[Benchmark]) -> Table:
+def failures(benchmarks: Sequence[Benchmark]) -> Table:
     """Points that failed, and the settings beyond which finer ones were not tried."""
-    found = Table("not_completed", (SCENE, "method", "settings", Column("status", "what happened")))
-    for table in tables:
-        told: set[str] = set()
-        for point in table.points:
+    table = Table("not_completed", (SCENE, "method", "settings", Column("status", "what happened")))
+    for benchmark in benchmarks:
+        listed: set[str] = set()
+        for point in benchmark.points:
             untried = point.status.startswith(NOT_TRIED)
-            if point.measured is not None or (untried and point.method in told):
+            if point.measured is not None or (untried and point.method in listed):
                 continue
             if untried:
-                told.add(point.method)
-            found.add(point, case=table.case, settings=settings_words(point.changing) + (" and finer" if untried else ""))
-    return found
+                listed.add(point.method)
+            table.add(point, case=benchmark.case, settings=settings_words(point.changing) + (" and finer" if untried else ""))
+    return table
 
 
-def points(tables: Sequence[Benchmark]) -> Table:
+def points(benchmarks: Sequence[Benchmark]) -> Table:
     """Every point of every scene."""
-    found = Table("benchmark", (SCENE, *_POINT, "status"), in_page=False)
-    for table in tables:
-        for point in table.points:
-            found.add(point.measured, case=table.case, status=point.status, **_told(point))
-    return found
+    table = Table("benchmark", (SCENE, *_POINT, "status"), in_page=False)
+    for benchmark in benchmarks:
+        for point in benchmark.points:
+            table.add(point.measured, case=benchmark.case, status=point.status, **_cells(point))
+    return table
 
 
 def _errors(group: str = "error") -> list[Column]:
@@ -133,12 +133,12 @@ _POINT: ColumnList = (
 )
 
 
-def _told(point: Point) -> dict[str, Any]:
+def _cells(point: Point) -> dict[str, Any]:
     return {"method": point.method, "settings": settings_words(point.changing)} | {key: point.error(key) for key in _ERRORS}
 
 
-def reference_cost(table: Benchmark) -> Table:
-    """The parts of the reference's time."""
+def reference_cost(benchmark: Benchmark) -> Table:
+    """The parts of the reference's time, for each of its settings."""
     columns = (
         Column("modes", form="d"),
         Column("tolerance", unit="1", form=".0e"),
@@ -150,17 +150,17 @@ def reference_cost(table: Benchmark) -> Table:
         Column("calls_per_period", "per period", "1", ".1f"),
         Column("setup_seconds", "setup", "ms", ".2g"),
     )
-    found = Table("reference_cost", columns, case=case_label(table.case))
-    for point, measured in completed(table.points):
+    table = Table("reference_cost", columns, case=case_label(benchmark.case))
+    for point, measured in completed(benchmark.points):
         if point.engine == "reference":
             calls, seconds = measured.statistics["right_hand_side_calls"], measured.statistics.get("integration_seconds", math.nan)
             cost = {"integration_seconds": seconds, "calls": calls, "seconds_per_call": seconds / calls}
             settings = {name: point.settings[name] for name in ("modes", "tolerance")}
-            found.add(measured, **settings, **{key: point.error(key) for key in _ERRORS}, **cost)
-    return found
+            table.add(measured, **settings, **{key: point.error(key) for key in _ERRORS}, **cost)
+    return table
 
 
-def scenes(tables: Sequence[Benchmark]) -> Table:
+def scenes(benchmarks: Sequence[Benchmark]) -> Table:
     """The scenes, and the confirmation of the solution that defines the error."""
     columns = (
         SCENE,
@@ -171,14 +171,14 @@ def scenes(tables: Sequence[Benchmark]) -> Table:
         Column("confirming", "confirmed by"),
         *_errors("difference"),
     )
-    found = Table("benchmark_scenes", columns)
-    for table in tables:
-        truth, other = table.truth, table.confirmation
-        found.add(
-            table,
+    table = Table("benchmark_scenes", columns)
+    for benchmark in benchmarks:
+        truth, other = benchmark.truth, benchmark.confirmation
+        table.add(
+            benchmark,
             size=truth.sizes["tip_deflection"],
             truth=f"{truth.engine} ({settings_words(truth.settings)})",
             confirming=f"{other.engine}: {other.failure}" if other.failure else f"{other.engine} ({settings_words(other.settings)})",
             **{key: error_of(other.differences, key) for key in _ERRORS},
         )
-    return found
+    return table

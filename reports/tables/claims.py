@@ -12,11 +12,11 @@ from quickreturn.reports.findings.agreement import engines_of, outward
 from quickreturn.reports.findings.sharpness import Sharpness
 from quickreturn.reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
 
-#: Part of the follower's length within which the slider counts as at a gauge: half of one of sixteen elements.
+#: Distance over the follower's length within which the slider counts as at a gauge: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0
 #: A difference is marginal if it exceeds its tolerance by less than this part of it.
 MARGINAL: Final = 0.1
-#: Columns of a comparison, in every table of them.
+#: Columns of every table of comparisons.
 _COMPARISON: Final = (
     CASE,
     Column("engine"),
@@ -40,10 +40,10 @@ def departures(results: Sequence[CaseResult]) -> Table:
         Column("share", unit="1", form=".2f"),
         Column("cause", "what the numbers suggest"),
     )
-    found = Table("departures", columns)
+    table = Table("departures", columns)
     for result in results:
         for check in result.missed:
-            found.add(
+            table.add(
                 check,
                 **_compared(result, check) | {"difference": Cell(_shown_difference(check), mark="missed")},
                 claim=check.mine.width / check.scale,
@@ -51,18 +51,18 @@ def departures(results: Sequence[CaseResult]) -> Table:
                 share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
                 cause=cause(result, check),
             )
-    return found
+    return table
 
 
 def table_departures(results: Sequence[CaseResult]) -> Table:
     """One row per number of a recorded table that differs from an engine's by more than claim and uncertainty of the measures."""
     of_tables = {"engine": Column("table"), "channel": replace(CHANNEL, head="column")}
     of_tables["other_value"] = Column("other_value", "engine's value", "SI", ".4g")
-    found = Table("table_departures", [of_tables.get(column.key, column) for column in _COMPARISON])
+    table = Table("table_departures", [of_tables.get(column.key, column) for column in _COMPARISON])
     for result in results:
         for check in (check for check in result.table_checks if not check.passed):
-            found.add(check, table=check.engine, **_compared(result, check))
-    return found
+            table.add(check, table=check.engine, **_compared(result, check))
+    return table
 
 
 def _compared(result: CaseResult, check: Difference) -> dict[str, Any]:
@@ -80,15 +80,15 @@ def _shown_difference(check: Difference) -> float:
 
 
 def cause(result: CaseResult, check: Difference) -> str:
-    """The likely cause of a departure by the numbers at hand; the text contains the thresholds."""
-    found = []
+    """The likely causes of a departure, as far as the numbers at hand show them (clauses)."""
+    causes = []
     if check.quantity in EXTREMES and _slider_at_gauge(result, check):
-        found.append("at this instant the slider passes the gauge, where the curvature has a kink that elements and links round off")
+        causes.append("at this instant the slider passes the gauge, where the curvature has a kink that elements and links round off")
     missed = [name for name in (check.engine, check.other) if not result.runs[name].reached]
-    found += [f"{name} does not reach the accuracy asked, by its own estimate" for name in missed]
+    causes += [f"{name} does not reach the accuracy asked, by its own estimate" for name in missed]
     if abs(check.difference) < (1.0 + MARGINAL) * check.tolerance:
-        found.append(f"marginal: beyond the tolerance by less than {MARGINAL:.0%} of it")
-    return "; ".join(found) or "not explained by the numbers at hand"
+        causes.append(f"marginal: beyond the tolerance by less than {MARGINAL:.0%} of it")
+    return "; ".join(causes) or "not explained by the numbers at hand"
 
 
 def _slider_at_gauge(result: CaseResult, check: Difference) -> bool:
@@ -117,14 +117,14 @@ def summary(results: Sequence[CaseResult]) -> Table:
         Column("used_median", "median", "1", ".2f", group="used"),
         Column("used_most", "most", "1", ".2f", group="used"),
     )
-    found = Table("compared", columns)
+    table = Table("compared", columns)
     groups: dict[tuple[str, str, str], list[Difference]] = {}
     for check in (check for result in results for check in result.checks):
         groups.setdefault((check.engine, check.other, check.quantity), []).append(check)
     for (engine, other, quantity), checks in groups.items():
         used = [abs(check.difference) / check.tolerance for check in checks if check.tolerance > 0.0]
         beyond = sum(not check.passed for check in checks)
-        found.add(
+        table.add(
             engine=engine,
             other=other,
             quantity=quantity,
@@ -134,10 +134,10 @@ def summary(results: Sequence[CaseResult]) -> Table:
             used_median=float(np.median(used)) if used else None,
             used_most=max(used, default=None),
         )
-    return found
+    return table
 
 
-def sharp(found: Sequence[Sharpness]) -> Table:
+def sharp(rows: Sequence[Sharpness]) -> Table:
     """Per pair of engines and kind of numbers: the smallest error that the comparison finds."""
     columns = (
         "engine",
@@ -150,16 +150,16 @@ def sharp(found: Sequence[Sharpness]) -> Table:
         Column("found_mostly", "in half of them", "%", ".2g", group="smallest error that is found"),
     )
     table = Table("sharpness", columns)
-    for each in found:
-        table.add(each)
+    for row in rows:
+        table.add(row)
     return table
 
 
 def classes(results: Sequence[CaseResult]) -> Table:
     """Per engine: the number of runs in each accuracy class."""
     names = [*(f"{100.0 * width:g} %" for width in CLASSES), WORSE, "unknown"]
-    found = Table("accuracy_classes", ("engine", *(Column(f"class {name}", name, form="d", group="class") for name in names)))
+    table = Table("accuracy_classes", ("engine", *(Column(f"class {name}", name, form="d", group="class") for name in names)))
     for engine in engines_of(results):
         reached = [result.accuracy_class(engine) or "unknown" for result in results if engine in result.runs]
-        found.add(engine=engine, **{f"class {name}": reached.count(name) for name in names})
-    return found
+        table.add(engine=engine, **{f"class {name}": reached.count(name) for name in names})
+    return table

@@ -29,7 +29,7 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
         Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
         *_number_columns(),
     )
-    found = Table("run_by_engine", columns, others=listed([channel_name(name) for name in CHANNELS if name not in SHOWN]))
+    table = Table("run_by_engine", columns, others=listed([channel_name(name) for name in CHANNELS if name not in SHOWN]))
     for result in sorted(results, key=_has_gaps):
         missed = {(check.engine, check.half) for check in result.missed if check.quantity == CONSENSUS}
         for name, run in result.runs.items():
@@ -42,8 +42,8 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
                 cells |= _frequency_cells(run, other, half, "missed" if (name, half) in missed else "")
                 for channel in CHANNELS:
                     cells |= _amplitude_cells(run, other, half, channel)
-            found.add(case=result.case.name, engine=name, status=_status(run), accuracy_class=result.accuracy_class(name), **cells)
-    return found
+            table.add(case=result.case.name, engine=name, status=_status(run), accuracy_class=result.accuracy_class(name), **cells)
+    return table
 
 
 def _has_gaps(result: CaseResult) -> bool:
@@ -90,21 +90,21 @@ def _peak_cells(run: Run, other: Run | None, channel: str) -> dict[str, Value | 
     """The largest magnitude over the cycle, and its relative excess over the reference's."""
     if not run.usable:
         return {f"peak_{channel}": Cell(None, note=run.status)}
-    peak, its = run.peak(channel), other.peak(channel) if other else 0.0
-    return {f"peak_{channel}": peak, f"peak_{channel}_difference": peak / its - 1.0 if its else None}
+    peak, other_peak = run.peak(channel), other.peak(channel) if other else 0.0
+    return {f"peak_{channel}": peak, f"peak_{channel}_difference": peak / other_peak - 1.0 if other_peak else None}
 
 
 def _frequency_cells(run: Run, other: Run | None, half: str, mark: Mark) -> dict[str, Cell]:
     key = f"{half}_frequency"
     if not run.usable:
         return {key: Cell(None, note=run.status)}
-    found = run.consensus_of(half)
-    if found is None:
+    consensus = run.consensus_of(half)
+    if consensus is None:
         measures = [(channel, run.measure(half, channel)) for channel in CHANNELS]
         reasons = [f"{channel_name(channel)}: {measure.reason if measure else ''}" for channel, measure in measures]
         return {key: Cell(None, _UNRESOLVABLE, "; ".join(reasons), "open")}
     difference = _difference(run, other, CONSENSUS, half, None, mark)
-    return {key: Cell(found.first_mode_frequency), f"{key}_uncertainty": Cell(found.uncertainty), f"{key}_difference": difference}
+    return {key: Cell(consensus.first_mode_frequency), f"{key}_uncertainty": Cell(consensus.uncertainty), f"{key}_difference": difference}
 
 
 def _amplitude_cells(run: Run, other: Run | None, half: str, channel: str) -> dict[str, Cell]:
@@ -132,12 +132,12 @@ def measures(results: Sequence[CaseResult]) -> Table:
     amplitudes = ("first_mode_amplitude", "first_mode_amplitude_uncertainty", "first_mode_amplitude_estimate")
     extremes = tuple(f"{name}{part}" for name in EXTREMES for part in ("", "_uncertainty", "_estimate"))
     numbers = [*(Column(key, unit="Hz") for key in in_hertz), *(Column(key, unit="SI") for key in (*amplitudes, *extremes))]
-    found = Table("measures", ("case", "engine", "status", "half", "channel", *numbers, "reason"), in_page=False)
+    table = Table("measures", ("case", "engine", "status", "half", "channel", *numbers, "reason"), in_page=False)
     for result in results:
         for name, run in result.runs.items():
             for measure in run.measures:
-                found.add(measure, case=result.case.name, engine=name, status=run.status)
-    return found
+                table.add(measure, case=result.case.name, engine=name, status=run.status)
+    return table
 
 
 def settings(results: Sequence[CaseResult]) -> Table:
@@ -152,12 +152,12 @@ def settings(results: Sequence[CaseResult]) -> Table:
         Column("settling_error", "distance from steady", "%", ".2g", meaning="estimated, of the last cycle"),
         "settings",
     )
-    found = Table("settings", columns)
+    table = Table("settings", columns)
     for result in results:
         for run in result.runs.values():
-            told = settings_words(run.settings or {}) or "none: the run ended before"
-            found.add(run, case=result.case.name, start=run.start or Cell(None, note=run.status), settings=told)
-    return found
+            text = settings_words(run.settings or {}) or "none: the run ended before"
+            table.add(run, case=result.case.name, start=run.start or Cell(None, note=run.status), settings=text)
+    return table
 
 
 def case_table(result: CaseResult) -> Table:
@@ -175,7 +175,7 @@ def case_table(result: CaseResult) -> Table:
         Column("cycles", form="d"),
         Column("solve_seconds", "solve", "s", ".2f", words=cost),
     )
-    found = Table("run_", columns, of=result.case.name.replace("-", "_"))
+    table = Table("run_", columns, of=result.case.name.replace("-", "_"))
     for run in result.runs.values():
         cells: dict[str, Any] = {}
         if run.usable:
@@ -186,5 +186,5 @@ def case_table(result: CaseResult) -> Table:
                 cells[f"{half}_frequency"] = open_cell if value is None else value
             speed, mean = run.cycle["crank_speed"], abs(mean_crank_speed(run))
             cells |= {"crank_speed": mean, "crank_speed_variation": float(speed.max() - speed.min()) / mean}
-        found.add(run, status=_status(run), **cells)
-    return found
+        table.add(run, status=_status(run), **cells)
+    return table

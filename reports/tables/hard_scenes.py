@@ -19,21 +19,21 @@ _MARKS: Final[Mapping[str, Mark]] = {
     DIVERGED: "missed",
     REFUSED: "open",
 }
-#: Beginnings of a scene's title that the page leaves out: it shows only the change.
+#: Columns that name a scene: its name in the CSV file, its change of run 24 in the page.
 _SCENE: Final = (Column("scene", in_page=False), Column("title", "run 24 with"))
 
 
 def verdicts(matrix: Matrix) -> Table:
     """A row per scene, a column per engine."""
-    found = Table("hard_scenes", (*_SCENE, *(Column(name, name) for name in matrix.engines)))
+    table = Table("hard_scenes", (*_SCENE, *(Column(name, name) for name in matrix.engines)))
     for case in matrix.cases:
         cells = {name: _cell(matrix.cells.get((case.name, name)), case.duration) for name in matrix.engines}
-        found.add(scene=case.name, title=short_title(case.title), **cells)
-    return found
+        table.add(scene=case.name, title=short_title(case.title), **cells)
+    return table
 
 
 def short_title(title: str) -> str:
-    """The change of run 24 in a scene."""
+    """The title of a scene without "Run 24, ", so that it names the change alone."""
     return title.removeprefix("Run 24, ")
 
 
@@ -44,12 +44,12 @@ def _cell(judged: Judged | None, duration: float) -> Cell:
     claimed = _size(verdict.claimed_error)
     if judged.silently_wrong:
         return Cell("silently wrong", f"silently wrong: claims {claimed}, is {_size(judged.true_error)}", mark="failed")
-    told = {
+    texts = {
         ACCURATE: f"accurate {claimed}{_until(verdict.stretch, duration)}",
         ENDED: f"ends at {_time(verdict.time)}, until then accurate {claimed}",
         DIVERGED: "no result" if verdict.time is None else f"diverged at {_time(verdict.time)}",
     }
-    text = told.get(verdict.kind, verdict.kind)
+    text = texts.get(verdict.kind, verdict.kind)
     if judged.kind == OWN_EQUATIONS:
         text = f"{OWN_EQUATIONS}{_ends(verdict)}; its model is {_off(judged.model_error)}"
     elif judged.model_error is not None and verdict.kind in (ACCURATE, ENDED):
@@ -81,21 +81,21 @@ def _until(stretch: float | None, duration: float) -> str:
 
 def conditioning(matrix: Matrix) -> Table:
     """Effect of a small change of a parameter on the answer of each scene."""
-    part = f"{number(100.0 * CHANGE, 'g')}{TIED}%"
+    change = f"{number(100.0 * CHANGE, 'g')}{TIED}%"
     changes = ("stiffness", "damping", "speed", "speed at the same crank angle")
     columns = (
         *_SCENE,
-        *(Column(_key(name), name, "%", ".2g", group=f"change of the answer for {part} of") for name in changes),
+        *(Column(_key(name), name, "%", ".2g", group=f"change of the answer for {change} of") for name in changes),
         Column("horizon", unit="s", form=".3g"),
         Column("duration", unit="s", form="g"),
         Column("converged", unit="%", form=".2g"),
     )
-    table = Table("hard_scenes_conditioning", columns, part=part, ill=percent(ILL, ".0f"))
+    table = Table("hard_scenes_conditioning", columns, part=change, ill=percent(ILL, ".0f"))
     for case in matrix.cases:
-        found = matrix.conditionings.get(case.name)
-        values: dict[str, Any] = {_key(name): found.changes.get(name) for name in changes} if found else {}
+        conditioned = matrix.conditionings.get(case.name)
+        values: dict[str, Any] = {_key(name): conditioned.changes.get(name) for name in changes} if conditioned else {}
         converged = matrix.converged.get(case.name)
-        table.add(found, scene=case.name, title=short_title(case.title), duration=case.duration, converged=converged, **values)
+        table.add(conditioned, scene=case.name, title=short_title(case.title), duration=case.duration, converged=converged, **values)
     return table
 
 
@@ -114,8 +114,8 @@ def cells(matrix: Matrix) -> Table:
         "settings",
     )
     table = Table("hard_scenes_cells", columns, in_page=False)
-    known = (matrix.cells.get((case.name, name)) for case in matrix.cases for name in matrix.engines)
-    for cell in filter(None, known):
+    judged = (matrix.cells.get((case.name, name)) for case in matrix.cases for name in matrix.engines)
+    for cell in filter(None, judged):
         settings = ", ".join(f"{name} = {value}" for name, value in cell.settings.items())
         table.add({**vars(cell.verdict), **vars(cell)}, verdict=cell.kind, claim_holds=cell.holds, settings=settings)
     return table

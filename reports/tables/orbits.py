@@ -8,7 +8,7 @@ from quickreturn.cases.studies import BothStarts
 from quickreturn.reports.tables.table import CASE, Column, ColumnList, Table
 from quickreturn.reports.words import number
 
-#: Remaining distance to the steady state at which a marched run counts as settled, and the distance below which no measure sees it.
+#: Parts of a disturbance that are left when a marched run counts as settled, and when no measure sees it any more.
 SETTLED_AT, GONE_AT = 1e-3, 1e-6
 
 
@@ -17,7 +17,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
 
     Args:
         results: of all cases.
-        marching: engines that wait for their steady state, whose cycles stand beside.
+        marching: engines that march to their steady state; each has a column with its cycles.
     """
     columns: ColumnList = (
         CASE,
@@ -30,7 +30,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         Column("cycles_to_gone", f"to {number(GONE_AT, 'g')}", form=".1f", group="cycles of marching"),
         *(Column(f"{name}_cycles", name, form="d", group="cycles marched") for name in marching),
     )
-    found = Table("periodic_orbits", columns)
+    table = Table("periodic_orbits", columns)
     for result in results:
         run = result.runs.get(REFERENCE)
         orbit = None if run is None else run.periodic_orbit
@@ -39,7 +39,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         modulus = math.hypot(*orbit.multipliers[0])
         shrinking = 0.0 < modulus < 1.0
         cycles = {f"{name}_cycles": result.runs[name].cycles for name in marching if name in result.runs}
-        found.add(
+        table.add(
             orbit,
             case=result.case.name,
             cycles_of_work=run.cycles if orbit.stable else None,
@@ -48,7 +48,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
             cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
             **cycles,
         )
-    return found
+    return table
 
 
 def both_starts(studied: Sequence[BothStarts]) -> Table:
@@ -58,9 +58,9 @@ def both_starts(studied: Sequence[BothStarts]) -> Table:
     for key, group in starts.items():
         columns.append(Column(f"{key}_cycles", "cycles", form="d", group=group))
         columns.append(Column(f"{key}_settling_error", "left", "%", ".2g", group=group))
-    found = Table("both_starts", (*columns, Column("difference", unit="%", form=".2g")))
-    for each in studied:
-        runs = {"orbit": each.orbit, "straight": each.straight}
+    table = Table("both_starts", (*columns, Column("difference", unit="%", form=".2g")))
+    for study in studied:
+        runs = {"orbit": study.orbit, "straight": study.straight}
         cycles = {f"{key}_cycles": run.cycles for key, run in runs.items()}
-        found.add(each, **cycles, **{f"{key}_settling_error": run.settling_error for key, run in runs.items()})
-    return found
+        table.add(study, **cycles, **{f"{key}_settling_error": run.settling_error for key, run in runs.items()})
+    return table

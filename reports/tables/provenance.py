@@ -23,11 +23,11 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
         Column("runs", form="d"),
         Column("settled", form="d"),
     )
-    found = Table("engines", columns)
+    table = Table("engines", columns)
     for name in engines_of([result.with_tables for result in results]):
         runs = [run for result in results if (run := result.with_tables.runs.get(name)) is not None]
         first = runs[0]
-        found.add(
+        table.add(
             first,
             engine=name,
             origin="a file" if first.recording else "this project" if name in OWN else "another package",
@@ -36,7 +36,7 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
             runs=len(runs),
             settled=sum(run.status == Ending.SETTLED for run in runs),
         )
-    return found
+    return table
 
 
 def _no_version(run: Run) -> Cell:
@@ -46,24 +46,24 @@ def _no_version(run: Run) -> Cell:
 
 
 def machine(facts: Mapping[str, str]) -> Table:
-    """The machine on which the page was made."""
-    found = Table("machine", ("what", "value"))
+    """Facts about the computer on which the page was made."""
+    table = Table("machine", ("what", "value"))
     for what, value in facts.items():
-        found.add(what=what, value=value)
-    return found
+        table.add(what=what, value=value)
+    return table
 
 
 def troubles(runs: Sequence[tuple[str, Run]]) -> Table:
     """Every run that is not simply settled, with the name of its case."""
-    found = Table("failures", (CASE, "engine", "status", Column("remark", "in the engine's words")))
+    table = Table("failures", (CASE, "engine", "status", Column("remark", "in the engine's words")))
     for case, run in runs:
-        found.add(run, case=case, status=Cell(run.status, mark="failed" if run.ending.incomplete else "open"))
-    return found
+        table.add(run, case=case, status=Cell(run.status, mark="failed" if run.ending.incomplete else "open"))
+    return table
 
 
 def catalogue(tables: Sequence[Table], about: Mapping[str, Any]) -> Table:
     """All CSV files beside the page."""
-    found = Table("tables", ("file", Column("rows", form="d"), "what", *(Column(key, in_page=False) for key in about)))
+    catalogue_table = Table("tables", ("file", Column("rows", form="d"), "what", *(Column(key, in_page=False) for key in about)))
     for table in tables:
-        found.add(file=table.file, rows=len(table.rows), what=table.caption, **about)
-    return found
+        catalogue_table.add(file=table.file, rows=len(table.rows), what=table.caption, **about)
+    return catalogue_table

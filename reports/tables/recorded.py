@@ -11,15 +11,15 @@ from quickreturn.reports.words import channel_name
 
 
 def recorded(results: Sequence[CaseResult]) -> Table:
-    """The recorded tables with their declarations, and the numbers of their comparisons with engines and of departures."""
+    """The recorded tables with their declarations, and how many of their numbers were compared and depart from an engine's."""
     counts = Column("compared", form="d"), Column("beyond", form="d")
     columns = (CASE, "table", "version", "origin", "status", Column("rows", form="d"), "columns", *counts, "source", "remark")
-    found = Table("recorded", columns)
+    table = Table("recorded", columns)
     for result in results:
         for run in result.recorded.values():
             checks = [check for check in result.table_checks if check.engine == run.engine]
             beyond = sum(not check.passed for check in checks)
-            found.add(
+            table.add(
                 run,
                 compared=len(checks),
                 beyond=Cell(beyond, mark="missed" if beyond else ""),
@@ -31,7 +31,7 @@ def recorded(results: Sequence[CaseResult]) -> Table:
                 columns=", ".join(channel_name(name) for name in run.cycle if name not in ("time", "crank_angle")),
                 source=run.method,
             )
-    return found
+    return table
 
 
 def _origin(run: Run) -> Cell:
@@ -39,8 +39,8 @@ def _origin(run: Run) -> Cell:
     return Cell(origin or None, mark="open" if origin == "synthetic" else "")
 
 
-def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> Table:
-    """Engines over recorded tables, per half."""
+def curve_comparison(halves: Sequence[MeasuredHalf], engines: Sequence[str]) -> Table:
+    """First-mode frequency and amplitude of each engine over the recorded table's, per half cycle and channel."""
 
     def over_table(quantity: str) -> list[Column]:
         group, meaning = f"first-mode {quantity}", "engine / table"
@@ -57,13 +57,13 @@ def curve_comparison(found: Sequence[MeasuredHalf], engines: Sequence[str]) -> T
         Column("maximum", unit="SI", form=".3g", group="extremes of the table"),
     )
     table = Table("curve_comparison", columns)
-    for item in found:
-        cells: dict[str, Any] = {"frequency_uncertainty": item.measure.first_mode_frequency_uncertainty}
+    for half in halves:
+        cells: dict[str, Any] = {"frequency_uncertainty": half.measure.first_mode_frequency_uncertainty}
         for short in ("frequency", "amplitude"):
-            value = getattr(item.measure, f"first_mode_{short}")
-            cells[short] = Cell(None, "n. r.", item.measure.reason, "open") if value is None else value
+            value = getattr(half.measure, f"first_mode_{short}")
+            cells[short] = Cell(None, "n. r.", half.measure.reason, "open") if value is None else value
             for engine in engines:
-                its = getattr(item.engines.get(engine), f"first_mode_{short}", None)
-                cells[f"{short}_{engine}"] = its / value if its is not None and value else None
-        table.add(item.measure, case=item.case.name, table=item.table.engine, origin=_origin(item.table), **cells)
+                of_engine = getattr(half.engines.get(engine), f"first_mode_{short}", None)
+                cells[f"{short}_{engine}"] = of_engine / value if of_engine is not None and value else None
+        table.add(half.measure, case=half.case.name, table=half.table.engine, origin=_origin(half.table), **cells)
     return table

@@ -19,20 +19,20 @@ def resonances(cases: Sequence[Around]) -> Table:
     rows = [{"case": around.case.name, **row} for around in cases if around.curve for row in remarkable(around)]
     distance, reason = Column("distance", "from your speed", "%", "+.2f"), Column("reason", "the curve ends because")
     ends = [reason] if any(row["reason"] for row in rows) else []
-    found = Table("resonances", (CASE, "point", "stability", Column("order", form="d"), _SPEED, distance, _HEIGHT, *ends))
+    table = Table("resonances", (CASE, "point", "stability", Column("order", form="d"), _SPEED, distance, _HEIGHT, *ends))
     for row in rows:
-        found.add(row)
-    return found
+        table.add(row)
+    return table
 
 
 def remarkable(around: Around) -> Iterator[dict[str, Any]]:
-    """The rows of a machine."""
-    curve = around.known
-    rows = [_row(around, OWN, around.pace, height, kind) for height, kind in around.own]
-    rows += [_row(around, PEAK, each.value, each.height, curve.kinds[each.at], each.order) for each in curve.peaks]
-    for each in curve.special:
-        order = around.order_at(each.value) if each.kind == "fold" else None
-        rows.append(_row(around, each.kind, each.value, float(around.heights[each.at]), None, order, each.reason))
+    """The machine, peaks and special points of one curve, as rows of `resonances` from the slowest to the fastest."""
+    curve = around.solved_curve
+    rows = [_row(around, OWN, around.pace, height, kind) for height, kind in around.motions]
+    rows += [_row(around, PEAK, point.value, point.height, curve.kinds[point.at], point.order) for point in curve.peaks]
+    for point in curve.special:
+        order = around.order_at(point.value) if point.kind == "fold" else None
+        rows.append(_row(around, point.kind, point.value, float(around.heights[point.at]), None, order, point.reason))
     yield from sorted(rows, key=lambda row: abs(row["speed"]))
 
 
@@ -47,14 +47,14 @@ def _row(
 def resonance_curve(cases: Sequence[Around]) -> Table:
     """Every point of every curve."""
     columns = (CASE, Column("arclength", unit="1"), _SPEED, _HEIGHT, Column("multiplier", unit="1"), "stability", "special")
-    found = Table("resonance_curve", columns, in_page=False)
+    table = Table("resonance_curve", columns, in_page=False)
     for around in cases:
         curve = around.curve
         if curve is None:
             continue
-        special = {each.at: each.kind for each in curve.special}
+        special = {point.at: point.kind for point in curve.special}
         for at, kind in enumerate(curve.kinds):
-            found.add(
+            table.add(
                 case=around.case.name,
                 arclength=float(curve.arclength[at]),
                 speed=float(curve.values[at]),
@@ -63,4 +63,4 @@ def resonance_curve(cases: Sequence[Around]) -> Table:
                 stability=f"unstable: {kind}" if kind else "stable",
                 special=special.get(at, ""),
             )
-    return found
+    return table

@@ -29,9 +29,9 @@ NAMES: Final = {
 
 @dataclass(frozen=True)
 class Number:
-    """A number of `NAMES`, in SI units; unknown fields are None."""
+    """A load; fields that are unknown, or that it does not have, are None."""
 
-    quantity: str  # its name
+    quantity: str  # key of `NAMES`
     value: float  # the number
     unit: str  # SI
     error: float | None = None  # estimated error, SI
@@ -53,13 +53,13 @@ def numbers(loads: Loads) -> Iterator[Number]:
 
 
 def document(loads: Loads | None) -> dict[str, dict[str, Any]]:
-    """The numbers for a JSON document: by name, value in SI units, error, place and crank angle (rad); empty if there are none."""
-    found = [vars(number) for number in numbers(loads)] if loads is not None else []
-    return {each["quantity"]: {key: value for key, value in each.items() if key != "quantity"} for each in found}
+    """Quantity -> the other fields of its `Number`, for a JSON document; empty without loads."""
+    documents = [vars(number) for number in numbers(loads)] if loads is not None else []
+    return {one["quantity"]: {key: value for key, value in one.items() if key != "quantity"} for one in documents}
 
 
 def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
-    """All numbers of a case, each with its engine; those that need no engine, without one."""
+    """All numbers of a case, each with its engine, or with "" where it needs none."""
     for engine, loads in case.loads.items():
         yield from ((engine, number) for number in numbers(loads))
     if case.resonance is not None:
@@ -68,7 +68,7 @@ def of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
 
 
 def strength(cases: Sequence[CaseLoads]) -> Table:
-    """The table."""
+    """All numbers of all cases."""
     columns: ColumnList = (
         *(CASE, "engine", Column("quantity", words=lambda name: NAMES[name][0])),
         Column("value", unit="[SI]", form=".4g"),
@@ -77,13 +77,13 @@ def strength(cases: Sequence[CaseLoads]) -> Table:
         Column("place", "from P", "mm", ".0f", meaning="arc length"),
         Column("crank_angle", "crank at", "°", ".0f"),
     )
-    found = Table("strength", columns)
+    table = Table("strength", columns)
     for case in cases:
         for engine, number in of_case(case):
             text = quantity(number.value, NAMES[number.quantity][1]).strip(TIED)
-            off = Cell(None) if number.error is None else Cell(number.error, off_by(number.error, number.value))
-            found.add(number, case=case.case.name, engine=engine, value=Cell(number.value, text), error=off)
-    return found
+            error = Cell(None) if number.error is None else Cell(number.error, off_by(number.error, number.value))
+            table.add(number, case=case.case.name, engine=engine, value=Cell(number.value, text), error=error)
+    return table
 
 
 def _peak(name: str, peak: Peak, unit: str) -> Number:

@@ -1,4 +1,4 @@
-"""A table: a data frame in SI units, and the presentation of its columns and cells. Page and CSV file use the same cells.
+"""A table of the report: one set of cells, in SI units, from which both the page and the CSV file are written.
 
 Its caption is in `templates/captions.toml`, under its name.
 """
@@ -35,7 +35,7 @@ class Cell:
     value: Value  # in SI units, as in the CSV file; None if there is none
     text: str = ""  # what the page shows instead of the formatted value
     note: str = ""  # a remark: a click in the page shows it, the CSV file has it in a column of its own
-    # "missed" a tolerance, "failed", "open" (no answer, for a reason), "good", "model" (a good answer of a model that is not)
+    # "good"; "missed": beyond a tolerance; "failed"; "open": no answer, for a reason; "model": the error is that of the engine's model
     mark: Mark = ""
     run: str = ""  # case that a click opens on the first screen
     tint: str = ""  # CSS colour behind it
@@ -56,7 +56,7 @@ class Column:
     uncertainty: str = ""  # key of the column that is shown after this one's values, after ±
     group: str = ""  # heading above this and its neighbours of the same group
     meaning: str = ""  # shown above the table
-    words: Callable[[Any], str] | None = None  # value -> text of the page in its place
+    words: Callable[[Any], str] | None = None  # value -> the text that the page shows for it
 
     @property
     def page_head(self) -> str:
@@ -130,11 +130,11 @@ class Table:
         Raises:
             KeyError: a name is not a column.
         """
-        known = [column.key for column in self.columns]
-        if unknown := sorted(set(values) - set(known)):
+        keys = [column.key for column in self.columns]
+        if unknown := sorted(set(values) - set(keys)):
             raise KeyError(f"table {self.name} has no column {unknown[0]}")
-        of_row = row if isinstance(row, Mapping) else {key: getattr(row, key, None) for key in known}
-        cells = {key: values[key] if key in values else of_row.get(key) for key in known}
+        of_row = row if isinstance(row, Mapping) else {key: getattr(row, key, None) for key in keys}
+        cells = {key: values[key] if key in values else of_row.get(key) for key in keys}
         self.rows.append({key: cell if isinstance(cell, Cell) else Cell(cell) for key, cell in cells.items()})
 
     @property
@@ -187,9 +187,9 @@ class Table:
             columns[column.csv_head] = [cell.value for cell in cells]
             if any(cell.note for cell in cells):
                 columns[f"{column.key} remark"] = [cell.note for cell in cells]
-        found = pd.DataFrame(columns, dtype=object)
-        found.attrs |= {"caption": self.caption, "units": {column.csv_head: column.csv_unit for column in self.columns}}
-        return found
+        frame = pd.DataFrame(columns, dtype=object)
+        frame.attrs |= {"caption": self.caption, "units": {column.csv_head: column.csv_unit for column in self.columns}}
+        return frame
 
     def csv(self) -> str:
         """The CSV file: numbers in full precision."""

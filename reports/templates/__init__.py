@@ -14,8 +14,8 @@ WORDS: Final = (
 
 
 def environment(escaped: bool = True, packages: Sequence[str] = ()) -> Environment:
-    """The environment of these templates and of other packages'; with `escaped` every inserted value is plain text for a browser."""
+    """The Jinja environment of these templates and those of other packages; `escaped`: inserted values are plain text to a browser."""
     loader = ChoiceLoader([PackageLoader(package) for package in ("quickreturn.reports", *packages)])
-    made = Environment(loader=loader, autoescape=escaped, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    made.globals |= {name: getattr(words, name) for name in WORDS}
-    return made
+    jinja = Environment(loader=loader, autoescape=escaped, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    jinja.globals |= {name: getattr(words, name) for name in WORDS}
+    return jinja

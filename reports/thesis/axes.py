@@ -1,4 +1,4 @@
-"""Compares simulated peaks with the axes of the thesis' figures: the largest legible label is a lower bound of the plotted curves."""
+"""Compares simulated peaks with the axes of the thesis' figures, whose largest legible label bounds the plotted curves from below."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,22 +16,22 @@ COLUMNS = {"tip_acceleration": ("tip_acceleration",), "strain": ("strain_1", "st
 
 @dataclass(frozen=True)
 class AxisComparison:
-    """One axis of a figure: the largest magnitude among its labels, SI, and each engine's peak over the cycle relative to it."""
+    """One axis of a figure, compared with simulated peaks."""
 
-    figure: str
+    figure: str  # name in the thesis, e.g. "A.24"
     run: int
-    channel: str
-    largest_label: float
-    ratios: Mapping[str, float]
+    channel: str  # key of `COLUMNS`
+    largest_label: float  # largest magnitude among its legible labels, SI
+    ratios: Mapping[str, float]  # engine -> its peak over the cycle, over that label
 
 
 def axis_comparisons(results: Sequence[CaseResult]) -> list[AxisComparison]:
-    """The appendix' figure of each run shown, if its labels are legible. All except that of run 1 show simulated and measured curves."""
+    """Comparisons with the appendix' figures, which show simulated and measured curves except that of run 1: the simulated ones alone."""
     return _compared(results, lambda labels: labels.figure.startswith("A."))
 
 
 def measured_alone(results: Sequence[CaseResult]) -> list[AxisComparison]:
-    """Figures that show measured curves but no simulated ones."""
+    """Comparisons with the figures that show measured curves but no simulated ones."""
     return _compared(results, lambda labels: labels.has_experiment and not labels.has_simulation)
 
 
@@ -41,8 +41,8 @@ def misfit(ratios: Sequence[float]) -> float:
 
 
 def fits_worse(axes: Sequence[AxisComparison]) -> bool:
-    """Whether the converged engine's peaks of strain are further from the labels than those of the thesis' model, in the median."""
-    misfits = [misfit(found) for name in (REFERENCE, MODEL) if (found := ratios_of(axes, "strain", name))]
+    """Whether the reference's peaks of strain have a larger `misfit` than those of the thesis' model."""
+    misfits = [misfit(ratios) for name in (REFERENCE, MODEL) if (ratios := ratios_of(axes, "strain", name))]
     return len(misfits) == 2 and misfits[0] > misfits[1]
 
 
@@ -52,11 +52,11 @@ def ratios_of(axes: Sequence[AxisComparison], channel: str, engine: str) -> list
 
 
 def _compared(results: Sequence[CaseResult], wanted: Callable[[AxisLabels], bool]) -> list[AxisComparison]:
-    found = []
+    comparisons = []
     for number, result in thesis_runs(results).items():
         for labels in filter(wanted, axis_labels(number)):
             if labels.largest > 0.0:
                 peaks = {name: max(map(run.peak, COLUMNS[labels.channel])) for name, run in result.runs.items() if run.usable}
                 ratios = {name: peak / labels.largest for name, peak in peaks.items()}
-                found.append(AxisComparison(labels.figure, number, labels.channel, labels.largest, ratios))
-    return found
+                comparisons.append(AxisComparison(labels.figure, number, labels.channel, labels.largest, ratios))
+    return comparisons

@@ -31,18 +31,18 @@ ALIKE: Final = 0.1
 FALLS: Final = 0.5
 #: A mode has a pattern of signs if it shows the pattern at this share of the crank angles.
 MOSTLY: Final = 0.9
-#: Frequencies depend on a changed quantity if they differ by more than this; three times the error of the measure in a strong run.
+#: Frequencies depend on a quantity if its change changes them by more than this part: three times the measure's error in a strong run.
 DEPENDS: Final = 0.015
 
 
 @dataclass(frozen=True)
 class Conclusion:
-    """A statement, its verdict, and the numbers that decide; `inference` marks a reading that the numbers allow but do not prove."""
+    """The verdict on a statement of the thesis."""
 
     statement: Statement
-    outcome: str
-    numbers: str
-    inference: bool = False
+    outcome: str  # one of `OUTCOMES`
+    numbers: str  # the numbers that decide, in sentences
+    inference: bool = False  # whether it is a reading that the numbers allow but do not prove
 
 
 @dataclass(frozen=True)
@@ -63,20 +63,20 @@ def conclusions(basis: Basis) -> list[Conclusion]:
 
 def post_over_pre(results: Sequence[CaseResult], engine: str) -> dict[int, float]:
     """Run -> first-mode frequency after the return over that before it, where both are resolvable."""
-    found = {}
-    for number_of_run, result in thesis_runs(results).items():
+    ratios = {}
+    for number, result in thesis_runs(results).items():
         run = result.runs.get(engine)
         pair = tuple(run.consensus_frequency(half) for half in HALVES) if run is not None and run.usable else (None, None)
         if pair[0] is not None and pair[1] is not None:
-            found[number_of_run] = pair[1] / pair[0]
-    return found
+            ratios[number] = pair[1] / pair[0]
+    return ratios
 
 
 def _conclusion(statement: Statement, basis: Basis) -> Conclusion:
     if statement.id not in _CRANK_HELD:
         return _RULES.get(statement.id, _relation)(statement, basis)
     frozen = basis.thesis_modes
-    return _told("not_shown", statement, UNCHECKABLE) if frozen is None else _CRANK_HELD[statement.id](statement, frozen, basis)
+    return _conclude("not_shown", statement, UNCHECKABLE) if frozen is None else _CRANK_HELD[statement.id](statement, frozen, basis)
 
 
 @cache
@@ -84,9 +84,9 @@ def _sentences() -> Any:
     return environment(escaped=False, packages=("quickreturn.reports.thesis",)).get_template("conclusions.jinja").module
 
 
-def _told(words: str, statement: Statement, outcome: str, inference: bool = False, **facts: Any) -> Conclusion:
-    """A conclusion; a macro of `templates/conclusions.jinja` writes its numbers."""
-    text = getattr(_sentences(), words)(facts | {"statement": statement})
+def _conclude(macro: str, statement: Statement, outcome: str, inference: bool = False, **facts: Any) -> Conclusion:
+    """A conclusion whose `numbers` a macro of `templates/conclusions.jinja` writes from the facts."""
+    text = getattr(_sentences(), macro)(facts | {"statement": statement})
     return Conclusion(statement, outcome, text.strip().replace("\n", " "), inference)
 
 
@@ -95,17 +95,17 @@ def _relation(statement: Statement, basis: Basis) -> Conclusion:
     values = basis.measured.get(statement.quantity, {})
     share = statement.share_of(values)
     outcome = UNCHECKABLE if share is None else HOLDS if statement.holds(values) else NOT
-    return _told("relation", statement, outcome, share=share, counted=sum(run in values for run in statement.runs))
+    return _conclude("relation", statement, outcome, share=share, counted=sum(run in values for run in statement.runs))
 
 
 def _first_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
-    found = frozen.converged[0]
-    overlap = max(0.0, min(found.high, statement.high) - max(found.low, statement.low)) / (statement.high - statement.low)
+    first = frozen.converged[0]
+    overlap = max(0.0, min(first.high, statement.high) - max(first.low, statement.low)) / (statement.high - statement.low)
     outcome = HOLDS if overlap == 1.0 else IN_PART if overlap > 0.0 else NOT
     run = thesis_runs(basis.results).get(statement.runs[0])
     reference = run.runs.get(REFERENCE) if run else None
     means = [reference.consensus_frequency(half) for half in HALVES] if reference is not None and reference.usable else []
-    return _told("first_mode", statement, outcome, found=found, overlap=overlap, means=[mean for mean in means if mean is not None])
+    return _conclude("first_mode", statement, outcome, first=first, overlap=overlap, means=[mean for mean in means if mean is not None])
 
 
 def _second_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
@@ -113,14 +113,14 @@ def _second_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Con
     holds = second.holds(statement.low)
     is_third = not holds and third.holds(statement.low)
     facts = {"second": second, "third": third, "cubic": frozen.cubic[1], "is_third": is_third}
-    return _told("second_mode", statement, HOLDS if holds else NOT, inference=is_third, **facts)
+    return _conclude("second_mode", statement, HOLDS if holds else NOT, inference=is_third, **facts)
 
 
 def _signs(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     fast = [mode for mode, share in enumerate(frozen.alternating, start=1) if share >= MOSTLY]
     holds = frozen.alike[0] >= MOSTLY and bool(fast)
     facts = {"alternating": frozen.alternating, "alike": frozen.alike[0], "modes": fast if holds else ()}
-    return _told("signs", statement, HOLDS if holds else NOT, inference=holds, **facts)
+    return _conclude("signs", statement, HOLDS if holds else NOT, inference=holds, **facts)
 
 
 def _depends(statement: Statement, basis: Basis) -> Conclusion:
@@ -134,8 +134,8 @@ def _depends(statement: Statement, basis: Basis) -> Conclusion:
             groups["tip mass"].setdefault(length, []).append((mass, mean))
     changes = {name: change for name, group in groups.items() if (change := _largest_change(group)) is not None}
     if len(changes) < len(groups):
-        return _told("depends", statement, UNCHECKABLE, changes=None)
-    return _told("depends", statement, HOLDS if min(changes.values()) > DEPENDS else NOT, changes=changes)
+        return _conclude("depends", statement, UNCHECKABLE, changes=None)
+    return _conclude("depends", statement, HOLDS if min(changes.values()) > DEPENDS else NOT, changes=changes)
 
 
 def _largest_change(groups: Mapping[float, list[tuple[float, float]]]) -> float | None:
@@ -153,17 +153,17 @@ def _post_excess(statement: Statement, basis: Basis) -> Conclusion:
     halves = {engine: ratios for engine, ratios in short.items() if ratios}
     differs = statement.holds(excess)
     outcome = CANNOT_FOLLOW if excess and not differs else UNCHECKABLE
-    return _told("post_excess", statement, outcome, excess=summary_of(list(excess.values())), halves=halves, differs=differs)
+    return _conclude("post_excess", statement, outcome, excess=summary_of(list(excess.values())), halves=halves, differs=differs)
 
 
 def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
     """Run -> single cubic over reference after the return, over the same before it; each over the channels that both resolve."""
-    found = {}
-    for number_of_run, result in thesis_runs(results).items():
+    excess = {}
+    for number, result in thesis_runs(results).items():
         ratios = [[difference.ratio for difference in differences([result], MODEL, "frequency", half=half)] for half in HALVES]
         if all(ratios):
-            found[number_of_run] = ratios[1][0] / ratios[0][0]
-    return found
+            excess[number] = ratios[1][0] / ratios[0][0]
+    return excess
 
 
 def _joint(statement: Statement, basis: Basis) -> Conclusion:
@@ -171,25 +171,25 @@ def _joint(statement: Statement, basis: Basis) -> Conclusion:
     own = [row for row in basis.finding if row.engine == REFERENCE]
     linear, one_sided = ([row for row in own if row.effect == effect] for effect in ("linear", "post-side"))
     if not linear or not one_sided:
-        return _told("not_recorded", statement, UNCHECKABLE)
+        return _conclude("not_recorded", statement, UNCHECKABLE)
     lowers = any(row.tells_halves_apart and (row.apart or 0.0) < 0.0 for row in one_sided)
     splits = lowers and not any(row.tells_halves_apart for row in linear)
     outcome, middle = UNCHECKABLE if splits else CANNOT_FOLLOW, len(linear) // 2
     facts = {"linear": linear[middle].apart, "one_sided": one_sided[middle].apart, "strength": linear[middle].strength}
-    return _told("joint", statement, outcome, inference=splits, splits=splits, **facts)
+    return _conclude("joint", statement, outcome, inference=splits, splits=splits, **facts)
 
 
 def _two_modes(statement: Statement, basis: Basis) -> Conclusion:
-    ratios = [found.ratio for found in differences(basis.results, MODEL, "frequency")]
+    ratios = [difference.ratio for difference in differences(basis.results, MODEL, "frequency")]
     inside = [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in ratios]
     outcome = UNCHECKABLE if not ratios else HOLDS if all(inside) else IN_PART if any(inside) else NOT
-    return _told("two_modes", statement, outcome, ratios=summary_of(ratios), frozen=basis.thesis_modes)
+    return _conclude("two_modes", statement, outcome, ratios=summary_of(ratios), frozen=basis.thesis_modes)
 
 
 def _more_elements(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     """Whether more elements of the same kind are a way to a better response."""
     falls = all(finer < FALLS * coarser for coarser, finer in pairwise(frozen.elements))
-    return _told("more_elements", statement, HOLDS if falls else NOT, excess=dict(zip(ELEMENTS, frozen.elements, strict=True)))
+    return _conclude("more_elements", statement, HOLDS if falls else NOT, excess=dict(zip(ELEMENTS, frozen.elements, strict=True)))
 
 
 _RULES: Final[Mapping[str, Callable[[Statement, Basis], Conclusion]]] = {

@@ -31,7 +31,7 @@ from quickreturn.reports.thesis.sufficiency import Split, splits
 
 
 def content_type(cases: Sequence[Case]) -> type[Content]:
-    """The kind of a report on these cases."""
+    """The class of a report's content: `ThesisContent` if a run of the thesis is among the cases, otherwise `Content`."""
     return ThesisContent if any(case.source == "library" and case.name in ENTRIES for case in cases) else Content
 
 
@@ -73,9 +73,9 @@ class ThesisContent(Content):
             return {}, []
         job = Job("frozen crank", thesis_modes, (example.case.mechanism,), kind="frozen crank", code=("quickreturn.cases.thesis.modes",))
         (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
-        found = {"finding": long_studies.finding(), "bands": long_studies.bands(), "thesis_modes": outcome.value}
+        fields = {"finding": long_studies.finding(), "bands": long_studies.bands(), "thesis_modes": outcome.value}
         reason = f"{example.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}"
-        return found, [] if outcome.value is not None else [reason]
+        return fields, [] if outcome.value is not None else [reason]
 
     @property
     def thesis_results(self) -> list[CaseResult]:
@@ -94,19 +94,19 @@ class ThesisContent(Content):
 
     @property
     def answer_template(self) -> str:
-        """Template of the first screen; that on the thesis unless there are other cases."""
+        """Template of the first screen: the one on the thesis, unless the report also has other cases."""
         return "answer_on_runs.html" if len(self.thesis_results) == len(self.results) else "answer.html"
 
     @property
     def assumed(self) -> Mapping[str, Any]:
-        """Driving torque of a run, N m, and the largest moment of in-plane gravity on its crank."""
-        found: dict[str, Any] = {"template": "assumptions.html", "torque": None, "weight": None}
+        """Driving torque of the first run that a torque drives, N m, and the largest moment of in-plane gravity on its crank, N m."""
+        assumptions: dict[str, Any] = {"template": "assumptions.html", "torque": None, "weight": None}
         for crank in (result.case.mechanism.crank for result in reversed(self.thesis_results)):
             if isinstance(crank.drive, TorqueDrive):
-                found |= {"torque": crank.drive.torque, "weight": crank.mass * in_si("g0") * crank.center_of_mass}
-        return found
+                assumptions |= {"torque": crank.drive.torque, "weight": crank.mass * in_si("g0") * crank.center_of_mass}
+        return assumptions
 
     @property
     def general_notes(self) -> frozenset[str]:
         """Published inconsistencies that concern all runs."""
-        return frozenset(found.sentence for found in inconsistencies() if set(found.runs) == set(RUNS))
+        return frozenset(inconsistency.sentence for inconsistency in inconsistencies() if set(inconsistency.runs) == set(RUNS))

@@ -28,7 +28,7 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
     ):
         columns.append(Column(f"{name}_label", "label", unit, form, group=group))
         columns += [Column(f"{name}_{engine}", engine, "1", ".2f", group=group, meaning="peak over label") for engine in engines]
-    found = Table("experiment", columns)
+    table = Table("experiment", columns)
     for number, result in thesis_runs(results).items():
         cells: dict[str, Any] = {}
         for axis in (axis for axis in axes if axis.run == number):
@@ -39,31 +39,31 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
         reference = result.runs.get(REFERENCE)
         if reference is not None and reference.usable:
             cells["simulated_speed"] = mean_crank_speed(reference)
-        found.add(
+        table.add(
             case=result.case.name,
             measured_speed=Cell(None, "none printed", "tables 3.1 and 5.2 say N/A") if measured is None else measured,
             acceleration_valid=channel_is_usable(number, "tip_acceleration"),
             strain_valid=channel_is_usable(number, "strain_1"),
             **cells,
         )
-    return found
+    return table
 
 
 def measured_alone(axes: Sequence[AxisComparison], engines: Sequence[str]) -> Table:
     """Simulated peaks over the largest label of each figure that shows measured curves alone."""
     ratios = [Column(engine, engine, "1", ".2f", group="simulated peak over label") for engine in engines]
     columns: ColumnList = ("figure", Column("run", form="d"), CHANNEL, Column("largest_label", "largest label", "SI", ".3g"), *ratios)
-    found = Table("measured_alone", columns)
+    table = Table("measured_alone", columns)
     for axis in axes:
-        found.add(axis, **{engine: axis.ratios.get(engine) for engine in engines})
-    return found
+        table.add(axis, **{engine: axis.ratios.get(engine) for engine in engines})
+    return table
 
 
-def inconsistencies(found: Sequence[Inconsistency]) -> Table:
+def inconsistencies(rows: Sequence[Inconsistency]) -> Table:
     """Contradictions and gaps of the thesis."""
     table = Table("inconsistencies", ("runs", "what", "published", Column("used", "used here"), Column("reason", "because")))
-    for item in found:
-        table.add(item, runs=_runs(item.runs))
+    for row in rows:
+        table.add(row, runs=_runs(row.runs))
     return table
 
 

@@ -14,8 +14,8 @@ from quickreturn.cases.thesis.scatter import Band
 from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import differences, engines_of
 from quickreturn.reports.thesis import experiment_tables
+from quickreturn.reports.thesis import model_tables as tables
 from quickreturn.reports.thesis import scatter as scatter_tables
-from quickreturn.reports.thesis import thesis_view as tables
 from quickreturn.reports.thesis.axes import COLUMNS, axis_comparisons, fits_worse, measured_alone, misfit, ratios_of
 from quickreturn.reports.thesis.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, NOT, OUTCOMES
 from quickreturn.reports.thesis.finding import EXCESS, finding
@@ -27,28 +27,28 @@ if TYPE_CHECKING:
     from quickreturn.reports.thesis.content import ThesisContent
 
 #: Hz, the frequency that section 3.4 reads off run 24.
-SECOND_MODE: Final = next(found.low for found in statements() if found.id == "second-mode")
+SECOND_MODE: Final = next(statement.low for statement in statements() if statement.id == "second-mode")
 #: The run that the thesis describes most.
 EXAMPLE: Final = 24
-#: Channels in which the thesis' slow part is large.
+#: Channels of strain, in which the slow bending is large.
 STRAINS: Final = CHANNELS[1:]
-#: Least difference of an excess between the halves that a reader of plots would notice.
+#: Least difference between the halves, in an excess of frequency, that a reader of plots would notice.
 MARKED: Final = 0.02
 
 
 def thesis(content: "ThesisContent") -> dict[str, Any]:
-    """The facts."""
+    """The facts for `chapters/thesis.html`."""
     results = content.thesis_results
     conclusions, excesses = content.conclusions, counted_excess(results)
-    found = {half: [each.ratio for each in differences(results, MODEL, "frequency", half=half)] for half in HALF}
+    ratios = {half: [each.ratio for each in differences(results, MODEL, "frequency", half=half)] for half in HALF}
     fitted = [difference.relative for difference in differences(results, MODEL, "frequency")]
     return {
         "conclusions": conclusions,
         "outcomes": {outcome: count for outcome in OUTCOMES if (count := sum(each.outcome == outcome for each in conclusions))},
         "contradicted": [each.statement.words for each in conclusions if each.outcome == NOT],
         "not_following": [each.statement.words for each in conclusions if each.outcome == CANNOT_FOLLOW],
-        "medians": {half: float(np.median(ratios)) for half, ratios in found.items() if ratios},
-        "resolved": {half: len(ratios) for half, ratios in found.items()},
+        "medians": {half: float(np.median(of_half)) for half, of_half in ratios.items() if of_half},
+        "resolved": {half: len(of_half) for half, of_half in ratios.items()},
         "alike": ALIKE,
         "accurate": ACCURATE,
         "fits_worse": fits_worse(axis_comparisons(results)),
@@ -70,18 +70,18 @@ def thesis(content: "ThesisContent") -> dict[str, Any]:
 
 def _scattered(bands: Sequence[Band]) -> dict[str, Any]:
     """Effect of the scatter of unprinted quantities on the frequencies of the halves."""
-    resolved = [each for each in bands if each.ratio]
+    resolved = [band for band in bands if band.ratio]
     if not resolved:
         return {"scatter": None}
     return {
         "scatter": {
-            "compared": sum(each.compared for each in resolved),
+            "compared": sum(band.compared for band in resolved),
             "runs": len(resolved),
-            "medians": sorted(each.ratio[1] for each in resolved),
-            "least": min(resolved, key=lambda each: each.ratio[0]),
-            "most": max(resolved, key=lambda each: each.ratio[2]),
-            "apart": sum(each.apart for each in resolved),
-            "example": next((each for each in resolved if each.run == EXAMPLE), None),
+            "medians": sorted(band.ratio[1] for band in resolved),
+            "least": min(resolved, key=lambda band: band.ratio[0]),
+            "most": max(resolved, key=lambda band: band.ratio[2]),
+            "apart": sum(band.apart for band in resolved),
+            "example": next((band for band in resolved if band.run == EXAMPLE), None),
             "needed": 1.0 / EXCESS,
         },
         "unprinted": scatter_tables.unprinted(),
@@ -92,26 +92,26 @@ def _scattered(bands: Sequence[Band]) -> dict[str, Any]:
 def _larger_after(excesses: Sequence[Excess]) -> list[bool]:
     """For each threshold, whether the counted excess is larger after the return in every strain by more than `MARKED`."""
     larger = []
-    for visible in dict.fromkeys(found.visible for found in excesses):
+    for visible in dict.fromkeys(excess.visible for excess in excesses):
         gaps = []
         for channel in STRAINS:
-            medians = {found.half: found.median for found in excesses if (found.visible, found.channel) == (visible, channel)}
+            medians = {excess.half: excess.median for excess in excesses if (excess.visible, excess.channel) == (visible, channel)}
             gaps += [medians["post"] - medians["pre"]] if len(medians) == len(HALF) else []
         larger.append(bool(gaps) and min(gaps) > MARKED)
     return larger
 
 
 def experiment(content: "ThesisContent") -> dict[str, Any]:
-    """The facts on the remains of the experiment."""
+    """The facts for `chapters/experiment.html`: what is left of the experiment."""
     axes, alone = axis_comparisons(content.results), measured_alone(content.results)
     engines = [name for name in engines_of(content.results) if name in OWN]
     ratios: dict[str, dict[str, list[float]]] = {}
     for channel in COLUMNS:
         for engine in engines:
-            found = ratios_of(axes, channel, engine)
-            if found:
-                ratios.setdefault(channel, {})[engine] = found
-    misfits = {channel: {name: misfit(found) for name, found in of_engines.items()} for channel, of_engines in ratios.items()}
+            of_engine = ratios_of(axes, channel, engine)
+            if of_engine:
+                ratios.setdefault(channel, {})[engine] = of_engine
+    misfits = {channel: {name: misfit(of_engine) for name, of_engine in of_engines.items()} for channel, of_engines in ratios.items()}
     return {
         "model": MODEL,
         "reference": REFERENCE,
@@ -130,13 +130,13 @@ def experiment(content: "ThesisContent") -> dict[str, Any]:
 
 def _ranges(ratios: Mapping[str, Sequence[float]]) -> dict[str, list[str]]:
     """Range of the ratios as text -> the engines with this range."""
-    told: dict[str, list[str]] = {}
-    for name, found in ratios.items():
-        told.setdefault(span(min(found), max(found), ".2f"), []).append(name)
-    return told
+    ranges: dict[str, list[str]] = {}
+    for name, values in ratios.items():
+        ranges.setdefault(span(min(values), max(values), ".2f"), []).append(name)
+    return ranges
 
 
 def inconsistencies_found(content: "ThesisContent") -> dict[str, Any]:
-    """The facts on contradictions of the thesis."""
-    found = inconsistencies()
-    return {"found": found, "table": experiment_tables.inconsistencies(found)}
+    """The facts for `chapters/inconsistencies.html`."""
+    rows = inconsistencies()
+    return {"inconsistencies": rows, "table": experiment_tables.inconsistencies(rows)}

@@ -12,28 +12,28 @@ from quickreturn.cases.thesis.finding.study import SECOND, Row
 from quickreturn.reports.page.plot import Plot, Series
 from quickreturn.reports.thesis import finding_tables as tables
 from quickreturn.reports.thesis.runs import thesis_runs
-from quickreturn.reports.thesis.sufficiency import OF_NO_JOINT, SIMULATION, Tried, conflicting, splits, sufficiency, tried
+from quickreturn.reports.thesis.sufficiency import OF_NO_JOINT, SIMULATION, Trial, conflicting, splits, sufficiency, trials
 from quickreturn.reports.words import number
 
-#: The readings of the words that the frequency before the return is right, and that after it the excess is larger.
+#: The statement that the frequency before the return is right, and the least ratio by which the excess after it is larger.
 PRE: Final = next(each for each in statements() if each.id == "pre-frequency")
 EXCESS: Final = next(each.low for each in statements() if each.id == "post-excess")
 #: Lower end of the drawn region that is open below, as a part of the frequency.
 DEPTH: Final = 0.06
 #: Effects of friction.
 FRICTION: Final = ("friction", "drag", "pivot")
-#: The effect that preload makes linear again.
+#: The effect whose strength is a preload, N: a force of the slider below it leaves both rollers in contact.
 PRELOAD: Final = "preload"
 
 
 def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any]:
     """Facts for the chapter on the thesis, without a plot if no study is recorded."""
-    sets = tried(study)
+    sets = trials(study)
     rows, second = ([row for row in study if (row.engine == SECOND) == other] for other in (False, True))
     pairs = [(mine, its) for its in second for mine in rows if (mine.effect, mine.strength) == (its.effect, its.strength)]
     if not sets:
         return {"splitting": [], "effects_plot": None}
-    found = sufficiency(sets)
+    verdicts = sufficiency(sets)
     symmetric = {effect.id for effect in effects() if effect.symmetric}
     moved = {(row.effect, row.strength): gap for row in rows if (gap := row.apart) is not None}
     splitting = splits(rows)
@@ -42,8 +42,8 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
         "only_one_sided": all(each.one_sided for each in splitting),
         "symmetric": any(row.tells_halves_apart for row in rows if row.effect in symmetric),
         "against": max((gap, name_of(effect), strength) for (effect, strength), gap in moved.items() if effect in FRICTION),
-        "nothing": [each.statement.words for each in found if not each.sets and each.statement.id not in OF_NO_JOINT],
-        "conflicting": conflicting(found, "post-excess"),
+        "nothing": [each.statement.words for each in verdicts if not each.sets and each.statement.id not in OF_NO_JOINT],
+        "conflicting": conflicting(verdicts, "post-excess"),
         "sets": len(sets),
         "runs": min(row.runs for row in rows),
         "choices": sorted({len(each.choices) for each in sets}),
@@ -54,25 +54,25 @@ def finding(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, An
         "effects_plot": _plot(rows),
         "effects": tables.effects(rows),
         "second": tables.second(pairs),
-        "sufficient": tables.statements(found, len(sets), OF_NO_JOINT),
+        "sufficient": tables.statements(verdicts, len(sets), OF_NO_JOINT),
         "all_sets": tables.sets(sets),
     }
 
 
-def _rings(sets: Sequence[Tried]) -> dict[str, list[float]]:
-    """Effect -> frequencies (Hz) of run 24's fast vibration at the return, for effects that separate the halves or show the vibration."""
+def _rings(sets: Sequence[Trial]) -> dict[str, list[float]]:
+    """Strongest frequencies (Hz) of run 24 from 60 to 200 Hz at the return: with "clearance", and with a "soft" roller on one side."""
     wanted = {"clearance", "post-side", "preload", "post-side-alloy"}
-    found: dict[str, list[float]] = {}
-    for each in sets:
-        if each.row.effect in wanted and each.row.example:
-            found.setdefault("clearance" if each.row.effect == "clearance" else "soft", []).append(each.row.example[3])
-    return found
+    rings: dict[str, list[float]] = {}
+    for trial in sets:
+        if trial.row.effect in wanted and trial.row.example:
+            rings.setdefault("clearance" if trial.row.effect == "clearance" else "soft", []).append(trial.row.example[3])
+    return rings
 
 
 def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> dict[str, Any] | None:
-    """The difference between the halves with the strongest preload, in runs whose slider force it exceeds and in the others."""
+    """How far the strongest preload moves the halves apart, in runs whose slider force it exceeds ("gentle") and in the others."""
     strongest = next((row for row in reversed(rows) if row.effect == PRELOAD), None)
-    cycles = {run: found.runs[REFERENCE].cycle for run, found in thesis_runs(results).items() if REFERENCE in found.runs}
+    cycles = {run: result.runs[REFERENCE].cycle for run, result in thesis_runs(results).items() if REFERENCE in result.runs}
     forces = {run: max(abs(cycle["slider_force"])) for run, cycle in cycles.items() if "slider_force" in cycle}
     if strongest is None:
         return None
@@ -109,17 +109,17 @@ def _plot(rows: Sequence[Row]) -> Plot:
         mine = [row for row in rows if row.effect == effect.id]
         spreads = [tuple(100.0 * each for half in HALVES for each in tables.spread(row.changes(f"{half}_frequency"))) for row in mine]
         points = [(row, spread) for row, spread in zip(mine, spreads, strict=True) if len(spread) == 6]
-        told = [f"{row.strength}: {number(spread[1], '+.1f')} % before, {number(spread[4], '+.1f')} % after" for row, spread in points]
+        texts = [f"{row.strength}: {number(spread[1], '+.1f')} % before, {number(spread[4], '+.1f')} % after" for row, spread in points]
         across, up = [spread[1] for _, spread in points], [spread[4] for _, spread in points]
         bars = [(spread[0], spread[2], spread[3], spread[5]) for _, spread in points]
-        series.append(Series(effect.name, effect.id, across, up, told, bars=bars))
+        series.append(Series(effect.name, effect.id, across, up, texts, bars=bars))
     cubic = next(row for row in rows if (row.effect, row.strength) == SIMULATION)
     regions = [_asked(1.0), _asked(1.0 + tables.spread(cubic.changes("pre_frequency"))[1])]
     return Plot("finding.csv", "change before the return [%]", "change after the return [%]", series, regions=regions)
 
 
 def _asked(simulation: float) -> list[tuple[float, float]]:
-    """Region of the experiment by the words, %: the simulation is right before the return, and too high by more after it; open below."""
+    """Corners of the region, %, where the words place the experiment, open below; `simulation`: its frequency over the converged one."""
     ends = [simulation / ratio for ratio in (PRE.high, PRE.low)]
     corners = [(end, end / EXCESS) for end in ends] + [(end, end / EXCESS - DEPTH) for end in reversed(ends)]
     return [(100.0 * (x - 1.0), 100.0 * (y - 1.0)) for x, y in corners]

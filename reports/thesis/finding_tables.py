@@ -1,4 +1,4 @@
-"""Tables of the changes by each effect in the thesis' runs, and of the statements for which it would suffice."""
+"""Tables of the changes that each effect makes in the thesis' runs, and of the statements that it would make true."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -9,11 +9,11 @@ from quickreturn.cases.runs.comparison import REFERENCE
 from quickreturn.cases.thesis.finding.effects import name_of
 from quickreturn.cases.thesis.finding.study import SAMPLE, SECOND, Row
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.thesis.sufficiency import Sufficiency, Tried
+from quickreturn.reports.thesis.sufficiency import Sufficiency, Trial
 from quickreturn.reports.words import HALF, listed, percent
 
 #: Beginning of the columns of each formulation -> its engine.
-WAYS: Final = {"": REFERENCE, "second_": SECOND}
+FORMULATIONS: Final = {"": REFERENCE, "second_": SECOND}
 #: Statements that compare simulation and experiment in numbers -> heading of the share of runs that show them.
 RELATIONS: Final = {
     "pre-frequency": "f₁ pre right",
@@ -88,62 +88,63 @@ def spread(changes: Mapping[int, float]) -> tuple[float, ...]:
 
 def second(pairs: Sequence[tuple[Row, Row]]) -> Table:
     """Both formulations, run by run."""
-    columns = [Column(f"{who}{half}", HALF[half], "%", "+.2f", group=name) for who, name in WAYS.items() for half in HALF]
+    columns = [Column(f"{who}{half}", HALF[half], "%", "+.2f", group=name) for who, name in FORMULATIONS.items() for half in HALF]
     table = Table("finding_second", ("effect", "strength", Column("run", form="d"), *columns))
     for row, other in pairs:
-        changes = {f"{who}{half}": each.changes(f"{half}_frequency") for who, each in zip(WAYS, (row, other), strict=True) for half in HALF}
+        rows = dict(zip(FORMULATIONS, (row, other), strict=True))
+        changes = {f"{who}{half}": rows[who].changes(f"{half}_frequency") for who in FORMULATIONS for half in HALF}
         for run in sorted(other.changes("pre_frequency") | other.changes("post_frequency")):
-            cells = {key: found.get(run) for key, found in changes.items()}
+            cells = {key: of_runs.get(run) for key, of_runs in changes.items()}
             table.add(effect=name_of(row.effect), strength=row.strength, run=run, **cells)
     return table
 
 
-def sets(found: Sequence[Tried]) -> Table:
+def sets(trials: Sequence[Trial]) -> Table:
     """Every set, its number of choices, and the statements that it shows."""
     shares = [Column(name, head, "%", ".0f", group="share of the runs") for name, head in RELATIONS.items()]
     columns: ColumnList = ("effect", "strength", Column("choices", form="d"), Column("chosen", in_page=False), *shares)
     table = Table(
         "sufficiency_sets", (*columns, Column("ring", "at the return", "Hz", ".0f", group="run 24"), Column("statements", form="d"))
     )
-    for each in found:
-        cells = {name: Cell(each.shares[name], mark="good" if each.shown[name] else "") for name in RELATIONS}
+    for trial in trials:
+        cells = {name: Cell(trial.shares[name], mark="good" if trial.shown[name] else "") for name in RELATIONS}
         table.add(
-            effect=name_of(each.row.effect),
-            strength=each.row.strength,
-            choices=len(each.choices),
-            chosen=", ".join(each.choices),
-            ring=each.row.example[3] if each.row.example else None,
-            statements=sum(each.shown.values()),
+            effect=name_of(trial.row.effect),
+            strength=trial.row.strength,
+            choices=len(trial.choices),
+            chosen=", ".join(trial.choices),
+            ring=trial.row.example[3] if trial.row.example else None,
+            statements=sum(trial.shown.values()),
             **cells,
         )
     return table
 
 
-def statements(found: Sequence[Sufficiency], number: int, of_no_joint: Sequence[str]) -> Table:
+def statements(verdicts: Sequence[Sufficiency], number: int, of_no_joint: Sequence[str]) -> Table:
     """The sets that suffice for each statement."""
     columns = (Column("section"), "statement", "suffices", Column("sets", form="d"), Column("choices", "fewest choices", form="d"))
     table = Table("sufficiency", columns, sets=number)
-    for each in found:
+    for verdict in verdicts:
         table.add(
-            section=each.statement.section,
-            statement=each.statement.words,
-            suffices=_suffices(each, of_no_joint),
-            sets=None if each.statement.id in of_no_joint else len(each.sets),
-            choices=each.choices,
+            section=verdict.statement.section,
+            statement=verdict.statement.words,
+            suffices=_suffices(verdict, of_no_joint),
+            sets=None if verdict.statement.id in of_no_joint else len(verdict.sets),
+            choices=verdict.choices,
         )
     return table
 
 
-def _suffices(found: Sufficiency, of_no_joint: Sequence[str]) -> Cell:
-    if found.statement.id in of_no_joint:
+def _suffices(verdict: Sufficiency, of_no_joint: Sequence[str]) -> Cell:
+    if verdict.statement.id in of_no_joint:
         return Cell("any: no joint bears on it", mark="good")
-    if found.sets:
+    if verdict.sets:
         strengths: dict[str, list[str]] = {}
-        for each in found.sets:
-            strengths.setdefault(name_of(each.row.effect), []).append(each.row.strength)
+        for trial in verdict.sets:
+            strengths.setdefault(name_of(trial.row.effect), []).append(trial.row.strength)
         return Cell("; ".join(f"{effect} ({', '.join(names)})" for effect, names in strengths.items()), mark="good")
-    if found.best is None:
+    if verdict.best is None:
         return Cell("none", mark="missed")
-    share = found.best.shares[found.statement.id] or 0.0
-    told = f"at most {percent(share, '.0f')} of the runs where {percent(found.statement.share, '.0f')} are meant"
-    return Cell(f"none; {told} ({found.best.words})", mark="missed")
+    share = verdict.best.shares[verdict.statement.id] or 0.0
+    text = f"at most {percent(share, '.0f')} of the runs where {percent(verdict.statement.share, '.0f')} are meant"
+    return Cell(f"none; {text} ({verdict.best.words})", mark="missed")

@@ -11,7 +11,7 @@ from quickreturn.reports.findings.measured import MeasuredHalf
 
 
 def counts(item: MeasuredHalf) -> bool:
-    """Whether it is a genuine recording of the experiment, in a channel that section 3.5 calls valid."""
+    """Whether an item is a genuine recording of the experiment, in a channel that section 3.5 calls valid."""
     recording, run = item.table.recording, next((number for number in RUNS if run_name(number) == item.case.name), None)
     if recording is None or run is None or item.case.source != "library":
         return False
@@ -50,5 +50,5 @@ def _frequency_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None
 def _amplitude_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None:
     """Ratio of amplitudes, as the geometric mean over the channels."""
     pairs = [(item.engines[engine].first_mode_amplitude, item.measure.first_mode_amplitude) for item in items]
-    known = [mine / its for mine, its in pairs if mine is not None and its]
-    return float(np.exp(np.mean(np.log(known)))) if known else None
+    ratios = [mine / its for mine, its in pairs if mine is not None and its]
+    return float(np.exp(np.mean(np.log(ratios)))) if ratios else None

@@ -1,7 +1,7 @@
 """The frequency that a reader counts off a plot: half oscillations between visible extremes.
 
-Nothing is measured in this way here. It is computed because it is the obvious way to take a frequency from a printed curve: where a slow
-part rises and falls about the return, the count takes its hump for a peak, and the counted frequency differs from the first mode. The
+No result rests on this count. It is computed because it is the obvious way to take a frequency from a printed curve: where a slow part
+rises and falls about the return, the count takes its hump for a peak, and the counted frequency differs from the first mode's. The
 difference depends on the smallest extreme that is counted, so several thresholds are tried.
 """
 
@@ -22,7 +22,7 @@ from quickreturn.reports.findings.agreement import Summary, summary_of
 
 Array = NDArray[np.float64]
 
-#: Least prominences of counted extremes, as parts of the signal's range over the cycle: from a line's width to an obvious extreme.
+#: Thresholds: least prominence of a counted extreme over the signal's range in the cycle, from a line's width to an obvious extreme.
 VISIBLE: Final = (0.005, 0.01, 0.02, 0.03)
 
 
@@ -53,14 +53,14 @@ def counted_frequency(run: Run, half: str, channel: str, visible: float) -> floa
 def _extremes(time: Array, signal: Array, visible: float) -> Array:
     """Instants of the visible peaks and troughs in order, s."""
     prominence = visible * float(np.ptp(signal))
-    found = [find_peaks(sign * signal, prominence=prominence)[0] for sign in (1.0, -1.0)]
-    return time[np.sort(np.concatenate(found))]
+    places = [find_peaks(sign * signal, prominence=prominence)[0] for sign in (1.0, -1.0)]
+    return time[np.sort(np.concatenate(places))]
 
 
 def counted_excess(results: Sequence[CaseResult]) -> list[Excess]:
     """Per threshold, half and channel the excess of the thesis' model over the reference, in halves where both resolve the first mode."""
     pairs = [(result.runs[MODEL], result.runs[REFERENCE]) for result in results if {MODEL, REFERENCE} <= set(result.runs)]
-    found = []
+    excesses = []
     for visible in VISIBLE:
         for half in HALVES:
             resolved = [pair for pair in pairs if all(run.usable and run.consensus_frequency(half) for run in pair)]
@@ -68,5 +68,5 @@ def counted_excess(results: Sequence[CaseResult]) -> list[Excess]:
                 counts = [tuple(counted_frequency(run, half, channel, visible) for run in pair) for pair in resolved]
                 ratios = [mine / its - 1.0 for mine, its in counts if mine and its]
                 if short := summary_of(ratios):
-                    found.append(Excess(**vars(short), visible=visible, half=half, channel=channel))
-    return found
+                    excesses.append(Excess(**vars(short), visible=visible, half=half, channel=channel))
+    return excesses

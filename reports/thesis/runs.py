@@ -9,5 +9,5 @@ from quickreturn.reports.findings.runs import of_library
 
 def thesis_runs(results: Sequence[CaseResult]) -> dict[int, CaseResult]:
     """The runs of the thesis among the cases shown, by number."""
-    found = ((number, of_library(results, run_name(number))) for number in RUNS)
-    return {number: result for number, result in found if result is not None}
+    results_by_number = ((number, of_library(results, run_name(number))) for number in RUNS)
+    return {number: result for number, result in results_by_number if result is not None}

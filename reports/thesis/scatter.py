@@ -13,14 +13,14 @@ KINDS: Final = ("pre", "post", "strain")
 
 
 def unprinted() -> Table:
-    """The assumed distributions."""
+    """The distributions assumed for the unprinted quantities."""
     table = Table("unprinted", ("key", "distribution", Column("reason", "why")))
-    for each in UNPRINTED:
-        table.add(key=each.key, distribution=each.distribution, reason=each.reason)
+    for quantity in UNPRINTED:
+        table.add(key=quantity.key, distribution=quantity.distribution, reason=quantity.reason)
     return table
 
 
-def bands(found: Sequence[Band]) -> Table:
+def bands(of_runs: Sequence[Band]) -> Table:
     """Quantiles of each run, their error from the finite number of points, and the simulation's own error."""
     columns = [CASE]
     groups = [(half, f"f₁, {HALF[half]}", "Hz", ".1f") for half in HALF]
@@ -31,8 +31,8 @@ def bands(found: Sequence[Band]) -> Table:
     columns += [Column(f"claim_{kind}", unit="%", in_page=False) for kind in KINDS]
     columns += [Column("compared", "resolved", form="d", group="points"), Column("settled", form="d", group="points")]
     columns.append(Column("points", form="d", in_page=False))
-    table = Table("scatter", columns, points=max((band.points for band in found), default=0))
-    for band in found:
+    table = Table("scatter", columns, points=max((band.points for band in of_runs), default=0))
+    for band in of_runs:
         cells: dict[str, float] = {}
         for name, *_ in groups:
             cells |= {f"{name}_{end}": value for end, value in zip(ENDS, getattr(band, name), strict=False)}

@@ -1,4 +1,4 @@
-"""Which effect would suffice for each statement of the thesis: its published model is the simulation, a changed machine the experiment.
+"""Which effect would make each statement of the thesis true: its published model is the simulation, a changed machine the experiment.
 
 A statement compares simulation and experiment, and the experiment is lost. So each effect of the study (`cases.thesis.finding`) takes its
 place: it is compared with the single cubic as published, by the readings of the statements in `cases/thesis/data/statements.toml`. Nothing
@@ -22,7 +22,7 @@ from quickreturn.reports.thesis.conclusions import ACCURATE
 SIMULATION: Final = ("cubic", "1 element")
 #: Least amplitude of a visible vibration in a printed figure, as a part of the axis' range.
 VISIBLE: Final = 0.01
-#: Error of a frequency that is read at the return, Hz: half the resolution of a sixth of a turn of run 24, 63 ms.
+#: Error of a frequency that is read at the return, Hz: half of 1 / 63 ms, the resolution in a sixth of a turn of run 24.
 RESOLUTION: Final = 8.0
 #: Statements that do not depend on the joint: one follows from the geometry, the other from the cubic elements alone.
 OF_NO_JOINT: Final = ("frequency-depends-on-crank", "more-elements")
@@ -33,13 +33,13 @@ Share = Callable[[Statement, Row, Row], float | None]
 
 
 @dataclass(frozen=True)
-class Tried:
-    """A row of the study in the experiment's place: for each statement the share of runs (or of other counted items) that shows it."""
+class Trial:
+    """A row of the study in the experiment's place."""
 
     row: Row
-    choices: tuple[str, ...]
-    shares: Mapping[str, float | None]
-    shown: Mapping[str, bool]
+    choices: tuple[str, ...]  # unpublished choices that its effect contains
+    shares: Mapping[str, float | None]  # statement's id -> share of the runs, or of other counted items, that shows it; None: unknown
+    shown: Mapping[str, bool]  # statement's id -> whether that share is as large as the words require
 
     @property
     def words(self) -> str:
@@ -49,12 +49,12 @@ class Tried:
 
 @dataclass(frozen=True)
 class Split:
-    """An effect that makes the halves differ as the words require, at its weakest such strength: relative changes, medians."""
+    """An effect that makes the halves differ as the words require."""
 
     effect: Effect
-    strength: str
-    pre: float
-    post: float
+    strength: str  # the weakest strength that does
+    pre: float  # relative change of the first-mode frequency before the return, median over the runs
+    post: float  # the same after the return
 
     @property
     def one_sided(self) -> bool:
@@ -64,56 +64,57 @@ class Split:
 
 @dataclass(frozen=True)
 class Sufficiency:
-    """The verdict on a statement: the sets that show it, the least number of choices among these, the greatest share."""
+    """The verdict on a statement."""
 
     statement: Statement
-    sets: Sequence[Tried]
-    choices: int | None
-    best: Tried | None
+    sets: Sequence[Trial]  # those that show it
+    choices: int | None  # least number of choices in one of these; None without any
+    best: Trial | None  # the set with the greatest share, whether it shows the statement or not
 
 
 def splits(rows: Sequence[Row]) -> list[Split]:
-    """Those of fewest choices first."""
-    excess = next(each.low for each in statements() if each.id == "post-excess")
-    found = list[Split]()
+    """Effects that make the halves differ as the words require, those with the fewest choices first."""
+    excess = next(statement.low for statement in statements() if statement.id == "post-excess")
+    splits_ = list[Split]()
     for effect in effects():
         mine = [row for row in rows if row.effect == effect.id and row.engine == effect.engine]
         if row := next((row for row in mine if row.tells_halves_apart and (row.apart or 0.0) <= 1.0 / excess - 1.0), None):
             pre, post = (statistics.median(row.changes(f"{half}_frequency").values()) for half in HALVES)
-            found.append(Split(effect, row.strength, pre, post))
-    return sorted(found, key=lambda each: len(each.effect.choices))
+            splits_.append(Split(effect, row.strength, pre, post))
+    return sorted(splits_, key=lambda split: len(split.effect.choices))
 
 
-def tried(rows: Sequence[Row]) -> list[Tried]:
-    """Every row except those of the simulation's own elements and of a second formulation; none without a study."""
+def trials(rows: Sequence[Row]) -> list[Trial]:
+    """Every row that the reference computed, in the experiment's place; empty if the study lacks the simulation."""
     simulation = next((row for row in rows if (row.effect, row.strength) == SIMULATION), None)
     choices = {effect.id: effect.choices for effect in effects()}
     own = [row for row in rows if row.engine == REFERENCE]
-    return [_tried(row, simulation, choices.get(row.effect, ())) for row in own] if simulation else []
+    return [_trial(row, simulation, choices.get(row.effect, ())) for row in own] if simulation else []
 
 
-def sufficiency(sets: Sequence[Tried]) -> list[Sufficiency]:
+def sufficiency(sets: Sequence[Trial]) -> list[Sufficiency]:
     """One per statement, in the order of the thesis."""
-    found = []
+    verdicts = []
     for statement in statements():
-        shown = [each for each in sets if each.shown.get(statement.id)]
-        known = [each for each in sets if each.shares.get(statement.id) is not None]
-        best = max(known, key=lambda each: each.shares[statement.id] or 0.0, default=None)
-        found.append(Sufficiency(statement, shown, min((len(each.choices) for each in shown), default=None), best))
-    return found
+        shown = [trial for trial in sets if trial.shown.get(statement.id)]
+        judged = [trial for trial in sets if trial.shares.get(statement.id) is not None]
+        best = max(judged, key=lambda trial: trial.shares[statement.id] or 0.0, default=None)
+        verdicts.append(Sufficiency(statement, shown, min((len(trial.choices) for trial in shown), default=None), best))
+    return verdicts
 
 
-def conflicting(found: Sequence[Sufficiency], id: str) -> list[str]:
-    """Words of the statements that some sets show, but no set that also shows the statement `id`; empty if no set shows that one."""
-    mine = next(each.sets for each in found if each.statement.id == id)
-    return [each.statement.words for each in found if mine and each.sets and not any(one is other for one in mine for other in each.sets)]
+def conflicting(verdicts: Sequence[Sufficiency], statement: str) -> list[str]:
+    """Words of the statements that some sets show, but none of the sets that show `statement` (its id); empty if no set shows that one."""
+    sets = next(verdict.sets for verdict in verdicts if verdict.statement.id == statement)
+    others = [verdict for verdict in verdicts if sets and verdict.sets]
+    return [verdict.statement.words for verdict in others if not any(trial in sets for trial in verdict.sets)]
 
 
-def _tried(row: Row, simulation: Row, choices: tuple[str, ...]) -> Tried:
+def _trial(row: Row, simulation: Row, choices: tuple[str, ...]) -> Trial:
     shares = {each.id: _SHARES.get(each.id, _relation)(each, simulation, row) for each in statements() if each.id not in OF_NO_JOINT}
-    asked = {each.id: each.share if each.kind in ("relation", "frequency") else TYPICALLY for each in statements()}
-    asked["joint-cause"] = asked["post-excess"]
-    return Tried(row, choices, shares, {name: share is not None and share >= asked[name] for name, share in shares.items()})
+    required = {each.id: each.share if each.kind in ("relation", "frequency") else TYPICALLY for each in statements()}
+    required["joint-cause"] = required["post-excess"]
+    return Trial(row, choices, shares, {name: share is not None and share >= required[name] for name, share in shares.items()})
 
 
 def _relation(statement: Statement, simulation: Row, row: Row) -> float | None:
@@ -132,7 +133,7 @@ def ratios(quantity: str, simulation: Row, row: Row) -> dict[int, float]:
 
 
 def _cause(_: Statement, simulation: Row, row: Row) -> float | None:
-    """The cause that the thesis names would show in the excess after the return."""
+    """The share of the excess after the return: the cause that the thesis names would show there."""
     excess = next(each for each in statements() if each.id == "post-excess")
     return _relation(excess, simulation, row)
 
@@ -157,8 +158,8 @@ def _signs(_: Statement, __: Row, row: Row) -> float | None:
 
 
 def _two_modes(_: Statement, simulation: Row, row: Row) -> float | None:
-    found = [ratio for half in HALVES for ratio in ratios(f"{half}_frequency", simulation, row).values()]
-    return sum(ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in found) / len(found) if found else None
+    both_halves = [ratio for half in HALVES for ratio in ratios(f"{half}_frequency", simulation, row).values()]
+    return sum(ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in both_halves) / len(both_halves) if both_halves else None
 
 
 _SHARES: Final[Mapping[str, Share]] = {

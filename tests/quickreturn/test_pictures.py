@@ -17,7 +17,7 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.drawing.animation import FRAMES, last_turn, moving
-from quickreturn.reports.drawing.mechanism import POINTS, SHOWN, factor_for, positions_of, unbent
+from quickreturn.reports.drawing.mechanism import POINTS, SHOWN, factor_for, mechanisms, positions_of, unbent
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -97,6 +97,12 @@ def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajector
 
 
 @pytest.mark.verify
+def test_a_picture_names_its_parts_and_the_crank_angle() -> None:
+    (axes,) = mechanisms([CASE]).axes
+    texts = {text.get_text() for text in axes.texts}
+    assert texts == {"O", "P", "crank", "slider", "follower", "tip", "crank at 120°"}
+
+
 def test_a_case_without_a_crank_can_be_drawn() -> None:
     case = load_case("spin-up")
     assert not isinstance(case.scene, Mechanism)

@@ -124,7 +124,7 @@ def answer(tables: Tables) -> list[str]:
         f"{(runs['status'] == 'settled').sum()} of {len(runs)} simulations",
         "by their own estimates",
         f"{frequency} largest frequency difference of the {in_words(len(alike))} that agree",
-        f"of an amplitude {size(amplitudes.max())} ({case_label(worst)})",
+        f"largest amplitude difference {size(amplitudes.max())} ({case_label(worst)})",
         f"{number(100.0 * median, '+.0f')} % the 1999 model’s frequency over the converged one (median; {span[0]} to {span[1]} %)",
         f"{duration(solving[0][1])} to solve {case_label(tables['fastest']['case'][1])} to 0.1 %,",
         f"after a set-up of {duration(setup)}: {solving[0][0]}, made for this mechanism;",

@@ -23,7 +23,10 @@ def test_the_fastest_the_next_and_the_packages_are_named_at_each_error() -> None
 def test_the_answer_names_the_fastest_and_the_next_engine() -> None:
     found = answer_of(one_run(benchmarks=[made_up_benchmark()])).fastest
     assert found is not None
-    assert found.found[:2] == [("reference", 4e-3), ("multiplier", 160e-3)]  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
+    assert found.solve_times[:2] == [
+        ("reference", 4e-3),
+        ("multiplier", 160e-3),
+    ]  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
     assert answer_of(one_run()).fastest is None
 
 

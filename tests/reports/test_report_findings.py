@@ -7,7 +7,7 @@ import pytest
 
 from quickreturn.cases.runs.comparison import CaseResult, Difference, compare
 from quickreturn.reports.findings.agreement import differences, outward, spread
-from quickreturn.reports.findings.failures import troubles
+from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.facts.agreement import run_map
 from quickreturn.reports.tables.claims import KINK, MARGINAL, cause, classes, departures, summary
 from tests.reports.plotted_results import with_run
@@ -46,7 +46,7 @@ def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) 
 
 def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
-    found = {run.engine: run.ending.incomplete for _, run in troubles([reported_result("thesis-24", statuses)])}
+    found = {run.engine: run.ending.incomplete for _, run in Content(results=[reported_result("thesis-24", statuses)]).troubles}
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 

@@ -34,11 +34,11 @@ def own_page(*curves: Around) -> Content:
 
 
 def test_the_machine_has_every_motion_at_its_speed(around: Around) -> None:
-    heights, kinds = zip(*around.own, strict=True)
+    heights, kinds = zip(*around.motions, strict=True)
     assert heights == pytest.approx([height(-OWN), height(0.0), height(OWN)], rel=1e-5)  # splines of points 1/30 apart
     assert kinds == ("", "fold", "")
-    assert around.peak == around.known.peaks[0]
-    assert around.change == min(around.known.special, key=lambda each: abs(each.value - around.pace))
+    assert around.peak == around.solved_curve.peaks[0]
+    assert around.change == min(around.solved_curve.special, key=lambda each: abs(each.value - around.pace))
 
 
 def test_stable_and_unstable_parts_meet_at_the_folds_and_nowhere_else(around: Around) -> None:
@@ -60,7 +60,7 @@ def test_folds_and_peaks_carry_the_order_of_the_harmonic(around: Around) -> None
     assert list(marks) == ["peak", "fold", "your machine"]
     assert marks["peak"].labels == ["8×"]
     assert set(marks["fold"].labels) == {f"{around.order_at(around.pace)}×"}  # within 2 % of the machine's own speed
-    assert sorted(marks["your machine"].y) == pytest.approx(sorted(height for height, _ in around.own))
+    assert sorted(marks["your machine"].y) == pytest.approx(sorted(height for height, _ in around.motions))
     assert drawn.here == (pytest.approx(around.pace / RPM), "your machine runs here")
     assert "driven by 8 times the crank’s speed" in marks["peak"].text[0]
 
@@ -69,7 +69,7 @@ def test_the_tables_have_what_is_drawn(around: Around, tmp_path: Path) -> None:
     write(own_page(around), tmp_path)
     rows = {name: list(csv.DictReader((tmp_path / name).read_text().splitlines())) for name in ("resonances.csv", "resonance_curve.csv")}
     speeds = [float(row["speed [rad/s]"]) for row in rows["resonance_curve.csv"]]
-    assert speeds == around.known.values.tolist()
+    assert speeds == around.solved_curve.values.tolist()
     assert [row["special"] for row in rows["resonance_curve.csv"] if row["special"]] == ["fold", "fold"]
     points = rows["resonances.csv"]
     assert [row["point"] for row in points] == ["fold", *["your machine"] * 3, "fold", "peak"]

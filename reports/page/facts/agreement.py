@@ -13,15 +13,15 @@ from quickreturn.reports.tables import claims
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.words import QUANTITY, case_label, number, place
 
-#: Smaller parts of the tolerance are drawn at this one: the logarithmic axis has no zero.
+#: Least difference over tolerance that is drawn; smaller ones are drawn here, because the logarithmic axis has no zero.
 LEAST_USED = 1e-5
 
 #: Kinds of numbers whose sharpness the chapter gives -> the word for one of them.
-TOLD: Final[Mapping[Kind, str]] = {"frequency": "frequency", "extreme": "peak", "amplitude": "amplitude"}
+KINDS_GIVEN: Final[Mapping[Kind, str]] = {"frequency": "frequency", "extreme": "peak", "amplitude": "amplitude"}
 
 
 def agreement(content: Content) -> dict[str, Any] | None:
-    """The facts; None if there is only one engine."""
+    """The facts for `chapters/agreement.html`; None if there is only one engine."""
     results = content.results
     names = engines_of(results)
     if len(names) < 2:
@@ -36,8 +36,8 @@ def agreement(content: Content) -> dict[str, Any] | None:
         "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
         "unjudged": {name: _why(results, name) for name in names if name not in judged},
         "plot": _used(results) if checks else None,
-        "sharpness": {word: found for kind, word in TOLD.items() if (found := [each for each in sharp if each.kind == kind])},
-        "most_used": max((each.used for each in sharp), default=0.0),
+        "sharpness": {word: of_kind for kind, word in KINDS_GIVEN.items() if (of_kind := [one for one in sharp if one.kind == kind])},
+        "most_used": max((one.used for one in sharp), default=0.0),
         "sharp": claims.sharp(sharp),
         "map": run_map(results),
         "summary": claims.summary(results),
@@ -52,14 +52,14 @@ def _why(results: Sequence[CaseResult], name: str) -> str:
 
 def _used(results: Sequence[CaseResult]) -> Plot:
     """Plot of the difference over the tolerance of every comparison, a row for each quantity, by engine."""
-    found = [(result.case.name, check) for result in results for check in result.checks if check.tolerance > 0.0]
+    checks = [(result.case.name, check) for result in results for check in result.checks if check.tolerance > 0.0]
     series = []
-    for name in dict.fromkeys(check.engine for _, check in found):
-        mine = [(case, check, abs(check.difference) / check.tolerance) for case, check in found if check.engine == name]
+    for name in dict.fromkeys(check.engine for _, check in checks):
+        mine = [(case, check, abs(check.difference) / check.tolerance) for case, check in checks if check.engine == name]
         texts = [f"{place(case, check.half, check.channel)}, {number(used, '.2g')} of the tolerance" for case, check, used in mine]
         used = [max(used, LEAST_USED) for *_, used in mine]
         series.append(Series(name, name, [QUANTITY[check.quantity] for _, check, _ in mine], used, texts, line=False))
-    quantities = [words for key, words in QUANTITY.items() if any(check.quantity == key for _, check in found)]
+    quantities = [words for key, words in QUANTITY.items() if any(check.quantity == key for _, check in checks)]
     return Plot("compared.csv", "", "difference over tolerance", series, "y", categories=quantities, limit=(1.0, "tolerance"))
 
 
@@ -89,7 +89,7 @@ def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:
     mark: Mark = "missed" if beyond else "open" if why else "good"
     cells = {}
     for kind in ("frequency", "extreme"):
-        found = [outward(each.quantity, each.relative) for each in differences([result], name, kind)]
-        largest = max(found, key=abs, default=None)
+        signed = [outward(difference.quantity, difference.relative) for difference in differences([result], name, kind)]
+        largest = max(signed, key=abs, default=None)
         cells[f"{name}_{kind}_difference"] = Cell(largest, "n. r." if largest is None else "", why, "open" if why else "good", opens)
     return cells | {f"{name}_beyond": Cell(None, "–", why, mark, opens) if why else Cell(beyond, mark=mark, run=opens)}

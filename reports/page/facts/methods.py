@@ -8,7 +8,7 @@ from quickreturn.cases.benchmark import SCENES, Benchmark, fastest_at, observed_
 from quickreturn.cases.benchmark.findings import LEVELS, Measured, completed, soonest_at
 from quickreturn.cases.benchmark.truth import CONFIRMED
 from quickreturn.cases.judging.conditioning import CHANGE, ILL
-from quickreturn.cases.judging.matrix import REQUESTED, Matrix
+from quickreturn.cases.judging.matrix import REQUESTED
 from quickreturn.cases.judging.verdicts import LATER, MEANINGS, OWN_EQUATIONS
 from quickreturn.cases.library.hard import IMPOSSIBLE
 from quickreturn.engines.registry import MODEL, engine
@@ -26,15 +26,15 @@ WAIT: Final = "set-up, solution and error estimate [s]"
 
 
 def methods(content: Content) -> dict[str, Any] | None:
-    """The facts; None if nothing was measured and the report is not on the thesis' question."""
-    found = list(content.benchmarks)
-    if not found:
+    """The facts for `chapters/methods.html`; None if no benchmark was measured."""
+    benchmarks = list(content.benchmarks)
+    if not benchmarks:
         return None
-    names = tables.methods_of(found)
-    contests = [(table, level) for table in found for level in LEVELS]
-    first = found[0]
-    firsts = _won(list(fastest_at(table.points, level)) for table, level in contests)
-    soonest = _won([name for name, _ in soonest_at(table.points, level)] for table, level in contests)
+    names = tables.methods_of(benchmarks)
+    contests = [(benchmark, level) for benchmark in benchmarks for level in LEVELS]
+    first = benchmarks[0]
+    firsts = _won(list(fastest_at(benchmark.points, level)) for benchmark, level in contests)
+    soonest = _won([name for name, _ in soonest_at(benchmark.points, level)] for benchmark, level in contests)
     winner = next(iter(firsts), "")
     orders = {name: observed_order(first.points, name) for name in names}
     return {
@@ -45,43 +45,43 @@ def methods(content: Content) -> dict[str, Any] | None:
         "unwon": len(contests) - sum(firsts.values()),
         "soonest": soonest,
         "own": any(is_own(point.engine) for point in first.points if point.method == winner),
-        "waiting": _waiting(first, LEVELS[1], winner),
+        "waiting": fastest_at(first.points, LEVELS[1]).get(winner, (None, None))[1],
         "compiling": next((each for each in content.compiling if each.engine == winner), None),
         "levels": [contest(first, level) for level in LEVELS],
-        "missing": [name for name in SCENES if name not in {table.case for table in found}],
+        "missing": [name for name in SCENES if name not in {benchmark.case for benchmark in benchmarks}],
         "orders": {name: order for name, order in orders.items() if order is not None},
-        "models": _models(found),
+        "models": _models(benchmarks),
         "confirmed": CONFIRMED,
-        "fastest": tables.fastest(found),
-        "waits": tables.waiting(found),
+        "fastest": tables.fastest(benchmarks),
+        "waits": tables.waiting(benchmarks),
         "compiled": tables.compiling(content.compiling),
-        "plots": [(table, _over_time(table), _errors_over(table, FREEDOM)) for table in found],
-        "fronts": [tables.front(table) for table in found],
-        "tables": [tables.orders(found), tables.reference_cost(first), tables.joints(first), tables.scenes(found), tables.failures(found)],
-        "points": tables.points(found),
+        "plots": [(benchmark, _over_time(benchmark), _errors_over(benchmark, FREEDOM)) for benchmark in benchmarks],
+        "fronts": [tables.front(benchmark) for benchmark in benchmarks],
+        "tables": [
+            tables.orders(benchmarks),
+            tables.reference_cost(first),
+            tables.joints(first),
+            tables.scenes(benchmarks),
+            tables.failures(benchmarks),
+        ],
+        "points": tables.points(benchmarks),
     }
 
 
 def _won(orders: Iterable[Sequence[str]]) -> dict[str, int]:
-    """Name -> number of contests that it wins, the most frequent winner first; each order lists the names in one contest."""
+    """Method -> number of contests that it wins, the most frequent winner first; each of `orders` ranks the methods of a contest."""
     counts = Counter(order[0] for order in orders if order)
     return dict(counts.most_common())
 
 
-def _waiting(table: Benchmark, level: float, method: str) -> Measured | None:
-    """Measurements of a method's fastest settings to an error."""
-    found = fastest_at(table.points, level).get(method)
-    return found[1] if found else None
-
-
-def _models(found: Sequence[Benchmark]) -> dict[str, dict[str, float]]:
+def _models(benchmarks: Sequence[Benchmark]) -> dict[str, dict[str, float]]:
     """Methods that solve equations of their own -> scene -> the least error of their settings, which is that of the model."""
     errors: dict[str, dict[str, float]] = {}
-    for table in found:
-        for point in table.points:
+    for benchmark in benchmarks:
+        for point in benchmark.points:
             if engine(point.engine).estimates == "integration" and (error := point.error()) is not None:
-                known = errors.setdefault(point.method, {})
-                known[table.case] = min(error, known.get(table.case, error))
+                of_method = errors.setdefault(point.method, {})
+                of_method[benchmark.case] = min(error, of_method.get(benchmark.case, error))
     return errors
 
 
@@ -91,21 +91,21 @@ def _at(measured: Measured, across: str) -> float | None:
     return measured.waited_seconds if across == WAIT else float(measured.degrees_of_freedom)
 
 
-def _series(table: Benchmark, across: str) -> list[Series]:
+def _series(benchmark: Benchmark, across: str) -> list[Series]:
     """The Pareto front of the solve times as a broad band, and the points of each method."""
-    found = []
+    series = []
     if across == SOLVE_TIME:
-        front = [(m.solve_seconds, 100.0 * error) for point, m in completed(pareto_front(table.points)) if (error := point.error())]
-        found.append(Series("Pareto front", "", [x for x, _ in front], [y for _, y in front], broad=True))
-    for name in tables.methods_of([table]):
-        done = [(point, m) for point, m in completed(table.points) if point.method == name and point.error()]
-        places = [(x, error, point, m) for point, m in done if (x := _at(m, across)) is not None and (error := point.error())]
+        front = [(m.solve_seconds, 100.0 * error) for point, m in completed(pareto_front(benchmark.points)) if (error := point.error())]
+        series.append(Series("Pareto front", "", [x for x, _ in front], [y for _, y in front], broad=True))
+    for name in tables.methods_of([benchmark]):
+        completed_points = [(point, m) for point, m in completed(benchmark.points) if point.method == name and point.error()]
+        places = [(x, error, point, m) for point, m in completed_points if (x := _at(m, across)) is not None and (error := point.error())]
         if places:
             texts = [f"{settings_words(point.changing)}; {_time(m, across)}, error {size(error)}" for _, error, point, m in places]
             engine = places[0][2].engine
             xs, ys = [x for x, *_ in places], [100.0 * error for _, error, *_ in places]
-            found.append(Series(name, engine, xs, ys, texts, hollow=name != engine))
-    return found
+            series.append(Series(name, engine, xs, ys, texts, hollow=name != engine))
+    return series
 
 
 def _time(measured: Measured, across: str) -> str:
@@ -113,20 +113,20 @@ def _time(measured: Measured, across: str) -> str:
     return solving if across != WAIT else f"{duration(measured.waited_seconds or 0.0)}, of it solving {solving}"
 
 
-def _errors_over(table: Benchmark, across: str) -> Plot:
-    below = table.confirmation.differences.get("tip_deflection")
+def _errors_over(benchmark: Benchmark, across: str) -> Plot:
+    below = benchmark.confirmation.differences.get("tip_deflection")
     shaded = None if below is None else 100.0 * below
-    return Plot("benchmark.csv", across, "error of the tip deflection [%]", _series(table, across), "xy", shaded)
+    return Plot("benchmark.csv", across, "error of the tip deflection [%]", _series(benchmark, across), "xy", shaded)
 
 
-def _over_time(table: Benchmark) -> dict[str, Plot]:
+def _over_time(benchmark: Benchmark) -> dict[str, Plot]:
     """Plots of the errors over solve time, and over waiting time if it was measured, by the name of the choice."""
-    waited = _errors_over(table, WAIT)
-    return {"solve time": _errors_over(table, SOLVE_TIME)} | ({"waiting time": waited} if waited.series else {})
+    waited = _errors_over(benchmark, WAIT)
+    return {"solve time": _errors_over(benchmark, SOLVE_TIME)} | ({"waiting time": waited} if waited.series else {})
 
 
 def hard_scenes(content: Content) -> dict[str, Any] | None:
-    """The facts on the matrix of verdicts; None if none is stored."""
+    """The facts for `chapters/hard.html`; None if no matrix of verdicts is stored."""
     matrix = content.hard_scenes
     if matrix is None:
         return None
@@ -137,7 +137,7 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
         "of_record": content.of_record.get("hard scenes"),
         "kinds": {kind: kinds[kind] for kind in MEANINGS if kinds[kind]},
         "own_equations": OWN_EQUATIONS,
-        "off": _model_errors(matrix),
+        "off": [cell.model_error for cell in matrix.cells.values() if cell.kind == OWN_EQUATIONS and cell.model_error is not None],
         "requested": REQUESTED,
         "checked": len(checked),
         "checked_own": sum(cell.of_own_equations for cell in checked),
@@ -152,8 +152,3 @@ def hard_scenes(content: Content) -> dict[str, Any] | None:
         "conditioning": hard_tables.conditioning(matrix),
         "cells": hard_tables.cells(matrix),
     }
-
-
-def _model_errors(matrix: Matrix) -> list[float]:
-    """Known errors of the models in cells that solve only their own equations."""
-    return [cell.model_error for cell in matrix.cells.values() if cell.kind == OWN_EQUATIONS and cell.model_error is not None]

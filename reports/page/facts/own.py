@@ -12,7 +12,7 @@ from quickreturn.reports.tables.table import Column, Table
 
 
 def next_steps(content: Content) -> dict[str, Any]:
-    """The facts."""
+    """The facts for `chapters/next.html`."""
     case = content.results[0].case
     return {
         "file": shlex.quote(case.source if case.source not in ("", "library") else case.name),
@@ -24,7 +24,7 @@ def next_steps(content: Content) -> dict[str, Any]:
 
 
 def provenance(content: Content) -> dict[str, Any]:
-    """The facts: engines, versions, machine, settings, failures, assumptions, verification."""
+    """The facts for `chapters/provenance.html`: engines, versions, machine, settings, failures, assumptions, verification."""
     runs = [run for result in content.results for run in result.runs.values()]
     return {
         "troubles": content.troubles,
@@ -55,6 +55,6 @@ def _table(number: int, part: dict[str, Any]) -> Table:
 
 
 def files(content: Content, listed: Sequence[Table]) -> dict[str, Any]:
-    """The list of all CSV files, including itself."""
+    """The facts for `chapters/files.html`: the list of all CSV files with tables `listed`, and their number."""
     about = {"date": content.facts.get("date", ""), "code": content.code}
     return {"count": len(listed), "table": tables.catalogue(listed, about)}

@@ -14,7 +14,7 @@ _RPM: Final = per_unit("rpm")
 
 
 def resonance(content: Content) -> dict[str, Any] | None:
-    """The facts; None for a report on the thesis' runs."""
+    """The facts for `chapters/resonance.html`; None for a report on the thesis' runs."""
     if not content.around:
         return None
     return {
@@ -28,7 +28,7 @@ def resonance(content: Content) -> dict[str, Any] | None:
 
 def plot(around: Around) -> Plot:
     """The plot: stable parts as a line, unstable ones dashed, peaks and folds with their orders, and the machine's speed."""
-    curve, series = around.known, []
+    curve, series = around.solved_curve, []
     for name, wanted in (("stable", False), ("unstable", True)):
         points: list[tuple[float | None, float | None, str]] = []
         for part, unstable in curve.stretches():

@@ -10,7 +10,7 @@ from quickreturn.reports.tables.claims import table_departures
 
 
 def runs(content: Content) -> dict[str, Any]:
-    """The facts: all measures."""
+    """The facts for `chapters/runs.html`: all measures."""
     names = engines_of(content.results)
     return {
         "troubles": content.troubles,
@@ -21,7 +21,7 @@ def runs(content: Content) -> dict[str, Any]:
 
 
 def recorded(content: Content) -> dict[str, Any] | None:
-    """The facts; None if no table was given."""
+    """The facts for `chapters/recorded.html`; None if no recorded table was given."""
     runs = [run for result in content.results for run in result.recorded.values()]
     if not runs:
         return None
@@ -38,7 +38,7 @@ def recorded(content: Content) -> dict[str, Any] | None:
 
 
 def run_by_run(content: Content) -> dict[str, Any]:
-    """The facts: one section per case, without the notes that a chapter of their own treats."""
+    """The facts for `chapters/each.html`: one section per case, without the notes that another chapter gives."""
     sections = [
         {
             "case": result.case,

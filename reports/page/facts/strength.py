@@ -7,6 +7,6 @@ from quickreturn.reports.tables.strength import strength as table
 
 
 def strength(content: Content) -> dict[str, Any] | None:
-    """The facts; None for a report on the thesis' runs, or if no engine gives the stress."""
-    found = [each for each in content.loads if each.lead]
-    return {"cases": found, "table": table(content.loads)} if found else None
+    """The facts for `chapters/strength.html`; None for a report on the thesis' runs, or if no engine gives the stress."""
+    cases = [case for case in content.loads if case.lead]
+    return {"cases": cases, "table": table(content.loads)} if cases else None

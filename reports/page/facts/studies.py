@@ -19,19 +19,19 @@ from quickreturn.reports.words import size
 
 
 def accuracy(content: Content) -> dict[str, Any] | None:
-    """The facts; None for a report on other cases than the thesis' runs without a directly found steady state."""
+    """The facts for `chapters/accuracy.html`; None without studies and without a steady state that was found directly."""
     studies = content.studies
     marching = [name for name in engines_of(content.results) if name != REFERENCE]
-    found = orbits(content.results, marching)
-    if studies is None and not found.rows:
+    orbit_table = orbits(content.results, marching)
+    if studies is None and not orbit_table.rows:
         return None
     facts: dict[str, Any] = {
         "studies": studies,
         "confirmed": CONFIRMED,
-        "saved": _saved(found),
+        "saved": _saved(orbit_table),
         "settled_at": SETTLED_AT,
         "gone_at": GONE_AT,
-        "orbits": found,
+        "orbits": orbit_table,
         "solve_times": tables.solve_times(content.results),
     }
     if studies is not None:
@@ -61,10 +61,10 @@ def _convergence(points: Sequence[Point]) -> Plot | None:
     return Plot("convergence.csv", "modes", "error, RMS over RMS [%]", series, "y")
 
 
-def _saved(found: Table) -> dict[str, float] | None:
+def _saved(orbit_table: Table) -> dict[str, float] | None:
     """Median work of a direct search, in cycles, and the ratio of the cycles of marching to it."""
     keys = ("cycles_of_work", "cycles_to_settled", "cycles_to_gone")
-    work, settled, gone = (np.array([row[key].value for row in found.rows], dtype=float) for key in keys)
+    work, settled, gone = (np.array([row[key].value for row in orbit_table.rows], dtype=float) for key in keys)
     if not len(work):
         return None
     ratios = {"settled": settled / work, "gone": gone / work}

@@ -4,10 +4,10 @@ import dataclasses
 
 import pytest
 
-from quickreturn.reports.thesis.sufficiency import Tried, conflicting, ratios, splits, sufficiency, tried
+from quickreturn.reports.thesis.sufficiency import Trial, conflicting, ratios, splits, sufficiency, trials
 from tests.reports.thesis.made_up_finding import made_up_finding
 
-SETS = tried(made_up_finding())
+SETS = trials(made_up_finding())
 
 
 def sets_that_show(statement: str) -> set[str]:
@@ -37,7 +37,7 @@ def test_the_ratio_is_that_of_the_simulation_over_the_experiment() -> None:
 def test_132_hz_with_its_signs_needs_a_vibration_that_would_be_seen() -> None:
     assert sets_that_show("second-mode") == sets_that_show("second-mode-signs") == {"clearance", "pre-side"}
     weak = [dataclasses.replace(row, example=(*row.example[:2], 0.1, *row.example[3:])) for row in made_up_finding()]
-    assert not any(each.shown["second-mode"] for each in tried(weak))
+    assert not any(each.shown["second-mode"] for each in trials(weak))
 
 
 def test_what_excludes_the_larger_excess_is_named_and_what_nothing_shows_has_no_sets() -> None:
@@ -46,9 +46,9 @@ def test_what_excludes_the_larger_excess_is_named_and_what_nothing_shows_has_no_
     by_id = {each.statement.id: each for each in found}
     assert by_id["post-excess"].choices == 3  # side, stiffness, losses
     assert by_id["pre-amplitude-long-crank"].sets == []  # runs 1 to 8 have one amplitude in all sets, the simulation's
-    assert isinstance(by_id["pre-amplitude-long-crank"].best, Tried)
+    assert isinstance(by_id["pre-amplitude-long-crank"].best, Trial)
 
 
 def test_without_a_study_nothing_is_concluded() -> None:
-    assert tried([]) == []
+    assert trials([]) == []
     assert splits([]) == []

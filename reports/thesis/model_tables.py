@@ -22,8 +22,8 @@ def ratios(results: Sequence[CaseResult]) -> Table:
     for label, kind, channel in rows:
         cells: dict[str, float] = {}
         for half in HALVES:
-            found = differences(results, MODEL, kind, half=half, channel=channel)
-            values = _peak_ratios(found) if kind == "extreme" else [difference.ratio for difference in found]
+            compared = differences(results, MODEL, kind, half=half, channel=channel)
+            values = _peak_ratios(compared) if kind == "extreme" else [difference.ratio for difference in compared]
             if short := summary_of(values):
                 cells |= _spread_cells(half, short)
         if cells:
@@ -37,14 +37,14 @@ def _spread_columns(unit: str, form: str) -> list[Column]:
     return [Column(f"{half}_{key}", head, of, how, group=HALF[half]) for half in HALVES for key, head, of, how in columns]
 
 
-def _spread_cells(half: str, found: Summary) -> dict[str, float]:
-    return {f"{half}_median": found.median, f"{half}_low": found.lowest, f"{half}_high": found.highest, f"{half}_runs": found.count}
+def _spread_cells(half: str, spread: Summary) -> dict[str, float]:
+    return {f"{half}_median": spread.median, f"{half}_low": spread.lowest, f"{half}_high": spread.highest, f"{half}_runs": spread.count}
 
 
-def _peak_ratios(found: Sequence[Difference]) -> list[float]:
+def _peak_ratios(extremes: Sequence[Difference]) -> list[float]:
     """Ratio of the largest magnitude in a half to the other engine's, per case, from minimum and maximum."""
     peaks: dict[str, list[Difference]] = {}
-    for difference in found:
+    for difference in extremes:
         peaks.setdefault(difference.case, []).append(difference)
     return [max(abs(d.mine.value) for d in pair) / max(abs(d.its.value) for d in pair) for pair in peaks.values()]
 
@@ -53,11 +53,11 @@ def counted(excesses: Sequence[Excess]) -> Table:
     """Excess of frequencies that are counted off a plot."""
     visible = Column("visible", "counted from", "% of range", ".1f")
     table = Table("counted_off_plots", (visible, "channel", *_spread_columns("%", "+.1f")))
-    for threshold in dict.fromkeys(each.visible for each in excesses):
+    for threshold in dict.fromkeys(excess.visible for excess in excesses):
         for channel in CHANNELS:
             cells: dict[str, float] = {}
-            for each in (each for each in excesses if (each.visible, each.channel) == (threshold, channel)):
-                cells |= _spread_cells(each.half, each)
+            for excess in (excess for excess in excesses if (excess.visible, excess.channel) == (threshold, channel)):
+                cells |= _spread_cells(excess.half, excess)
             if cells:
                 table.add(visible=threshold, channel=channel_name(channel), **cells)
     return table
@@ -66,13 +66,13 @@ def counted(excesses: Sequence[Excess]) -> Table:
 def statements(conclusions: Sequence[Conclusion]) -> Table:
     """The statements and their verdicts."""
     table = Table("statements", ("section", "statement", "verdict", "inference", "numbers"))
-    for each in conclusions:
-        mark: Mark = "good" if each.outcome in (HOLDS, IN_PART) else "missed" if each.outcome == NOT else "open"
+    for conclusion in conclusions:
+        mark: Mark = "good" if conclusion.outcome in (HOLDS, IN_PART) else "missed" if conclusion.outcome == NOT else "open"
         table.add(
-            each,
-            section=each.statement.section,
-            statement=each.statement.words,
-            verdict=Cell(each.outcome, mark=mark),
-            inference=Cell(each.inference, "inference" if each.inference else "–"),
+            conclusion,
+            section=conclusion.statement.section,
+            statement=conclusion.statement.words,
+            verdict=Cell(conclusion.outcome, mark=mark),
+            inference=Cell(conclusion.inference, "inference" if conclusion.inference else "–"),
         )
     return table
