@@ -9,7 +9,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
@@ -223,16 +222,21 @@ def spline_coefficients(nodes: Array, values: Array) -> Array:
     steps = np.diff(nodes)
     h = steps[:, None]
     slope = np.diff(values, axis=0) / h
-    bands, right = np.zeros((3, len(nodes))), np.empty_like(values)
-    bands[1, 1:-1] = 2.0 * (steps[:-1] + steps[1:])
-    bands[0, 2:], bands[2, :-2] = steps[:-1], steps[1:]
-    right[1:-1] = 3.0 * (h[1:] * slope[:-1] + h[:-1] * slope[1:])
+    diagonal, rates = np.empty(len(nodes)), np.empty_like(values)
+    diagonal[1:-1] = 2.0 * (steps[:-1] + steps[1:])
+    rates[1:-1] = 3.0 * (h[1:] * slope[:-1] + h[:-1] * slope[1:])
     first, last = nodes[2] - nodes[0], nodes[-1] - nodes[-3]
-    bands[1, 0], bands[0, 1] = steps[1], first
-    bands[1, -1], bands[2, -2] = steps[-2], last
-    right[0] = ((h[0] + 2.0 * first) * h[1] * slope[0] + h[0] ** 2 * slope[1]) / first
-    right[-1] = (h[-1] ** 2 * slope[-2] + (2.0 * last + h[-1]) * h[-2] * slope[-1]) / last
-    rates = solve_banded((1, 1), bands, right, overwrite_ab=True, overwrite_b=True)
+    diagonal[0], diagonal[-1] = steps[1], steps[-2]
+    below, above = np.append(steps[1:], last), np.append(first, steps[:-1])
+    rates[0] = ((h[0] + 2.0 * first) * h[1] * slope[0] + h[0] ** 2 * slope[1]) / first
+    rates[-1] = (h[-1] ** 2 * slope[-2] + (2.0 * last + h[-1]) * h[-2] * slope[-1]) / last
+    for k in range(1, len(nodes)):  # Gauss' elimination of a tridiagonal matrix
+        part = below[k - 1] / diagonal[k - 1]
+        diagonal[k] -= part * above[k - 1]
+        rates[k] -= part * rates[k - 1]
+    rates[-1] /= diagonal[-1]
+    for k in reversed(range(len(nodes) - 1)):
+        rates[k] = (rates[k] - above[k] * rates[k + 1]) / diagonal[k]
     third = (rates[:-1] + rates[1:] - 2.0 * slope) / h
     return np.stack([third / h, (slope - rates[:-1]) / h - third, rates[:-1], values[:-1]], axis=1)
 
