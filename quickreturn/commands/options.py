@@ -257,8 +257,9 @@ def quiet() -> bool:
 def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Workshop":
     """The store of results, which prints its notices at once, and the processes of this machine, as `of_workshop` or `limited` say.
 
-    A message says here what will run on which engines, before the slow imports.
+    A message says here what will run on which engines, before the slow imports; those of the processes begin here, too.
     """
+    from quickreturn.cases.jobs import fork_server
     from quickreturn.cases.jobs.processes import LocalProcesses
     from quickreturn.cases.jobs.store import Store
     from quickreturn.cases.jobs.workshop import Workshop
@@ -271,6 +272,9 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
         workshop = Workshop(store, context.with_resource(cluster(address, limits(), quiet())))
     else:
         workshop = Workshop(store, LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
+        if cases:
+            fork_server.get_ready(fork_server.PRELOAD)
+            context.call_on_close(fork_server.not_needed)
     meta[STORE] = store
     tell_doubts(cases)
     if cases:
