@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
-from quickreturn.reference_model.machine.pointers import on_lines
+from quickreturn.reference_model.machine.memory import on_lines
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
 from quickreturn.reference_model.motion.layout import Tables
 from quickreturn.reference_model.shapes import ShapeSet
