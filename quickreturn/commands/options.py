@@ -286,7 +286,7 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
 def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()) -> "tuple[list[Outcome[T]], Store | None]":
     """The outcomes of jobs under the options of `limited` and `stored`, and the store, if there is one; a message names stored results.
 
-    `meanwhile`: modules that this process imports while others get ready to compute.
+    `meanwhile`: modules that this process imports while others compute.
     """
     from quickreturn import questions
     from quickreturn.cases.jobs import fork_server

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
 #: Modules that are preloaded to show what a worker found.
-_SHOWING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
+_SHOWING: Final = ("quickreturn.reports.tables.strength",)
 
 #: Further keys of a simulation's JSON document; these values if a failure leaves none.
 _NOTHING: Final[dict[str, Any]] = {

@@ -16,6 +16,7 @@ from quickreturn.reference_model.machine.memory import on_lines
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
 from quickreturn.reference_model.motion.layout import Tables
 from quickreturn.reference_model.shapes import ShapeSet
+from quickreturn.reference_model.splines import spline_coefficients
 
 Array = NDArray[np.float64]
 
@@ -205,40 +206,6 @@ def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Arr
     inboard = max(cells // 2, 1)
     middle = float(edges[inboard])
     return _tables(middle, middle, coefficients, False, points, np.array([inboard - 1.0]), cells)._replace(step=length)
-
-
-def spline_coefficients(nodes: Array, values: Array) -> Array:
-    """Cubic spline through values at nodes whose first two and last two pieces are one cubic each ("not a knot").
-
-    As scipy's `CubicSpline` to the last digit, whose module takes 0.3 s to import.
-
-    Args:
-        nodes: increasing, shape (k,), at least four.
-        values: shape (k, m).
-
-    Returns:
-        Coefficients of each piece by powers of the distance from its left node, the third power first, shape (k - 1, 4, m).
-    """
-    steps = np.diff(nodes)
-    h = steps[:, None]
-    slope = np.diff(values, axis=0) / h
-    diagonal, rates = np.empty(len(nodes)), np.empty_like(values)
-    diagonal[1:-1] = 2.0 * (steps[:-1] + steps[1:])
-    rates[1:-1] = 3.0 * (h[1:] * slope[:-1] + h[:-1] * slope[1:])
-    first, last = nodes[2] - nodes[0], nodes[-1] - nodes[-3]
-    diagonal[0], diagonal[-1] = steps[1], steps[-2]
-    below, above = np.append(steps[1:], last), np.append(first, steps[:-1])
-    rates[0] = ((h[0] + 2.0 * first) * h[1] * slope[0] + h[0] ** 2 * slope[1]) / first
-    rates[-1] = (h[-1] ** 2 * slope[-2] + (2.0 * last + h[-1]) * h[-2] * slope[-1]) / last
-    for k in range(1, len(nodes)):  # Gauss' elimination of a tridiagonal matrix
-        part = below[k - 1] / diagonal[k - 1]
-        diagonal[k] -= part * above[k - 1]
-        rates[k] -= part * rates[k - 1]
-    rates[-1] /= diagonal[-1]
-    for k in reversed(range(len(nodes) - 1)):
-        rates[k] = (rates[k] - above[k] * rates[k + 1]) / diagonal[k]
-    third = (rates[:-1] + rates[1:] - 2.0 * slope) / h
-    return np.stack([third / h, (slope - rates[:-1]) / h - third, rates[:-1], values[:-1]], axis=1)
 
 
 def _fixed_rows(shapes: ShapeSet, squares: Array, s: Array, edges: Array, points: int) -> Array:
