@@ -47,33 +47,23 @@ def leaving_time(
     return low
 
 
+@without_references
 def _dop853(
     function: int,
     parameters: int,
     workspace: int,
-    watched_at: int,
-    y_at: int,
-    size: int,
+    watched: NDArray[np.float64],
+    y: NDArray[np.float64],
     output_step: float,
     intervals: int,
-    scales_at: int,
-    controlled: int,
+    scales: NDArray[np.float64],
     limit: float,
     step: float,
-    states_at: int,
-    K_at: int,
-    scratch_at: int,
-    end_at: int,
-) -> int:
-    """See `integrate.dop853`; arrays by address. `end_at`: where rows, calls, last instant and step are written."""
-    watched, y, scales, reached = (
-        numbers_at(watched_at, 2),
-        numbers_at(y_at, size),
-        numbers_at(scales_at, controlled),
-        numbers_at(end_at, 4),
-    )
-    states, K = matrix_at(states_at, intervals + 1, size), matrix_at(K_at, STAGES + 1, size)
-    scratch = matrix_at(scratch_at, 2, size)
+    states: NDArray[np.float64],
+    K: NDArray[np.float64],
+    scratch: NDArray[np.float64],
+) -> tuple[int, int, float, int, float]:
+    controlled = len(scales)
     end = output_step * intervals
     t = 0.0
     new, trial = scratch[0], scratch[1]
@@ -84,7 +74,7 @@ def _dop853(
     rejected, first_stage = False, 0
     while t < end:
         if step < 1e-13 or calls > MAX_CALLS:
-            return _ended(reached, rows, calls, t, step, STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS)
+            return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step
         h = min(step, end - t)
         last = h >= end - t
         for stage in range(first_stage, STAGES + 1):
@@ -93,7 +83,7 @@ def _dop853(
             calls += 1
             if call_equations(function, parameters, workspace, state.ctypes.data, K[stage].ctypes.data, 0) == 0:
                 if stage == 0:
-                    return _ended(reached, rows, calls, t, step, NOT_A_NUMBER)
+                    return NOT_A_NUMBER, rows, t, calls, step
                 norm = 1e9
                 break
         else:
@@ -104,7 +94,7 @@ def _dop853(
             rejected = True
             continue
         if watched[0] > limit:
-            return _ended(reached, rows, calls, t, h, LEFT_FOLLOWER)
+            return LEFT_FOLLOWER, rows, t, calls, h
         while rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12):
             interpolate(y, K, h, min((rows * output_step - t) / h, 1.0), states[rows])
             rows += 1
@@ -117,13 +107,7 @@ def _dop853(
         if step * watched[1] > CEILING:
             step = CEILING / watched[1]
         rejected = False
-    return _ended(reached, rows, calls, t, step, REACHED_END)
-
-
-@without_references
-def _ended(reached: NDArray[np.float64], rows: int, calls: int, t: float, step: float, status: int) -> int:
-    reached[0], reached[1], reached[2], reached[3] = rows, calls, t, step
-    return status
+    return REACHED_END, rows, t, calls, step
 
 
 @without_references
@@ -170,7 +154,34 @@ def interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: flo
             out[i] += h * weight * K[INTERPOLATED[j], i]
 
 
+def _by_address(
+    function: int,
+    parameters: int,
+    workspace: int,
+    watched: int,
+    y: int,
+    size: int,
+    output_step: float,
+    intervals: int,
+    scales: int,
+    controlled: int,
+    limit: float,
+    step: float,
+    states: int,
+    K: int,
+    scratch: int,
+    reached: int,
+) -> int:
+    """As `_dop853`, with arrays by address; the status, and in `reached` (4,) number of rows, last instant, calls and next step."""
+    at = function, parameters, workspace, numbers_at(watched, 2), numbers_at(y, size)
+    how = output_step, intervals, numbers_at(scales, controlled), limit, step
+    arrays = matrix_at(states, intervals + 1, size), matrix_at(K, STAGES + 1, size), matrix_at(scratch, 2, size)
+    ended = numbers_at(reached, 4)
+    status, ended[0], ended[1], ended[2], ended[3] = _dop853(*at, *how, *arrays)
+    return status
+
+
 def loop() -> Any:
     """The loop, compiled."""
     whole, real = types.int64, types.float64
-    return numba.cfunc(whole(*[whole] * 6, real, *[whole] * 3, real, real, *[whole] * 4), cache=True, **KERNEL)(_dop853)
+    return numba.cfunc(whole(*[whole] * 6, real, *[whole] * 3, real, real, *[whole] * 4), cache=True, **KERNEL)(_by_address)

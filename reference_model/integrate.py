@@ -90,7 +90,7 @@ def dop853(
     at = equations.function, equations.parameters, equations.workspace
     sizes = size, output_step, intervals, scales.ctypes.data, len(scales), limit, first_step
     status = LOOP(*at, watched.ctypes.data, y.ctypes.data, *sizes, *(each.ctypes.data for each in (states, K, scratch, end)))
-    rows, calls, (time, step) = int(end[0]), int(end[1]), end[2:].tolist()
+    rows, calls, (time, step) = int(end[0]), int(end[2]), end[1::2].tolist()
     if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose stages are left in K
         from quickreturn.reference_model.dop853_loop import interpolate, leaving_time
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from quickreturn.reference_model.machine import machine_code
 
-_ARGUMENTS: Final = {"i": ctypes.c_int64, "f": ctypes.c_double}
+_ARGUMENTS: Final[dict[str, Any]] = {"i": ctypes.c_int64, "f": ctypes.c_double}
 #: An entry in the table of symbols of an object (ELF, 64 bit); one in section 0 is defined elsewhere.
 _SYMBOL: Final = np.dtype([("name", "<u4"), ("kind", "u1"), ("seen", "u1"), ("section", "<u2"), ("value", "<u8"), ("size", "<u8")])
 #: What holds the loaded code.
