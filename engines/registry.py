@@ -38,8 +38,10 @@ _MODULES: Final = {
 }
 
 
-#: Engines of this project: they load no library but numpy until a model is built, so that they can be listed anywhere.
+#: Engines of this package.
 OWN: Final = frozenset(_MODULES)
+#: Engines that load no library but numpy until a model is built, so that they can be asked about themselves anywhere.
+LIGHT: Final = OWN | {"derived"}
 
 
 class UnknownEngine(ToldError, ValueError):

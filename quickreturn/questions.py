@@ -6,6 +6,7 @@ command's own text. Results come back through a pipe and this process writes the
 
 import dataclasses
 from collections.abc import Callable, Container, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -45,8 +46,10 @@ def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: 
     from quickreturn.engines.registry import engine_names
 
     jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
-    elsewhere = iter(asked([job for job in jobs if job.name not in here], title))
-    return [done(job) if job.name in here else next(elsewhere) for job in jobs]
+    with ThreadPoolExecutor(1) as beside:  # while the other processes answer
+        own = {job.name: beside.submit(done, job) for job in jobs if job.name in here}
+        elsewhere = iter(asked([job for job in jobs if job.name not in here], title))
+        return [own[job.name].result() if job.name in here else next(elsewhere) for job in jobs]
 
 
 def value_of(outcome: Outcome[T]) -> T:
@@ -133,11 +136,11 @@ def about(name: str) -> About:
 
 def about_all() -> list[About]:
     """The descriptions of all engines by themselves."""
-    from quickreturn.engines.registry import OWN
+    from quickreturn.engines.registry import LIGHT
 
     return [
         each.value or About(name=each.job.name, method="unknown", available=False, reason=f"could not be queried: it {each.failure}")
-        for each in asked_of_all(about, (), "engines", OWN)
+        for each in asked_of_all(about, (), "engines", LIGHT)
     ]
 
 

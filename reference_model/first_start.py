@@ -7,36 +7,31 @@ than those needed, the first process compiles what is missing, and only time is 
 import gc
 import subprocess
 import sys
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import config, from_dtype, types
+from numba import config, types
 
-from quickreturn.reference_model.columns import ROW
-from quickreturn.reference_model.integrate import _dop853
+from quickreturn.reference_model.integrate import LOOP
 from quickreturn.reference_model.machine.pointers import MEMBERS, At
+from quickreturn.reference_model.model import OBSERVATIONS
 from quickreturn.reference_model.motion import equations, inertia
-from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE
+from quickreturn.reference_model.motion.compiled_layout import PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE
 
 
 def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
     """Functions that the second process compiles, each with the types of its arguments."""
-    whole, real, vector, matrix = types.int64, types.float64, MEMBERS["Vector"], MEMBERS["Matrix"]
-    addresses, at = (whole, whole, whole), tuple(map(At, (PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE)))
+    vector, at = MEMBERS["Vector"], tuple(map(At, (PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE)))
     return [
         (inertia.assemble, (*at, vector)),  # these four are the parts of the equations that the first process compiles last
         (inertia.bias_accelerations, (*at, vector)),
         (inertia.moment_about_pivot, at),
         (inertia.dissipation, (*at, vector)),
-        (equations.observe_states, (*addresses, matrix, from_dtype(ROW)[::1])),
-        (_dop853, (*addresses, vector, vector, real, whole, vector, real, real, matrix, matrix, matrix)),
     ]
 
 
-@cache
-def kernel() -> int:
-    """Address of the compiled equations; if they are not on the disk yet, a second process compiles the rest at the same time."""
+def kernel() -> Any:
+    """The compiled equations of motion; if they are not on the disk yet, a second process compiles the rest at the same time."""
     if any(Path(config.CACHE_DIR).glob("*/equations._kernel-*.nbi")):  # type: ignore[attr-defined]
         return equations.kernel()
     quiet = subprocess.DEVNULL
@@ -48,3 +43,5 @@ if __name__ == "__main__":
     gc.disable()  # as engines.accurate has it while it compiles
     for function, signature in compiled_by_the_second():
         function.compile(signature)
+    for entry in (OBSERVATIONS, LOOP):
+        entry.compiled()

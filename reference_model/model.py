@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from functools import partial
+from typing import Final
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
@@ -11,12 +12,11 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency
-from quickreturn.reference_model.first_start import kernel
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
-from quickreturn.reference_model.machine.pointers import Placed
+from quickreturn.reference_model.machine.memory import Placed
+from quickreturn.reference_model.machine.objects import Entry
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
-from quickreturn.reference_model.motion.equations import evaluate, observe_states
-from quickreturn.reference_model.motion.layout import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, ShapeRow, state_size, workspace
+from quickreturn.reference_model.motion.layout import FACTS, Parameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
@@ -27,6 +27,11 @@ Array = NDArray[np.float64]
 #: Function of the slider's place (m) and arc lengths (m), shape (k,). It returns the shapes' tangent angles and their derivatives by the
 #: slider's place, each of shape (k, n).
 Angles = Callable[[float, Array], tuple[Array, Array]]
+
+
+#: The equations of motion, and the observables of states.
+KERNEL: Final = Entry("quickreturn.reference_model.first_start:kernel", "iiiii")
+OBSERVATIONS: Final = Entry("quickreturn.reference_model.motion.equations:observations", "iiiiiiii")
 
 
 class ObservationFailed(RuntimeError):
@@ -62,7 +67,7 @@ class BeamModel:
         self._shapes = shapes
         # what errors of an amplitude are relative to, kg^(1/2) m
         self._size = deflection_scale(scene) * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
-        self._at = Placed(constants, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
+        self._at = Placed(constants), Placed(self.workspace, facts=FACTS)
 
     @classmethod
     def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None) -> "BeamModel":
@@ -199,13 +204,14 @@ class BeamModel:
     def can_move(self, y: Array) -> bool:
         """Whether the loop closes and the accelerations exist in the state `y`."""
         p, w = self._at
-        return bool(evaluate(kernel(), p.address, w.address, y, np.empty_like(y)))
+        y, rate = np.ascontiguousarray(y, dtype=float), np.empty(len(y))
+        return KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0) == 1
 
     @property
     def equations(self) -> Equations:
         """The equations of motion as the integrator takes them."""
         p, w = self._at
-        return Equations(kernel(), p.address, w.address, self.workspace.watched)
+        return Equations(KERNEL.address, p.address, w.address, self.workspace.watched)
 
     def error_scales(self, crank_speed: float) -> Array:
         """Size of each controlled state, to which the relative tolerance refers: fixed, so that none vanishes (equation 5.10).
@@ -231,9 +237,10 @@ class BeamModel:
         Raises:
             ObservationFailed: the loop does not close in a state.
         """
-        rows = np.zeros(len(states), ROW)
+        rows, states, rate = np.zeros(len(states), ROW), np.ascontiguousarray(states, dtype=float), np.empty(states.shape[1])
         p, w = self._at
-        filled = observe_states(kernel(), p.address, w.address, np.ascontiguousarray(states), rows)
+        arrays = states.ctypes.data, *states.shape, rate.ctypes.data, rows.ctypes.data
+        filled = OBSERVATIONS(KERNEL.address, p.address, w.address, *arrays)
         if filled < len(states):
             raise ObservationFailed(filled)
         alone = self.parameters.constraint == BASE

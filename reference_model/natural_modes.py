@@ -13,10 +13,10 @@ from functools import cache, lru_cache
 from typing import Final
 
 import numpy as np
-import scipy
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene, Tip
 from quickreturn.reference_model.rigid import crank_pace
 
@@ -186,7 +186,7 @@ def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[
     both = free[:, None], free
     # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
     # exact however short and stiff a span is
-    inverse_squares, vectors = scipy.linalg.eigh(M[both], K[both])
+    inverse_squares, vectors = eigh(M[both], K[both])
     inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
     full = np.zeros((len(M), count))
     full[free] = vectors

@@ -11,6 +11,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.eigenproblem import eigh
+
 #: Degree of the polynomials that represent a transcendental mode on one cell; with at most a quarter of a wave per cell the
 #: representation error is below 1e-12 of the mode's amplitude and 1e-9 of its curvature.
 MODE_DEGREE = 13
@@ -133,6 +135,6 @@ def decoupled(shapes: ShapeSet, mass_per_length: float, bending_stiffness: float
     mass = (mass_per_length or 1.0) * value.T @ (dx[:, None] * value)
     stiffness = bending_stiffness * curvature.T @ (dx[:, None] * curvature)
     # M v = v / omega^2 K v: rounding errors are relative to the largest eigenvalue, which then belongs to the lowest mode
-    inverse_squares, vectors = scipy.linalg.eigh(mass, stiffness)
+    inverse_squares, vectors = eigh(mass, stiffness)
     inverse_squares, vectors = inverse_squares[::-1], vectors[:, ::-1] / np.sqrt(inverse_squares[::-1])
     return ShapeSet(shapes.edges, shapes.coefficients @ vectors, shapes.has_continuous_curvature), 1.0 / inverse_squares

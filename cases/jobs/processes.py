@@ -70,7 +70,7 @@ class LocalProcesses:
         limits: see `cases.jobs.job.Executor`; None: `default_limits`.
         preload: modules that the fork server imports once; only the first job of a process decides.
         quiet: whether progress is not reported.
-        meanwhile: modules that this process imports while the fork server imports its own.
+        meanwhile: modules that this process imports while others compute.
     """
 
     def __init__(
@@ -88,8 +88,8 @@ class LocalProcesses:
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`."""
-        for module in self._meanwhile if jobs else ():
-            import_module(module)
+        if jobs:
+            threading.Thread(target=lambda: [import_module(module) for module in self._meanwhile]).start()
         ended = threading.Event()
         pool = ThreadPoolExecutor(self.at_once)
         try:

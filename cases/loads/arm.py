@@ -18,11 +18,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.splines import CubicSpline
 from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -127,7 +127,7 @@ def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
     base, time, angle = scene.base, columns["time"], columns["follower_angle"]
     turning = columns.get("base_torque", np.zeros(time.size))
     acceleration, error = _second_derivative(time, angle)
-    moment = base.inertia * acceleration + base.damping * scipy.interpolate.CubicSpline(time, angle)(time, 1) - turning
+    moment = base.inertia * acceleration + base.damping * CubicSpline(time, angle)(time, 1) - turning
     return moment - _damping(scene, columns, power=1), base.inertia * error
 
 
@@ -146,7 +146,7 @@ def _damping(scene: Scene, columns: Mapping[str, Array], power: int) -> Array:
         return np.zeros(time.size)
     deflections = np.array([np.zeros(time.size), *(columns[name] for name in SHAPE), columns["tip_deflection"]])
     x = np.linspace(0.0, follower.length, TWELFTHS + 1)
-    rates = scipy.interpolate.CubicSpline(time, deflections, axis=1)(time, 1)
+    rates = CubicSpline(time, deflections.T)(time, 1).T
     simpson = x[1] / 3.0 * np.array([1.0, *[4.0, 2.0] * (TWELFTHS // 2 - 1), 4.0, 1.0])
     return np.asarray(follower.damping * (simpson * x**power) @ rates)
 
@@ -193,9 +193,9 @@ def _angles(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> 
 
 def _second_derivative(time: Array, values: Array) -> tuple[Array, Array]:
     """Second derivative of the cubic spline through a signal, and its difference from that of the spline through every other sample."""
-    second = scipy.interpolate.CubicSpline(time, values)(time, 2)
+    second = CubicSpline(time, values)(time, 2)
     fewer = np.append(np.arange(0, time.size - 1, 2), time.size - 1)
-    return second, np.abs(scipy.interpolate.CubicSpline(time[fewer], values[fewer])(time, 2) - second)
+    return second, np.abs(CubicSpline(time[fewer], values[fewer])(time, 2) - second)
 
 
 def interpolated(x: Array, known: KnownMoments, parity: int | None = None) -> Array:

@@ -6,6 +6,8 @@ import numpy as np
 import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.splines import CubicSpline
+
 Array = NDArray[np.float64]
 
 #: Largest ratio of a spline's error at a corner between two samples to the error of a spline through every other sample at the nearest
@@ -56,9 +58,9 @@ def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extr
         start: s, within the samples but for round-off.
         end: s, likewise.
     """
-    curve = scipy.interpolate.CubicSpline(time, signal)
-    turning = curve.derivative().roots(extrapolate=False)
-    inside = turning[(turning > start) & (turning < end)]  # NaN, which stands for a level stretch, is not
+    curve = CubicSpline(time, signal)
+    turning = curve.turning_points()
+    inside = turning[(turning > start) & (turning < end)]
     instants = np.concatenate([np.clip([start, end], time[0], time[-1]), inside])
     values, left_out = curve(instants), _left_out(time, signal)
 
@@ -76,5 +78,5 @@ def _left_out(time: Array, signal: Array) -> Array:
     for first in (1, 2):
         between = np.arange(first, time.size - 1, 2)
         kept = np.delete(np.arange(time.size), between)
-        missed[between] = np.abs(signal[between] - scipy.interpolate.CubicSpline(time[kept], signal[kept])(time[between]))
+        missed[between] = np.abs(signal[between] - CubicSpline(time[kept], signal[kept])(time[between]))
     return missed

@@ -9,7 +9,7 @@ import contextlib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +21,11 @@ from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
 from quickreturn.engines import progress
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
+
+if TYPE_CHECKING:
+    from quickreturn.engines.own.simulation import OwnSimulation
 
 Array = NDArray[np.float64]
 
@@ -113,6 +115,8 @@ def begins_in_orbit(engine: AnyEngine) -> bool:
 
 def find_orbit(mechanism: Mechanism) -> Orbit:
     """Search the periodic state from the standard start, with the settings of `reference` for its default accuracy."""
+    from quickreturn.engines.own.simulation import OwnSimulation
+
     reference, start = ReferenceEngine(), standard_start(mechanism)
     progress.tell(engine=reference.name, phase="searching the periodic state")
     try:
@@ -129,7 +133,7 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
     return Orbit(PeriodicStart.of(state.simulation.present_start()), multiplier, period=state.period)
 
 
-def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimulation | None) -> SteadyState | None:
+def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "OwnSimulation | None") -> SteadyState | None:
     """The periodic state that `reference` finds from a neighbour's, or from the standard start; None if it does not search.
 
     Raises:
@@ -142,8 +146,10 @@ def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: OwnSimul
     return reference.steady_state(scene, start, settings, near, patient=True)
 
 
-def simulation_in(state: SteadyState) -> OwnSimulation:
+def simulation_in(state: SteadyState) -> "OwnSimulation":
     """A new simulation of `reference` in a periodic state, so that the original simulation stays in it."""
+    from quickreturn.engines.own.simulation import OwnSimulation
+
     simulation = state.simulation
     assert isinstance(simulation, OwnSimulation)
     return OwnSimulation(simulation.model, simulation.state, simulation.tolerance, simulation.setup_seconds)

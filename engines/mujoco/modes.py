@@ -4,11 +4,12 @@ import math
 
 import mujoco
 import numpy as np
-import scipy.linalg
+import scipy  # whose linear algebra is imported when it is used
 from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco import chain
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
+from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, changed
 
 
@@ -26,7 +27,7 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
         stiffness = stiffness + mechanism.slider.closed_stiffness * np.outer(constraint, constraint)
     else:
         free = scipy.linalg.null_space(constraint[None, :])
-    squares = scipy.linalg.eigvalsh(free.T @ stiffness @ free, free.T @ mass @ free) if free.size else np.empty(0)
+    squares = eigh(free.T @ stiffness @ free, free.T @ mass @ free)[0] if free.size else np.empty(0)
     return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * math.pi)
 
 
@@ -67,7 +68,7 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
 def _fastest(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:
     """Largest modulus of the roots of a linear system, 1/s."""
     if not damping.any():
-        return float(np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)[-1]))
+        return float(np.sqrt(eigh(stiffness, mass)[0][-1]))
     zero = np.zeros_like(mass)
     first_order = np.block([[zero, np.eye(len(mass))], [-np.linalg.solve(mass, np.hstack([stiffness, damping]))]])
     return float(np.max(np.abs(np.linalg.eigvals(first_order))))

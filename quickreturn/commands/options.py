@@ -257,8 +257,10 @@ def quiet() -> bool:
 def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Workshop":
     """The store of results and what computes, by the options of `of_workshop` or `limited`: processes of this machine, or a cluster.
 
-    The store prints its notices at once. A message says what will run on which engines, before the slow imports.
+    The store prints its notices at once. A message says what will run on which engines, before the slow imports; those of the processes
+    begin here, too.
     """
+    from quickreturn.cases.jobs import fork_server
     from quickreturn.cases.jobs.processes import LocalProcesses
     from quickreturn.cases.jobs.store import Store
     from quickreturn.cases.jobs.workshop import Workshop
@@ -271,6 +273,9 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
         workshop = Workshop(store, context.with_resource(cluster(address, limits(), quiet())))
     else:
         workshop = Workshop(store, LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
+        if cases:
+            fork_server.get_ready(fork_server.PRELOAD)
+            context.call_on_close(fork_server.not_needed)
     meta[STORE] = store
     tell_doubts(cases)
     if cases:
@@ -282,7 +287,7 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
 def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()) -> "tuple[list[Outcome[T]], Store | None]":
     """The outcomes of jobs under the options of `limited` and `stored`, and the store, if there is one; a message names stored results.
 
-    `meanwhile`: modules that this process imports while others get ready to compute.
+    `meanwhile`: modules that this process imports while others compute.
     """
     from quickreturn import questions
     from quickreturn.cases.jobs import fork_server

@@ -98,11 +98,11 @@ def _derived(scene: "Scene") -> dict[str, dict[str, Any]]:
 
 def _models(scene: Any) -> list[dict[str, Any]]:
     """What each engine builds, or in "refused" the reason why it does not."""
-    from quickreturn.engines.registry import OWN
+    from quickreturn.engines.registry import LIGHT
     from quickreturn.questions import asked_of_all, model
 
     found = []
-    for outcome in asked_of_all(model, (scene,), "models", OWN - {"exudyn", "mujoco"}):
+    for outcome in asked_of_all(model, (scene,), "models", LIGHT - {"exudyn", "mujoco"}):
         built = vars(outcome.value) if outcome.value else {}
         found.append({"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built})
     return found

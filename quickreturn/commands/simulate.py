@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
 #: Modules that this process imports while workers simulate, to show their results.
-_SHOWING: Final = ("quickreturn.reports.tables.strength", "scipy.interpolate")
+_SHOWING: Final = ("quickreturn.reports.tables.strength",)
 
 #: Further keys of a simulation's JSON document, with the values that they have after a failure without any.
 _NOTHING: Final[dict[str, Any]] = {
@@ -88,16 +88,17 @@ def command(
     """
     from quickreturn import questions
     from quickreturn.cases.jobs.fork_server import get_ready
-    from quickreturn.commands.trajectories import attempts
     from quickreturn.reference_model.errors import ExitCode
-    from quickreturn.reports.output import check_writable, print_json
 
     if no_estimate and accuracy is not None:
         raise click.UsageError(
             f"--accuracy {accuracy:g} and --no-estimate are both given; the estimate alone shows what is reached, give one of them"
         )
     overrides, settings = options.read_assignments(assignments)
-    get_ready(questions.COMPUTING)
+    get_ready(questions.COMPUTING)  # what it imports takes longer than what this process does
+    from quickreturn.commands.trajectories import attempts
+    from quickreturn.reports.output import check_writable, print_json
+
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
     places = _places(output, loaded, engines)
     for case, name in itertools.product(loaded, engines):

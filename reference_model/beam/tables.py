@@ -9,14 +9,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
-from quickreturn.reference_model.machine.pointers import on_lines
+from quickreturn.reference_model.machine.memory import on_lines
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
 from quickreturn.reference_model.motion.layout import Tables
 from quickreturn.reference_model.shapes import ShapeSet
+from quickreturn.reference_model.splines import spline_coefficients
 
 Array = NDArray[np.float64]
 
@@ -208,35 +208,6 @@ def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Arr
     inboard = max(cells // 2, 1)
     middle = float(edges[inboard])
     return _tables(middle, middle, coefficients, False, points, np.array([inboard - 1.0]), cells)._replace(step=length)
-
-
-def spline_coefficients(nodes: Array, values: Array) -> Array:
-    """Coefficients of the cubic spline through values at nodes; its first two pieces are one cubic, and so are its last two ("not a knot").
-
-    It equals scipy's `CubicSpline` to the last digit, whose module takes 0.3 s to import.
-
-    Args:
-        nodes: increasing, shape (k,), at least four.
-        values: shape (k, m).
-
-    Returns:
-        Coefficients of each piece in powers of the distance from its left node, the third power first, shape (k - 1, 4, m).
-    """
-    steps = np.diff(nodes)
-    h = steps[:, None]
-    slope = np.diff(values, axis=0) / h
-    bands, right = np.zeros((3, len(nodes))), np.empty_like(values)
-    bands[1, 1:-1] = 2.0 * (steps[:-1] + steps[1:])
-    bands[0, 2:], bands[2, :-2] = steps[:-1], steps[1:]
-    right[1:-1] = 3.0 * (h[1:] * slope[:-1] + h[:-1] * slope[1:])
-    first, last = nodes[2] - nodes[0], nodes[-1] - nodes[-3]
-    bands[1, 0], bands[0, 1] = steps[1], first
-    bands[1, -1], bands[2, -2] = steps[-2], last
-    right[0] = ((h[0] + 2.0 * first) * h[1] * slope[0] + h[0] ** 2 * slope[1]) / first
-    right[-1] = (h[-1] ** 2 * slope[-2] + (2.0 * last + h[-1]) * h[-2] * slope[-1]) / last
-    rates = solve_banded((1, 1), bands, right, overwrite_ab=True, overwrite_b=True)
-    third = (rates[:-1] + rates[1:] - 2.0 * slope) / h
-    return np.stack([third / h, (slope - rates[:-1]) / h - third, rates[:-1], values[:-1]], axis=1)
 
 
 def _fixed_rows(shapes: ShapeSet, squares: Array, s: Array, edges: Array, points: int) -> Array:

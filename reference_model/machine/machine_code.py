@@ -10,6 +10,7 @@ import hashlib
 import os
 import shutil
 import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -22,7 +23,7 @@ _TEMPORARY: Final = "-temporary-"
 
 def choose_cache_folder() -> None:
     """Set the environment variable that numba reads at its import, unless the user has set it to a folder that can be written."""
-    given, name = os.environ.get(VARIABLE), f"{_OURS}{_source_hash()}"
+    given, name = os.environ.get(VARIABLE), f"{_OURS}{source_hash()}"
     if given and (not Path(given).name.startswith(_OURS) or Path(given).name.startswith(f"{name}{_TEMPORARY}")) and _writable(Path(given)):
         return
     for home in (_PACKAGE / "__pycache__", Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "quickreturn"):
@@ -51,7 +52,8 @@ def _writable(folder: Path) -> bool:
     return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
 
 
-def _source_hash() -> str:
+@cache
+def source_hash() -> str:
     """Hash of the sources of this package and of the engines beside it, which compile code that calls into it."""
     digest = hashlib.sha256()
     for folder in (_PACKAGE, _PACKAGE.parent / "engines"):

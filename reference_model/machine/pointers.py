@@ -5,19 +5,15 @@ equations of motion therefore receive parameters and workspace by address, and t
 compiled only once.
 """
 
-import math
 from typing import Any, Final
 
 import llvmlite.ir as ir
-import numpy as np
 from numba import extending, types
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
 from numba.np.arrayobj import make_array, populate_array
-from numba.np.numpy_support import as_dtype
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.machine.memory import annotations_of
 
 intrinsic: Any = extending.intrinsic  # its type hints count the compiler's own argument
 
@@ -32,12 +28,6 @@ MEMBERS: Final[dict[str, Any]] = {
     "Cube": types.Array(types.float64, 3, "C"),
 }
 
-#: Names of `MEMBERS` for C-contiguous arrays of one, two and three dimensions.
-Vector = NDArray[np.float64]
-ComplexVector = NDArray[np.complex128]
-Matrix = NDArray[np.float64]
-Cube = NDArray[np.float64]
-
 
 def tuple_type(named_tuple: Any, **nested: types.Type) -> types.NamedTuple:
     """The compiled type of a `NamedTuple` class.
@@ -46,7 +36,7 @@ def tuple_type(named_tuple: Any, **nested: types.Type) -> types.NamedTuple:
         named_tuple: members are annotated, as text, with names of `MEMBERS`.
         nested: types of members that are tuples or records themselves, by the member's name.
     """
-    annotations = {name: getattr(text, "__forward_arg__", text) for name, text in named_tuple.__annotations__.items()}
+    annotations = annotations_of(named_tuple)
     return types.NamedTuple([nested.get(name) or MEMBERS[annotations[name]] for name in named_tuple._fields], named_tuple)
 
 
@@ -102,13 +92,18 @@ def _load_member(context: Any, builder: Any, at: At, address: Any, name: str) ->
         return builder.trunc(load(first, ir.IntType(64)), ir.IntType(1))
     if not isinstance(kind, types.Array):
         return load(first, context.get_value_type(kind))
-    array = make_array(kind)(context, builder)  # Python owns it: compiled code has no part in counting its references
     word = context.get_value_type(types.intp)
     shape = [load(first + 1 + axis, word) for axis in range(kind.ndim)]
-    strides = [context.get_constant(types.intp, kind.dtype.bitwidth // 8)]
+    return _array(context, builder, kind, load(first, context.get_data_type(kind.dtype).as_pointer()), shape)
+
+
+def _array(context: Any, builder: Any, kind: Any, data: Any, shape: list[Any]) -> Any:
+    """An array of Python's memory: compiled code has no part in counting its references."""
+    array = make_array(kind)(context, builder)
+    strides = [context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))]
     for size in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], size))
-    populate_array(array, data=load(first, array.data.type), shape=shape, strides=strides, itemsize=strides[-1], meminfo=None)
+    populate_array(array, data=data, shape=shape, strides=strides, itemsize=strides[-1], meminfo=None)
     return array._getvalue()
 
 
@@ -125,19 +120,19 @@ def reader(pointee: types.NamedTuple) -> Any:
     return at
 
 
-@intrinsic
-def numbers_at(typing: Any, address: Any, size: Any) -> Any:
-    """The `size` numbers at an address, as an array without a copy."""
-    kind = MEMBERS["Vector"]
+def array_at(kind: types.Array) -> Any:
+    """A compiled function from an address and a shape to the array of this type that is there, by the number of its dimensions."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = make_array(kind)(context, builder)
-        width = context.get_constant(types.intp, 8)
-        data = builder.inttoptr(arguments[0], array.data.type)
-        populate_array(array, data=data, shape=[arguments[1]], strides=[width], itemsize=width, meminfo=None)
-        return array._getvalue()
+        data = builder.inttoptr(arguments[0], context.get_data_type(kind.dtype).as_pointer())
+        return _array(context, builder, kind, data, list(arguments[1:]))
 
-    return kind(types.uintp, types.intp), code
+    if kind.ndim == 1:
+        return intrinsic(lambda typing, address, size: (kind(types.uintp, types.intp), code))
+    return intrinsic(lambda typing, address, rows, columns: (kind(types.uintp, types.intp, types.intp), code))
+
+
+numbers_at, matrix_at = array_at(MEMBERS["Vector"]), array_at(MEMBERS["Matrix"])
 
 
 @intrinsic
@@ -150,65 +145,3 @@ def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, 
         return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
 
     return types.int64(*[types.uintp] * 6), code
-
-
-def on_lines(shape: tuple[int, ...]) -> Array:
-    """An array of zeros that begins at a cache line (64 bytes), so that the four numbers of one register lie in one line.
-
-    Otherwise half of all groups of four lie across two lines, which costs the integrals a third to a half of their time.
-    """
-    memory = np.zeros(math.prod(shape) + 7)
-    first = -memory.ctypes.data % 64 // 8
-    return memory[first : first + math.prod(shape)].reshape(shape)
-
-
-class Placed:
-    """A tuple of constants and arrays laid out in memory for compiled code; the object keeps the arrays alive.
-
-    Args:
-        value: the tuple.
-        kind: its compiled type.
-
-    Attributes:
-        address: of its memory.
-
-    Raises:
-        TypeError: a member is not what its annotation says.
-    """
-
-    def __init__(self, value: Any, kind: types.NamedTuple) -> None:
-        self.value = value
-        self._memory = on_lines((_words(kind),))
-        self.address = int(self._memory.ctypes.data)
-        _lay(value, kind, self._memory)
-
-
-def _lay(value: Any, kind: Any, words: Array) -> None:
-    """Write the members of a tuple into its words."""
-    if value._fields != kind.fields:
-        raise TypeError(f"{type(value).__name__} has not the members of {kind.name}")
-    whole, first = words.view(np.int64), 0
-    for name, member, expected in zip(value._fields, value, kind.types, strict=True):
-        last = first + _words(expected)
-        if isinstance(expected, types.BaseNamedTuple):
-            _lay(member, expected, words[first:last])
-        elif not _is(member, expected):  # compiled code would read numbers that are not there
-            raise TypeError(f"not as annotated: {name} of {type(value).__name__}")
-        elif isinstance(expected, types.Array):
-            whole[first:last] = member.ctypes.data, *member.shape
-        elif isinstance(expected, types.Record):
-            whole[first] = member.__array_interface__["data"][0]
-        else:
-            (words if expected == types.float64 else whole)[first] = member
-        first = last
-
-
-def _is(member: Any, kind: Any) -> bool:
-    """Whether a member is of its compiled type."""
-    if isinstance(kind, types.Array):
-        if not isinstance(member, np.ndarray):
-            return False
-        return member.flags.carray and member.ndim == kind.ndim and member.dtype == as_dtype(kind.dtype)
-    if isinstance(kind, types.Record):
-        return isinstance(member, np.record) and member.dtype == as_dtype(kind)
-    return isinstance(member, {types.float64: float, types.int64: int, types.boolean: bool}[kind])

@@ -7,17 +7,17 @@ the base's motion is prescribed, time takes the place of q1 (equation 11.4).
 """
 
 import math
-from functools import cache
 from typing import Any, Final
 
 import numba
 import numpy as np
-from numba import types
+from numba import from_dtype, types
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import Rows
+from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.machine.compilation import KERNEL, compiled, inlined, stage
-from quickreturn.reference_model.machine.pointers import call_equations, numbers_at
+from quickreturn.reference_model.machine.pointers import array_at, call_equations, numbers_at
+from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
     assemble,
@@ -33,12 +33,14 @@ from quickreturn.reference_model.motion.inertia import (
     relative_velocities,
     slider_force,
 )
-from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace, parameters_at, workspace_at
+from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
 from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, move_loop, share_force
 from quickreturn.reference_model.motion.observe import base_motion, observe
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 
 Array = NDArray[np.float64]
+
+rows_at = array_at(types.Array(from_dtype(ROW), 1, "C"))
 
 #: Rate (1/s) at which errors of the slider's arc length decay.
 FEEDBACK: Final = 100.0
@@ -201,11 +203,9 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
     return 1
 
 
-@cache
-def kernel() -> int:
-    """Address of the equations of motion, compiled or loaded from the disk at the first call."""
-    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
-    return int(compiled_kernel.address)
+def kernel() -> Any:
+    """The equations of motion, compiled; all arguments are addresses."""
+    return numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
 
 
 @compiled
@@ -214,15 +214,21 @@ def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Ar
     return call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 0) == 1
 
 
-@compiled
-def observe_states(equations: int, parameters: int, workspace: int, states: Array, rows: Rows) -> int:
-    """Fill `rows` (k,) of `columns.ROW` from `states` (k, size); returns the number of rows filled before an impossible state."""
-    p, w = parameters_at(parameters), workspace_at(workspace)
-    rate = np.empty(states.shape[1])
-    for k in range(len(states)):
-        y = states[k]
-        if call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 1) == 0:
+def _observe_states(equations: int, parameters: int, workspace: int, states: int, count: int, size: int, rate: int, rows: int) -> int:
+    """Fill `rows` (count,) of `columns.ROW` from `states` (count, size); the number of rows filled before a state that cannot be.
+
+    Arrays by address; `rate` (size,) is overwritten.
+    """
+    p, w, filled = parameters_at(parameters), workspace_at(workspace), rows_at(rows, count)
+    for k in range(count):
+        state = states + 8 * size * k
+        if call_equations(equations, parameters, workspace, state, rate, 1) == 0:
             return k
-        if not observe(p, p.tables, w, y, rows[k]):
+        if not observe(p, p.tables, w, numbers_at(state, size), filled[k]):
             return k
-    return len(states)
+    return count
+
+
+def observations() -> Any:
+    """`_observe_states`, compiled."""
+    return numba.cfunc(types.int64(*[types.int64] * 8), cache=True, **KERNEL)(_observe_states)

@@ -8,10 +8,9 @@ from __future__ import annotations
 import math
 from typing import Any, Final, NamedTuple
 
-import numba
 import numpy as np
 
-from quickreturn.reference_model.machine.pointers import ComplexVector, Cube, Matrix, Vector, on_lines, reader, tuple_type
+from quickreturn.reference_model.machine.memory import ComplexVector, Cube, Matrix, Vector, on_lines
 
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
 #: of four.
@@ -216,13 +215,6 @@ class Workspace(NamedTuple):
     recovered_place: Vector  # (2 N,) m
     watched: Vector  # (2,) read by the integrator: s, m; highest angular frequency, rad/s, 0 if unknown
     facts: Facts
-
-
-TABLES_TYPE: Final = tuple_type(Tables)
-PARAMETERS_TYPE: Final = tuple_type(Parameters, tables=TABLES_TYPE)
-WORKSPACE_TYPE: Final = tuple_type(Workspace, facts=numba.from_dtype(FACTS))
-parameters_at = reader(PARAMETERS_TYPE)
-workspace_at = reader(WORKSPACE_TYPE)
 
 
 def workspace(p: Parameters) -> Workspace:

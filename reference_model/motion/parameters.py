@@ -3,7 +3,7 @@
 import numpy as np
 
 from quickreturn.reference_model.constants import constants, unslowed
-from quickreturn.reference_model.machine.pointers import Vector
+from quickreturn.reference_model.machine.memory import Vector
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import Parameters, ShapeRow, Tables
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint

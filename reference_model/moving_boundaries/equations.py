@@ -14,7 +14,8 @@ from numba import types
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.machine.compilation import KERNEL, stage
-from quickreturn.reference_model.machine.pointers import Cube, Matrix, Vector, numbers_at, reader, tuple_type
+from quickreturn.reference_model.machine.memory import Cube, Matrix, Vector
+from quickreturn.reference_model.machine.pointers import numbers_at, reader, tuple_type
 from quickreturn.reference_model.moving_boundaries import tables as t
 from quickreturn.reference_model.tip_force import share_of_force
 

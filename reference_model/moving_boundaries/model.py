@@ -5,11 +5,11 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.constants import characteristic_frequency, constants
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
-from quickreturn.reference_model.machine.pointers import Placed
+from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.equations import evaluate
 from quickreturn.reference_model.moving_boundaries import tables as t
-from quickreturn.reference_model.moving_boundaries.equations import PARAMETERS_TYPE, WORKSPACE_TYPE, Parameters, Workspace, kernel
+from quickreturn.reference_model.moving_boundaries.equations import Parameters, Workspace, kernel
 from quickreturn.reference_model.moving_boundaries.observables import observables
 from quickreturn.reference_model.periodic import eigenvalues
 from quickreturn.reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
@@ -49,7 +49,7 @@ class MovingBoundariesModel:
         )
         rows, signals = np.zeros((3, self.parameters.coefficients.shape[2])), np.zeros((t.VECTORS + t.MATRICES, 4))
         self.workspace = Workspace(rows, signals, np.zeros(4), np.zeros(2))
-        self._at = Placed(self.parameters, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
+        self._at = Placed(self.parameters), Placed(self.workspace)
 
     def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
         """State vector (2 n + 4,) with the follower straight and moving as the rigid mechanism does."""

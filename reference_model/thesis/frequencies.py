@@ -1,9 +1,9 @@
 """Natural frequencies of the explicit model with the crank frozen (thesis/DERIVATION.md, section 7)."""
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.tables import build_tables
@@ -35,6 +35,5 @@ def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, co
     mass += mechanism.slider.inertia * np.outer(slider_turn, slider_turn)
     stiffness = beam.bending_stiffness * tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)
     # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
-    wanted = min(count, shapes.count)
-    inverse_squares = scipy.linalg.eigh(mass, stiffness, eigvals_only=True, subset_by_index=(shapes.count - wanted, shapes.count - 1))[::-1]
+    inverse_squares = eigh(mass, stiffness)[0][::-1][:count]
     return 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))

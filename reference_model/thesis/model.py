@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.integrate import Integration
-from quickreturn.reference_model.machine.pointers import Placed
+from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.model import ObservationFailed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
 from quickreturn.reference_model.thesis.lsoda import integrate_lsoda
-from quickreturn.reference_model.thesis.parameters import PARAMETERS_TYPE, WORKSPACE_TYPE, build_parameters, build_workspace, state_size
+from quickreturn.reference_model.thesis.parameters import build_parameters, build_workspace, state_size
 from quickreturn.reference_model.thesis.tables import POINTS
 
 Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ class ThesisModel:
         self.workspace = build_workspace(self.parameters.tables)
         self._alone = scene.crank is None
         self._function = base_right_hand_side if self._alone else right_hand_side
-        self._at = Placed(self.parameters, PARAMETERS_TYPE), Placed(self.workspace, WORKSPACE_TYPE)
+        self._at = Placed(self.parameters), Placed(self.workspace)
 
     @property
     def degrees_of_freedom(self) -> int:

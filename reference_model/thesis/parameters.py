@@ -8,7 +8,8 @@ import numpy as np
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
-from quickreturn.reference_model.machine.pointers import Cube, Matrix, Vector, reader, tuple_type
+from quickreturn.reference_model.machine.memory import Cube, Matrix, Vector
+from quickreturn.reference_model.machine.pointers import reader, tuple_type
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import deflection_scale
 from quickreturn.reference_model.shapes import ShapeSet

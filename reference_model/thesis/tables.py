@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.machine.compilation import stage
-from quickreturn.reference_model.machine.pointers import Matrix, Vector, tuple_type
+from quickreturn.reference_model.machine.memory import Matrix, Vector
+from quickreturn.reference_model.machine.pointers import tuple_type
 from quickreturn.reference_model.shapes import ShapeSet
 
 POINTS = 6  # Gauss points of a cell

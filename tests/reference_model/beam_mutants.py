@@ -58,7 +58,7 @@ LANES: Mapping[str, Callable[..., Any]] = {
 }
 SOURCE = Source(
     modules=(plane, fields, loop, inertia, observe, equations),
-    no_equations=frozenset({"_factor", "_substitute", "kernel", "evaluate", "observe_states"}),
+    no_equations=frozenset({"_factor", "_substitute", "kernel", "evaluate", "_observe_states", "observations"}),
     stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "cache", "parameters_at", "workspace_at"), plain)
     | {"numbers_at": lambda array, size: array}
     | LANES,

@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import BEARINGS, BENDING, ROW, SHAPE, recorded_columns
 from quickreturn.reference_model.machine.compilation import compiled
-from quickreturn.reference_model.machine.pointers import Placed
+from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
 from quickreturn.reference_model.thesis import equations as thesis_equations
 from quickreturn.reference_model.thesis import kinematics
 from quickreturn.reference_model.thesis.dynamics import evaluate
 from quickreturn.reference_model.thesis.parameters import (
-    PARAMETERS_TYPE,
-    WORKSPACE_TYPE,
     Parameters,
     Workspace,
     build_parameters,
@@ -53,7 +51,7 @@ def _evaluate(parameters: int, workspace: int, y: Array) -> tuple[bool, kinemati
 
 def _by_address(function: Callable[..., Any]) -> Callable[..., Any]:
     def call(p: Parameters, w: Workspace, *arrays: Array) -> Any:
-        at = Placed(p, PARAMETERS_TYPE), Placed(w, WORKSPACE_TYPE)
+        at = Placed(p), Placed(w)
         return function(at[0].address, at[1].address, *arrays)
 
     return call

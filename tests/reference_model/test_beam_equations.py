@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.motion.equations import FEEDBACK, evaluate, kernel
+from quickreturn.reference_model.model import KERNEL
+from quickreturn.reference_model.motion.equations import FEEDBACK, evaluate
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
@@ -135,7 +136,7 @@ def test_states_that_cannot_be_are_refused_without_an_exception(name: str) -> No
         bad[index] = value
         rate = np.zeros_like(bad)
         p, w = model._at
-        assert not evaluate(kernel(), p.address, w.address, bad, rate)
+        assert not evaluate(KERNEL.address, p.address, w.address, bad, rate)
         assert np.all(np.isnan(rate))
 
 

@@ -11,8 +11,8 @@ from numba import types
 from numpy.polynomial.polynomial import polyval
 
 from quickreturn.reference_model import dop853, integrate
-from quickreturn.reference_model.beam.tables import spline_coefficients
 from quickreturn.reference_model.machine.pointers import numbers_at
+from quickreturn.reference_model.splines import spline_coefficients
 
 
 def test_coefficients_are_those_of_scipy() -> None:

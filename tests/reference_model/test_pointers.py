@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.machine.compilation import compiled
-from quickreturn.reference_model.machine.pointers import ComplexVector, Cube, Matrix, Placed, Vector, reader, tuple_type
+from quickreturn.reference_model.machine.memory import ComplexVector, Cube, Matrix, Placed, Vector
+from quickreturn.reference_model.machine.pointers import reader, tuple_type
 
 FACTS = np.dtype((np.record, [("whole", np.int64), ("part", np.float64)]))
 
@@ -54,7 +55,7 @@ def read(address: int) -> tuple[Any, ...]:
 
 def test_compiled_code_reads_and_writes_the_members() -> None:
     value = example()
-    assert read(Placed(value, OUTER).address) == (True, False, -7, 2.5, 5.0, 1.0 + 2.0j, 5.0, 23.0, 4, (2, 3), (2, 3, 4))
+    assert read(Placed(value, facts=FACTS).address) == (True, False, -7, 2.5, 5.0, 1.0 + 2.0j, 5.0, 23.0, 4, (2, 3), (2, 3, 4))
     assert (value.matrix[0, 1], value.facts.part) == (11.0, 12.0)
 
 
@@ -73,4 +74,4 @@ def test_compiled_code_reads_and_writes_the_members() -> None:
 )
 def test_a_member_of_another_type_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(TypeError, match="not as annotated"):
-        Placed(example()._replace(**wrong), OUTER)
+        Placed(example()._replace(**wrong), facts=FACTS)

@@ -1,0 +1,187 @@
+"""The compiled loop of DOP853 (see `integrate`)."""
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, A
+from quickreturn.reference_model.integrate import (
+    CEILING,
+    LEFT_FOLLOWER,
+    MAX_CALLS,
+    NOT_A_NUMBER,
+    REACHED_END,
+    STAGES,
+    STEP_TOO_SMALL,
+    TOO_MANY_CALLS,
+)
+from quickreturn.reference_model.machine.compilation import KERNEL, compiled, without_references
+from quickreturn.reference_model.machine.pointers import call_equations, matrix_at, numbers_at
+
+
+@compiled
+def leaving_time(
+    function: int,
+    parameters: int,
+    workspace: int,
+    watched: NDArray[np.float64],
+    y: NDArray[np.float64],
+    K: NDArray[np.float64],
+    h: float,
+    limit: float,
+) -> float:
+    """Fraction of the step at which the slider passes `limit`, by bisection."""
+    state, rate = np.empty(len(y)), np.empty(len(y))
+    low, high = 0.0, 1.0
+    for _ in range(45):
+        middle = 0.5 * (low + high)
+        interpolate(y, K, h, middle, state)
+        if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data, 0) == 1 and watched[0] <= limit:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@without_references
+def _dop853(
+    function: int,
+    parameters: int,
+    workspace: int,
+    watched: NDArray[np.float64],
+    y: NDArray[np.float64],
+    output_step: float,
+    intervals: int,
+    scales: NDArray[np.float64],
+    limit: float,
+    step: float,
+    states: NDArray[np.float64],
+    K: NDArray[np.float64],
+    scratch: NDArray[np.float64],
+) -> tuple[int, int, float, int, float]:
+    controlled = len(scales)
+    end = output_step * intervals
+    t = 0.0
+    new, trial = scratch[0], scratch[1]
+    _copy(y, states[0])
+    rows, calls = 1, 0
+    if step <= 0.0:
+        step = min(1e-5, end)
+    rejected, first_stage = False, 0
+    while t < end:
+        if step < 1e-13 or calls > MAX_CALLS:
+            return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step
+        h = min(step, end - t)
+        last = h >= end - t
+        for stage in range(first_stage, STAGES + 1):
+            state = new if stage == STAGES else trial
+            _stage_state(y, K, stage, h, state)
+            calls += 1
+            if call_equations(function, parameters, workspace, state.ctypes.data, K[stage].ctypes.data, 0) == 0:
+                if stage == 0:
+                    return NOT_A_NUMBER, rows, t, calls, step
+                norm = 1e9
+                break
+        else:
+            norm = _error_norm(K, h, scales, controlled)
+        first_stage = 1
+        if not norm < 1.0:  # also where the norm is nan
+            step = h * (max(0.333, 0.9 * norm**-0.125) if norm < 1e8 else 0.25)
+            rejected = True
+            continue
+        if watched[0] > limit:
+            return LEFT_FOLLOWER, rows, t, calls, h
+        while rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12):
+            interpolate(y, K, h, min((rows * output_step - t) / h, 1.0), states[rows])
+            rows += 1
+        t = end if last else t + h
+        _copy(new, y)
+        _copy(K[STAGES], K[0])
+        growth = 5.0 if norm < 1e-12 else min(5.0, 0.9 * norm**-0.125)
+        # a step cut at the end of the interval says nothing about the next
+        step = max(step, h) if last and h < step else h * (min(growth, 1.0) if rejected else growth)
+        if step * watched[1] > CEILING:
+            step = CEILING / watched[1]
+        rejected = False
+    return REACHED_END, rows, t, calls, step
+
+
+@without_references
+def _copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+@without_references
+def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
+    for i in range(len(y)):
+        out[i] = y[i]
+    for j in range(stage):
+        weight = h * A[stage, j]
+        if weight != 0.0:
+            for i in range(len(y)):
+                out[i] += weight * K[j, i]
+
+
+@without_references
+def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], controlled: int) -> float:
+    error5 = error3 = 0.0
+    for i in range(controlled):
+        e5 = e3 = 0.0
+        for stage in range(STAGES + 1):
+            e5 += E5[stage] * K[stage, i]
+            e3 += E3[stage] * K[stage, i]
+        error5 += (e5 / scales[i]) ** 2
+        error3 += (e3 / scales[i]) ** 2
+    if error5 == 0.0 and error3 == 0.0:
+        return 0.0
+    return h * error5 / math.sqrt((error5 + 0.01 * error3) * controlled)
+
+
+@without_references
+def interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: float, out: NDArray[np.float64]) -> None:
+    """The state at the fraction `u` of the step from `y` on, by its stages' rates `K` (equation 5.16)."""
+    _copy(y, out)
+    for j in range(len(INTERPOLATED)):
+        weight = 0.0
+        for power in range(INTERPOLATION.shape[1] - 1, -1, -1):
+            weight = weight * (2.0 * u - 1.0) + INTERPOLATION[j, power]
+        for i in range(len(y)):
+            out[i] += h * weight * K[INTERPOLATED[j], i]
+
+
+def _by_address(
+    function: int,
+    parameters: int,
+    workspace: int,
+    watched: int,
+    y: int,
+    size: int,
+    output_step: float,
+    intervals: int,
+    scales: int,
+    controlled: int,
+    limit: float,
+    step: float,
+    states: int,
+    K: int,
+    scratch: int,
+    reached: int,
+) -> int:
+    """As `_dop853`, with arrays by address; the status, and in `reached` (4,) number of rows, last instant, calls and next step."""
+    at = function, parameters, workspace, numbers_at(watched, 2), numbers_at(y, size)
+    how = output_step, intervals, numbers_at(scales, controlled), limit, step
+    arrays = matrix_at(states, intervals + 1, size), matrix_at(K, STAGES + 1, size), matrix_at(scratch, 2, size)
+    ended = numbers_at(reached, 4)
+    status, ended[0], ended[1], ended[2], ended[3] = _dop853(*at, *how, *arrays)
+    return status
+
+
+def loop() -> Any:
+    """The loop, compiled."""
+    whole, real = types.int64, types.float64
+    return numba.cfunc(whole(*[whole] * 6, real, *[whole] * 3, real, real, *[whole] * 4), cache=True, **KERNEL)(_by_address)

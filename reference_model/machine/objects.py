@@ -1,0 +1,112 @@
+"""Compiled functions that Python calls, kept on the disk as objects that load without the compiler, whose import takes longer than a run.
+
+An object serves on the processor and by the version of LLVM that it was made for, if it is whole and all that it refers to is there.
+Otherwise the compiler compiles the function, or loads it from its own cache.
+"""
+
+import ctypes
+import hashlib
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache, cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Final
+
+import llvmlite
+import llvmlite.binding as llvm
+import numpy as np
+
+from quickreturn.reference_model.machine import machine_code
+
+_ARGUMENTS: Final[dict[str, Any]] = {"i": ctypes.c_int64, "f": ctypes.c_double}
+#: An entry in the table of symbols of an object (ELF, 64 bit); one in section 0 is defined elsewhere.
+_SYMBOL: Final = np.dtype([("name", "<u4"), ("kind", "u1"), ("seen", "u1"), ("section", "<u2"), ("value", "<u8"), ("size", "<u8")])
+#: What holds the loaded code.
+_engines: Final[list[Any]] = []
+
+
+class Entry:
+    """A compiled function of numbers, and of arrays by their addresses, that returns a whole number.
+
+    Args:
+        home: "module:function"; the function returns the compiled one, a `numba.cfunc`.
+        arguments: a letter for each argument: "i" for a whole number or an address, "f" for a number.
+    """
+
+    def __init__(self, home: str, arguments: str) -> None:
+        self._home, self._arguments = home, arguments
+
+    @cached_property
+    def address(self) -> int:
+        """Its address, for other compiled code."""
+        with suppress(OSError, KeyError, ValueError, AttributeError, RuntimeError):  # none is kept, or it is of another system or library
+            return _loaded(self._path)
+        return self.compiled()
+
+    @cached_property
+    def _call(self) -> Any:
+        return ctypes.PYFUNCTYPE(ctypes.c_int64, *(_ARGUMENTS[each] for each in self._arguments))(self.address)
+
+    def __call__(self, *arguments: float) -> int:
+        """Call it."""
+        return int(self._call(*arguments))
+
+    def compiled(self) -> int:
+        """Its address, from the compiler; where that has compiled it just now, the object is kept."""
+        module, _, name = self._home.partition(":")
+        function = getattr(import_module(module), name)()
+        with suppress(AttributeError, RuntimeError, OSError):  # another numba, code from its cache, or a full disk: nothing is kept
+            code, written = function._library._get_compiled_object(), self._path.with_suffix(f".{secrets.token_hex(4)}.part")
+            written.write_bytes(f"{hashlib.sha256(code).hexdigest()} {function.native_name}\n".encode() + code)
+            written.replace(self._path)
+        return int(function.address)
+
+    @property
+    def _path(self) -> Path:
+        return Path(os.environ[machine_code.VARIABLE]) / f"{self._home.rpartition(':')[2]}-{_made_for()}.object"
+
+
+@cache
+def _made_for() -> str:
+    """A hash of the sources, of LLVM's version and of the processor."""
+    made_for = machine_code.source_hash(), llvmlite.__version__, llvm.get_default_triple(), llvm.get_host_cpu_name()
+    return hashlib.sha256(" ".join((*made_for, llvm.get_host_cpu_features().flatten())).encode()).hexdigest()[:16]
+
+
+def _loaded(path: Path) -> int:
+    """The address of the function in an object.
+
+    Raises:
+        OSError: there is no such file.
+        KeyError, ValueError, AttributeError, RuntimeError: it is of another system or library, truncated, or refers to what is not there.
+    """
+    head, _, content = path.read_bytes().partition(b"\n")
+    digest, name = head.decode().split(" ", 1)
+    if digest != hashlib.sha256(content).hexdigest():
+        raise ValueError(f"{path} is truncated")
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), llvm.Target.from_default_triple().create_target_machine())
+    code = llvm.ObjectFileRef.from_data(content)
+    for symbol in _undefined(code):
+        if llvm.address_of_symbol(symbol) is None:
+            if not symbol.startswith("numba_"):
+                raise KeyError(symbol)
+            # the compiler's own, for exceptions, which this code never raises
+            llvm.add_symbol(symbol, ctypes.cast(ctypes.CDLL(None).abort, ctypes.c_void_p).value)
+    engine.add_object_file(code)
+    engine.finalize_object()
+    _engines.append(engine)
+    return int(engine.get_function_address(name))
+
+
+def _undefined(code: llvm.ObjectFileRef) -> Iterator[str]:
+    """Names that an object refers to and does not define. KeyError: it is none of Linux."""
+    sections = {section.name(): section.data() for section in code.sections()}
+    names = sections[b".strtab"]
+    for symbol in np.frombuffer(sections[b".symtab"], _SYMBOL)[1:]:
+        if symbol["section"] == 0:
+            yield names[symbol["name"] : names.index(b"\0", symbol["name"])].decode()

@@ -1,0 +1,96 @@
+"""Compiled functions from objects, and from the compiler where an object does not serve."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from quickreturn.reference_model.integrate import LOOP
+from quickreturn.reference_model.machine import objects
+from quickreturn.reference_model.machine.objects import Entry
+from quickreturn.reference_model.model import KERNEL, OBSERVATIONS, BeamModel
+from tests.engines.scenes import run_24
+
+#: A few steps of run 24 by objects, then a function that the compiler makes, with an exception; prints what was imported.
+AFTERWARDS = """
+import sys
+from quickreturn.reference_model.model import BeamModel
+from tests.engines.scenes import run_24
+model = BeamModel.following(run_24(), 2)
+model.observe(model.integrate(model.straight_state(1.0, 0.0), 1e-3, 3, 1e-5).states)
+print(*sys.modules)
+import numba
+@numba.njit
+def refuse(x):
+    if x > 1.0:
+        raise ValueError("too large")
+    return x
+try:
+    refuse(2.0)
+except ValueError as error:
+    print(error)
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def kept() -> None:
+    """The objects exist."""
+    model = BeamModel.following(run_24(), 2)
+    model.observe(model.integrate(model.straight_state(1.0, 0.0), 1e-3, 3, 1e-5).states)
+
+
+@pytest.fixture
+def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Entry:
+    """The integrator's loop, its object where a test may damage it."""
+    shutil.copy(LOOP._path, tmp_path)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    return Entry(LOOP._home, LOOP._arguments)
+
+
+def test_a_run_needs_no_compiler_and_leaves_it_unharmed() -> None:
+    run = subprocess.run([sys.executable, "-c", AFTERWARDS], capture_output=True, text=True, check=True)
+    imported, told = run.stdout.splitlines()
+    assert not {"numba", "scipy.linalg"} & set(imported.split())
+    assert told == "too large"
+
+
+@pytest.mark.parametrize("entry", [KERNEL, OBSERVATIONS, LOOP], ids=["kernel", "observations", "loop"])
+def test_an_object_refers_to_nothing_that_its_code_could_miss(entry: Entry) -> None:
+    code = objects.llvm.ObjectFileRef.from_data(entry._path.read_bytes().partition(b"\n")[2])
+    undefined = set(objects._undefined(code))
+    assert {name for name in undefined if name.startswith("numba_")} <= {
+        "numba_do_raise",
+        "numba_gil_ensure",
+        "numba_gil_release",
+        "numba_runtime_build_excinfo_struct",
+        "numba_unpickle",
+    }
+    assert not any(name.startswith("NRT_") for name in undefined)
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda content: content[:-100], lambda content: b"", lambda content: b"\0" + content], ids=["short", "empty", "odd"]
+)
+def test_a_damaged_object_is_not_loaded(loop: Entry, damage: object) -> None:
+    loop._path.write_bytes(damage(loop._path.read_bytes()))  # type: ignore[operator]
+    assert loop.address
+    assert loop.address != LOOP.address
+
+
+def test_an_object_that_refers_to_the_unknown_is_not_loaded(loop: Entry, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(objects, "_undefined", lambda code: ["nobody_has_this"])
+    with pytest.raises(KeyError, match="nobody_has_this"):
+        objects._loaded(loop._path)
+    assert loop.address
+
+
+def test_an_object_for_another_processor_is_not_found(loop: Entry, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = loop._path
+    monkeypatch.setattr(objects.llvm, "get_host_cpu_name", lambda: "another")
+    objects._made_for.cache_clear()
+    try:
+        assert loop._path != path
+    finally:
+        objects._made_for.cache_clear()
