@@ -191,7 +191,7 @@ def compilation_announced(quiet: bool) -> Iterator[None]:
 def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> None:
     while not ended.wait(LOOK_INTERVAL):
         if time.process_time() - began > COMPILING_AFTER:
-            _say(f"{engine}: compiling its equations, once for this machine; that takes about half a minute ...")
+            _say(f"{engine}: compiling its equations, once for this machine; that takes some fifteen seconds ...")
             return
 
 

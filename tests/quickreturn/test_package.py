@@ -315,7 +315,7 @@ class Loading(Compiling):
 def test_the_person_who_waits_for_a_compiler_is_told_once(
     call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    told = "  fake: compiling its equations, once for this machine; that takes about half a minute ...\n"
+    told = "  fake: compiling its equations, once for this machine; that takes some fifteen seconds ...\n"
     monkeypatch.setattr("quickreturn.cases.jobs.display.COMPILING_AFTER", 0.1)
     call("small.toml", Compiling())
     assert capfd.readouterr() == ("", told)
