@@ -105,9 +105,9 @@ class _Shape:
         self._deflection, self._deflection_rate = (_zero if field is None else field for field in (deflection, deflection_rate))
         # split at the knots of piecewise polynomials too, so that every integrand is smooth within a panel
         knots = [np.asarray(getattr(field, "x", ())) for field in (deflection, deflection_rate)]
-        edges = np.unique(np.concatenate([np.linspace(0.0, length, _PANELS + 1), *knots]))
+        edges = np.array(sorted({*np.linspace(0.0, length, _PANELS + 1), *np.concatenate([[], *knots])}))
         self._edges = edges[(edges >= 0.0) & (edges <= length)]
-        steepest = float(np.max(np.abs(self.slope(np.union1d(self._edges, _gauss_points(self._edges))))))
+        steepest = float(np.max(np.abs(self.slope(np.append(self._edges, _gauss_points(self._edges))))))
         if not steepest < 1.0:
             raise EngineFailure(0.0, f"the follower's slope W' reaches {steepest:.3g} at the start", "start with a slope below 1")
         self._foreshortening = _cumulative(self._foreshortening_density, self._edges)

@@ -60,7 +60,7 @@ class BeamModes:
         x = np.asarray(arc_lengths, dtype=float)
         values = np.empty((len(self), x.size))
         span_of = np.searchsorted([start for start, _ in self.spans[1:]], x, side="right")
-        for number in np.unique(span_of):
+        for number in set(span_of.tolist()):
             here, weights = span_of == number, self.coefficients[number]
             values[:, here] = weights.T @ _shapes(x[here], self.spans[number], len(weights) - 4, derivative)
         return values

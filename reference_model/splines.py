@@ -43,28 +43,45 @@ def spline_coefficients(nodes: Array, values: Array) -> Array:
     steps = np.diff(nodes)
     h = steps.reshape(-1, *[1] * (values.ndim - 1))
     slope = np.diff(values, axis=0) / h
-    rates = _rates(nodes, steps, h, slope) if len(nodes) > 3 else _rates_of_few(nodes, steps, slope)
+    rates = _rates(h, slope) if len(nodes) > 3 else _rates_of_few(nodes, steps, slope)
     third = (rates[:-1] + rates[1:] - 2.0 * slope) / h
     return np.stack([third / h, (slope - rates[:-1]) / h - third, rates[:-1], values[:-1]], axis=1)
 
 
-def _rates(nodes: Array, steps: Array, h: Array, slope: Array) -> Array:
-    """The spline's derivative at the nodes: Gauss' elimination of a tridiagonal matrix."""
-    first, last = nodes[2] - nodes[0], nodes[-1] - nodes[-3]
+def _rates(h: Array, slope: Array) -> Array:
+    """The spline's derivative at the nodes, from a tridiagonal system."""
+    first, last = h[0] + h[1], h[-2] + h[-1]
     begin = ((h[0] + 2.0 * first) * h[1] * slope[0] + h[0] ** 2 * slope[1]) / first
     end = (h[-1] ** 2 * slope[-2] + (2.0 * last + h[-1]) * h[-2] * slope[-1]) / last
     right = np.concatenate([begin[None], 3.0 * (h[1:] * slope[:-1] + h[:-1] * slope[1:]), end[None]])
-    diagonal = [steps[1].item(), *(2.0 * (steps[:-1] + steps[1:])).tolist(), steps[-2].item()]
-    below, above = [*steps[1:].tolist(), last.item()], [first.item(), *steps[:-1].tolist()]
-    rates = right.tolist() if right.ndim == 1 else list(right)
-    for k in range(1, len(nodes)):
-        part = below[k - 1] / diagonal[k - 1]
-        diagonal[k] -= part * above[k - 1]
-        rates[k] = rates[k] - part * rates[k - 1]
-    rates[-1] = rates[-1] / diagonal[-1]
-    for k in reversed(range(len(nodes) - 1)):
-        rates[k] = (rates[k] - above[k] * rates[k + 1]) / diagonal[k]
-    return np.array(rates)
+    diagonal = np.concatenate([h[1:2], 2.0 * (h[:-1] + h[1:]), h[-2:-1]])
+    return _tridiagonal(np.concatenate([h[1:], last[None]]), diagonal, np.concatenate([first[None], h[:-1]]), right)
+
+
+def _tridiagonal(below: Array, diagonal: Array, above: Array, right: Array) -> Array:
+    """Solution of a tridiagonal system by cyclic reduction: every other unknown is eliminated, until one is left.
+
+    Args:
+        below: coefficients of the unknown before, in all equations but the first, (k - 1,) or (k - 1, 1).
+        diagonal: (k,) or (k, 1).
+        above: coefficients of the unknown after, in all equations but the last.
+        right: (k,) or (k, m).
+    """
+    if len(diagonal) == 1:
+        return right / diagonal
+    odd, count = slice(1, None, 2), len(diagonal) // 2
+    before, after = below[odd] / diagonal[odd][: len(below) // 2], above[::2] / diagonal[odd]  # of the equations that stay
+    kept, kept_right = diagonal[::2].copy(), right[::2].copy()
+    kept[1:] -= before * above[odd]
+    kept[:count] -= after * below[::2]
+    kept_right[1:] -= before * right[odd][: len(before)]
+    kept_right[:count] -= after * right[odd]
+    solution = np.empty_like(right)
+    solution[::2] = _tridiagonal(-before * below[::2][: len(before)], kept, -after[: len(before)] * above[odd], kept_right)
+    known = right[odd] - below[::2] * solution[:-1:2]
+    known[: len(before)] -= above[odd] * solution[2::2]
+    solution[odd] = known / diagonal[odd]
+    return solution
 
 
 def _rates_of_few(nodes: Array, steps: Array, slope: Array) -> Array:

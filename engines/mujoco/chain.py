@@ -1,4 +1,4 @@
-"""MuJoCo's model of a scene, with the follower as a chain of rigid links, and its description.
+"""MuJoCo's model of a scene, with the follower as a chain of rigid links.
 
 N hinges are at (j - 1/2) h, h = L/N. Between them are N - 1 links of length h, half a link is on the base, and half a link with the tip
 body at the end. Links are uniform rods and hinges have the stiffness EI/h, so that the errors of order h² of inertia and stiffness cancel
@@ -9,19 +9,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import ModelDescription
-from quickreturn.reference_model.joint import friction_in_words, joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
 #: Smallest mass (kg) and inertia (kg m^2) of a body: MuJoCo refuses 1e-15 and less. A link of a small machine has some 1e-13 kg m^2; with
 #: 1e-12 here the error was 5 % with 60 links of an arm of 7 cm, 2.5 % with 33 links.
 _LEAST = 2e-15
 _AXIS = (0.0, 0.0, 1.0)
-
-
-def hinge_count(mechanism: Scene, links: int) -> int:
-    """Number of hinges N: that of the links, or 0 for a rigid follower."""
-    return 0 if mechanism.follower.is_rigid else links
 
 
 def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
@@ -94,32 +87,6 @@ def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, cent
 def _polynomial(linear: float) -> tuple[float, float, float]:
     """Coefficients of MuJoCo's cubic law of stiffness or damping, for a linear one."""
     return (linear, 0.0, 0.0)
-
-
-def describe(scene: Scene, hinges: int) -> ModelDescription:
-    """Bodies and joints that `build` makes, with the slider's constraint or the drive of the base, which the control hook adds."""
-    slider, spring = scene.slider, "spring EI/h" if scene.follower.material_damping == 0.0 else "spring EI/h and damper"
-    links = [f"hinge {j}: {spring}" for j in range(1, hinges + 1)]
-    if scene.crank is None:
-        joints = ["base hinge at O, turned as prescribed: one constraint, exact torque", *links]
-    else:
-        crank = ["crank hinge at O, driven by a torque against viscous damping"] if scene.crank_is_free else []
-        moving = "crank tip" if scene.crank_is_free else "crank tip, moved at the prescribed speed,"
-        how = f"beside the follower's smooth centre line: {joint_in_words(slider)}"
-        if slider.is_rigid:
-            how = "on the follower's smooth centre line: one constraint, exact multiplier"
-        joints = [*crank, "base hinge at P", *links, f"{moving} {how}{friction_in_words(slider)}"]
-    bodies = {
-        "crank: rigid arm about O": scene.crank_is_free,
-        "slider: point mass fixed to the crank tip": scene.crank_is_free and slider.mass > 0.0,
-        "base and rigid follower: one body about P": hinges == 0,
-        "base: block and half a link about P": hinges > 0,
-        **{f"link {j}: rigid rod": True for j in range(1, hinges)},
-        f"link {hinges}: half a link at the end": hinges > 0,
-        "tip: rigid body fixed to the end": scene.tip is not None,
-    }
-    free = hinges + int(scene.crank_is_free) + int(not slider.is_rigid)
-    return ModelDescription(tuple(name for name, there in bodies.items() if there), tuple(joints), free)
 
 
 def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

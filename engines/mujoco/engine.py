@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
+from quickreturn.engines.mujoco import description
 from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -59,9 +60,7 @@ class MujocoEngine(Engine[ChainSettings]):
         refusals.of_massless_parts(self.name, scene, ", whose links need mass")
 
     def describe(self, scene: Scene, settings: ChainSettings) -> ModelDescription:
-        from quickreturn.engines.mujoco import chain
-
-        return chain.describe(scene, chain.hinge_count(scene, settings.links))
+        return description.describe(scene, description.hinge_count(scene, settings.links))
 
     def settings_for(self, accuracy: float, scene: Scene) -> ChainSettings:
         """The coarsest rung whose claim in run 24 is within `accuracy`; with more armature, and so larger steps, for a stiff follower."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco import chain
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
+from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, changed
 
@@ -18,7 +19,7 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
 
     The hinges have no armature here, which serves the time integration only.
     """
-    hinges = chain.hinge_count(mechanism, links)
+    hinges = hinge_count(mechanism, links)
     held = changed(mechanism, {"crank.drive": PrescribedSpeed(speed=0.0)})
     mass, stiffness = chain.follower_matrices(chain.build(held, hinges, 0.0), held, hinges)
     constraint = support_row(mechanism, hinges, crank_angle)

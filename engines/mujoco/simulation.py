@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.mujoco import chain, modes, time_loop
 from quickreturn.engines.mujoco.context import CONTEXT
+from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.mujoco.hook import control_hook
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.start import Start
@@ -47,7 +48,7 @@ class ChainSimulation(Simulation):
         began = time.perf_counter()
         self.time = 0.0
         self._scene = scene
-        self._hinges = chain.hinge_count(scene, settings.links)
+        self._hinges = hinge_count(scene, settings.links)
         self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
         self._context = _context(scene, self._hinges, self._data)

@@ -37,7 +37,7 @@ def command(cases: Sequence[str], tag: str | None, assignments: Sequence[str], f
             raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
         _print_for_others(options.load_all(cases, tag, overrides), overrides)
         return
-    get_ready((*DESCRIBING, "quickreturn.engines.scene"))
+    get_ready((*DESCRIBING, "quickreturn.engines.scene", "quickreturn.engines.exudyn.flexible"))
     loaded = options.load_all(cases, tag, overrides)
     around = _resonances(loaded) if resonance else [{}] * len(loaded)
     documents = [_document(case) | more for case, more in zip(loaded, around, strict=True)]
@@ -102,7 +102,7 @@ def _models(scene: Any) -> list[dict[str, Any]]:
     from quickreturn.questions import asked_of_all, model
 
     found = []
-    for outcome in asked_of_all(model, (scene,), "models", LIGHT - {"exudyn", "mujoco"}):
+    for outcome in asked_of_all(model, (scene,), "models", LIGHT - {"exudyn"}):
         built = vars(outcome.value) if outcome.value else {}
         found.append({"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built})
     return found

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.mujoco import chain
+from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
 from quickreturn.engines.mujoco.hook import damp_beam
 from quickreturn.engines.mujoco.settings import LADDER, ChainSettings
@@ -64,7 +65,7 @@ def test_there_are_as_many_frequencies_as_links() -> None:
 def test_description_lists_what_is_built(mechanism: Mechanism, bodies: int, coordinates: int) -> None:
     settings = ChainSettings(links=12)
     description = ENGINE.describe(mechanism, settings)
-    model = chain.build(mechanism, chain.hinge_count(mechanism, settings.links), 0.0)
+    model = chain.build(mechanism, hinge_count(mechanism, settings.links), 0.0)
     assert len(description.bodies) == bodies == model.nbody - 1  # MuJoCo counts the world
     assert len(description.joints) - 1 == coordinates == model.njnt == model.nv  # the slider's constraint is not MuJoCo's
     assert description.degrees_of_freedom == coordinates - 1
