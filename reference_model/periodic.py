@@ -9,7 +9,7 @@ with the slow modes alone, whose cycles cost a fraction; its steady state is the
 
 import math
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,10 @@ SLOW_MODES: Final = 2
 #: a search has failed.
 MARCHED: Final = 2
 PATIENT: Final = 50
-#: Accuracy to which the model of the slow modes is solved, and tolerance of its integration: the error of that model is as large.
-GUESS: Final = 1e-3
+#: Accuracy to which the model of the slow modes is solved. At 60 speeds of run 24's machine the whole model then takes 2.4 cycles to 1e-3;
+#: 2.3 if the slow one is solved to 1e-3, too.
+GUESS: Final = 1e-2
+#: Tolerance of its integration.
 GUESS_INTEGRATION: Final = 1e-5
 #: Disturbance from which the map's derivatives are taken, relative to the states' sizes along the cycle ...
 DISTURBANCE: Final = 1e-3
@@ -60,6 +62,7 @@ class PeriodicOrbit:
         cycles_of_work: evaluations of the equations in all these cycles, over those in one cycle of the whole model.
         residual: distance from the fixed point before the last Newton step, relative to the states' sizes along the cycle: an upper
             bound of the remaining error.
+        slow_jacobian: derivatives of the map by crank speed and slow modes, of the model with these modes alone.
     """
 
     state: Array
@@ -70,16 +73,18 @@ class PeriodicOrbit:
     cycles: tuple[int, int]
     cycles_of_work: float
     residual: float
+    slow_jacobian: Array
 
 
 def periodic_orbit(
-    model: BeamModel, guess: Array, tolerance: float = 1e-6, integration: float = 1e-9, marched: int = MARCHED
+    model: BeamModel, guess: Array | PeriodicOrbit, tolerance: float = 1e-6, integration: float = 1e-9, marched: int = MARCHED
 ) -> PeriodicOrbit:
     """The periodic steady state of a scene.
 
     Args:
         model: the scene, with shapes that follow the slider.
-        guess: state vector (2 n + 5,) from which the search begins, anywhere in a cycle, in either direction of rotation.
+        guess: where the search begins: a state vector (2 n + 5,), anywhere in a cycle, in either direction of rotation; or the orbit of the
+            same scene by another model, so that the slow modes' own model is not needed.
         tolerance: distance from the fixed point relative to the states' sizes along the cycle. Mild motions are small beside the
             fixed sizes that the integration's tolerance refers to: to reach 1e-6 in all, that must be 1e-9.
         integration: tolerance of the integration.
@@ -94,29 +99,50 @@ def periodic_orbit(
         raise NoPeriodicOrbit(str(broken)) from broken
 
 
-def _search(whole: PoincareMap, guess: Array, tolerance: float, marched: int) -> PeriodicOrbit:
+def _search(whole: PoincareMap, guess: Array | PeriodicOrbit, tolerance: float, marched: int) -> PeriodicOrbit:
     """As `periodic_orbit`, from the map of the whole model. Raises CycleBroken, NoPeriodicOrbit."""
-    slow = PoincareMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
-    coarse = _newton(_marched(slow, _with_modes(guess, slow.parameters.n), marched), None, GUESS)
-    jacobian = coarse.jacobian
-    if coarse.carried > CARRIED:
-        jacobian = _jacobian(_Cycle.of(slow, coarse.state, coarse.period))
-    guessed = _with_modes(coarse.state, whole.parameters.n)
-    first = _Cycle.of(whole, whole.state(whole.point(guessed), guessed), coarse.period)
-    fine = _newton(first, _among_all_modes(jacobian, slow, whole), tolerance)
-    multipliers = eigenvalues(fine.jacobian)[: len(jacobian)]
+    is_slow = whole.belongs_to(min(SLOW_MODES, whole.parameters.n))
+    if isinstance(guess, PeriodicOrbit) and len(guess.slow_jacobian) == is_slow.sum():
+        begin = _Begin(guess.state, guess.period, guess.slow_jacobian)
+    else:
+        begin = _by_slow_modes(whole, guess.state if isinstance(guess, PeriodicOrbit) else guess, marched)
+    jacobian = np.zeros((len(is_slow), len(is_slow)))  # the other modes forget their state within a cycle (equation 10.6)
+    jacobian[np.ix_(is_slow, is_slow)] = begin.jacobian
+    guessed = _with_modes(begin.state, whole.parameters.n)
+    fine = _newton(_Cycle.of(whole, whole.state(whole.point(guessed), guessed), begin.period), jacobian, tolerance)
+    multipliers = eigenvalues(fine.jacobian)[: len(begin.jacobian)]
     if abs(multipliers[0]) > NEARLY_ONE:
-        multipliers = eigenvalues(_jacobian(_Cycle.of(whole, fine.state, fine.period)))
+        multipliers = eigenvalues(_jacobian(fine.cycle))
     return PeriodicOrbit(
         state=fine.state,
-        period=fine.period,
+        period=fine.cycle.passage.duration,
         multipliers=multipliers,
         stable=bool(np.abs(multipliers[0]) < 1.0),
-        iterations=coarse.steps + fine.steps,
-        cycles=(slow.cycles, whole.cycles),
-        cycles_of_work=(slow.calls + whole.calls) * whole.cycles / whole.calls,
+        iterations=begin.steps + fine.steps,
+        cycles=(begin.cycles, whole.cycles),
+        cycles_of_work=(begin.calls + whole.calls) * whole.cycles / whole.calls,
         residual=fine.distance,
+        slow_jacobian=begin.jacobian,
     )
+
+
+class _Begin(NamedTuple):
+    """Where the search with the whole model begins."""
+
+    state: Array  # with any number of modes
+    period: float  # s
+    jacobian: Array  # by the slow quantities
+    steps: int = 0  # Newton steps that led there
+    cycles: int = 0  # cycles that these took
+    calls: int = 0  # right-hand sides evaluated in them
+
+
+def _by_slow_modes(whole: PoincareMap, guess: Array, marched: int) -> _Begin:
+    """The fixed point of the slow modes' model. Raises CycleBroken, NoPeriodicOrbit."""
+    slow = PoincareMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
+    found = _newton(_marched(slow, _with_modes(guess, slow.parameters.n), marched), None, GUESS)
+    jacobian = _jacobian(found.cycle) if found.carried > CARRIED else found.jacobian
+    return _Begin(found.state, found.cycle.passage.duration, jacobian, found.steps, slow.cycles, slow.calls)
 
 
 def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> NDArray[np.complex128]:
@@ -129,6 +155,34 @@ def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: flo
         return eigenvalues(_jacobian(_Cycle.of(PoincareMap(model, integration), orbit.state, orbit.period)))
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
+
+
+def largest_multiplier(model: BeamModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> complex:
+    """The largest multiplier by derivatives of the whole model along the slow model's eigenvector (equation 10.14).
+
+    It takes two cycles, or three if the multiplier is not real. Its difference from the orbit's multiplier shows the error of the slow
+    model. It also shows the error of difference quotients, because the state is disturbed the opposite way.
+
+    Raises:
+        NoPeriodicOrbit: the state is not one of a cycle.
+    """
+    whole = PoincareMap(model, integration)
+    is_slow = whole.belongs_to(min(SLOW_MODES, whole.parameters.n))
+    multipliers, vectors = np.linalg.eig(orbit.slow_jacobian)
+    largest = int(np.argmax(np.abs(multipliers)))
+    right, left = vectors[:, largest], np.linalg.inv(vectors)[largest]
+    try:
+        cycle = _Cycle.of(whole, orbit.state, orbit.period)
+        moved = np.zeros(len(right), dtype=np.complex128)
+        for unit, part in ((1.0, right.real), (1.0j, right.imag)):
+            if part.any():
+                direction = np.zeros(len(is_slow))
+                direction[is_slow] = part
+                disturbance = -1.0 / float(np.max(np.abs(direction) / _disturbances(cycle)))
+                moved += unit * _derivative(cycle, direction, disturbance)[is_slow]
+    except CycleBroken as broken:
+        raise NoPeriodicOrbit(str(broken)) from broken
+    return complex(left @ moved)
 
 
 def instability(multipliers: NDArray[np.complex128]) -> str:
@@ -176,7 +230,7 @@ class _FixedPoint:
     """A fixed point."""
 
     state: Array  # state vector with the slider at its farthest place
-    period: float  # s
+    cycle: _Cycle  # the last one made: a step away
     jacobian: Array  # of the map, as taken last
     carried: float  # distance of the state where the Jacobian was taken; nan for a Jacobian that was given
     distance: float  # length of the last step, relative to the states' sizes along the cycle
@@ -218,7 +272,7 @@ def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPo
         carried = distance if fresh else carried
         if distance < tolerance:
             state = cycle.map.state(cycle.point + step, cycle.state)
-            return _FixedPoint(state, cycle.passage.duration, jacobian, carried, distance, steps)
+            return _FixedPoint(state, cycle, jacobian, carried, distance, steps)
         try:
             there = cycle.moved_to(cycle.point + part * step)
             left = _relative(inverse @ there.residual, cycle)
@@ -240,14 +294,19 @@ def _newton(cycle: _Cycle, jacobian: Array | None, tolerance: float) -> _FixedPo
 
 def _jacobian(cycle: _Cycle) -> Array:
     """Derivatives of the map by the free quantities, by finite differences from a cycle (equation 10.5)."""
-    here, there = cycle.point, cycle.map.point(cycle.passage.state)
-    disturbances = np.maximum(DISTURBANCE * cycle.passage.sizes, LEAST_DISTURBANCE * cycle.map.noise(cycle.state))
-    columns = []
-    for i, disturbance in enumerate(disturbances):
-        moved = here.copy()
-        moved[i] += disturbance
-        columns.append((cycle.map.point(cycle.moved_to(moved).passage.state) - there) / disturbance)
-    return np.column_stack(columns)
+    units = np.eye(len(cycle.point))
+    return np.column_stack([_derivative(cycle, unit, size) for unit, size in zip(units, _disturbances(cycle), strict=True)])
+
+
+def _derivative(cycle: _Cycle, direction: Array, disturbance: float) -> Array:
+    """Derivative of the map along a direction, from the cycle and one that begins `disturbance` times the direction away."""
+    moved = cycle.moved_to(cycle.point + disturbance * direction)
+    return (cycle.map.point(moved.passage.state) - cycle.map.point(cycle.passage.state)) / disturbance
+
+
+def _disturbances(cycle: _Cycle) -> Array:
+    """Disturbance of each free quantity for its difference quotient."""
+    return np.maximum(DISTURBANCE * cycle.passage.sizes, LEAST_DISTURBANCE * cycle.map.noise(cycle.state))
 
 
 def eigenvalues(jacobian: Array) -> NDArray[np.complex128]:
@@ -270,13 +329,3 @@ def _with_modes(state: Array, modes: int) -> Array:
     other[0], other[modes + 1 : modes + 3], other[-2:] = state[0], state[n + 1 : n + 3], state[-2:]
     other[1 : kept + 1], other[modes + 3 : modes + 3 + kept] = state[1 : kept + 1], state[n + 3 : n + 3 + kept]
     return other
-
-
-def _among_all_modes(jacobian: Array, slow: PoincareMap, whole: PoincareMap) -> Array:
-    """Jacobian of all free quantities from that of the slow ones: the other modes forget their state within a cycle (equation 10.6)."""
-    n = whole.parameters.n
-    numbered = _with_modes(np.arange(1.0, 2 * slow.parameters.n + 6), n)
-    is_slow = whole.point(numbered) > 0.0
-    wide = np.zeros((len(is_slow), len(is_slow)))
-    wide[np.ix_(is_slow, is_slow)] = jacobian
-    return wide

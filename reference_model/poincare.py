@@ -8,6 +8,7 @@ Physica D 5, 1982, 412).
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -56,14 +57,25 @@ class Passage:
         duration: of the motion, s.
         calls: right-hand sides evaluated.
         step: size of the step with which the integration may go on, s.
-        sizes: RMS along the motion of all eta together, of q1' or of all eta' together, for each free quantity, shape as the point's.
+        states: some on the way, shape (k, 2 n + 5).
+        free: numbers of the free quantities in a state.
     """
 
     state: Array
     duration: float
     calls: int
     step: float
-    sizes: Array
+    states: Array
+    free: NDArray[np.intp]
+
+    @cached_property
+    def sizes(self) -> Array:
+        """RMS along the motion of all eta together, of q1' or of all eta' together, for each free quantity, shape as the point's."""
+        n = (self.states.shape[1] - 5) // 2
+        sizes = np.empty(2 * n + 5)
+        for block in (slice(1, n + 1), slice(n + 2, n + 3), slice(n + 3, 2 * n + 3)):
+            sizes[block] = np.sqrt(np.mean(np.sum(self.states[:, block] ** 2, axis=1)))
+        return sizes[self.free]
 
 
 class PoincareMap:
@@ -103,6 +115,11 @@ class PoincareMap:
         if not self._close_loop(y):
             raise CycleBroken("the loop cannot be closed")
         return y
+
+    def belongs_to(self, modes: int) -> NDArray[np.bool_]:
+        """Whether each free quantity is one of the first `modes` modes or the crank's speed, shape as the point's."""
+        n = self.parameters.n
+        return (self._free <= modes) | (self._free == n + 2) | ((self._free > n + 2) & (self._free <= n + 2 + modes))
 
     def noise(self, state: Array) -> Array:
         """Size of the integration's local error for each free quantity, shape as the point's."""
@@ -149,7 +166,7 @@ class PoincareMap:
             raise CycleBroken("the crank stood still")
         self.cycles += 1
         self.calls += calls + 4 * parts
-        return Passage(y, elapsed, calls + 4 * parts, step, self._sizes(np.concatenate(states)))
+        return Passage(y, elapsed, calls + 4 * parts, step, np.concatenate(states), self._free)
 
     def _close_loop(self, y: Array) -> bool:
         """Set the slider's place in `y` so that |p(s)| = |PC|, by the secant method from the straight follower; False if that fails."""
@@ -168,14 +185,6 @@ class PoincareMap:
             last_s, last_excess = s, excess
             s -= excess / slope
         return abs(excess) < 1e-12 * p.L
-
-    def _sizes(self, states: Array) -> Array:
-        """See `Passage.sizes`, from states along the motion, shape (k, 2 n + 5)."""
-        n = self.parameters.n
-        sizes = np.empty(2 * n + 5)
-        for block in (slice(1, n + 1), slice(n + 2, n + 3), slice(n + 3, 2 * n + 3)):
-            sizes[block] = np.sqrt(np.mean(np.sum(states[:, block] ** 2, axis=1)))
-        return sizes[self._free]
 
 
 def _next_farthest(crank_angle: float, crank_speed: float) -> float:

@@ -19,13 +19,13 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
 from quickreturn.engines import progress
-from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
+from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
 
 if TYPE_CHECKING:
-    from quickreturn.engines.own.simulation import OwnSimulation
+    from quickreturn.engines.own.found_orbit import FoundOrbit
 
 Array = NDArray[np.float64]
 
@@ -115,8 +115,6 @@ def begins_in_orbit(engine: AnyEngine) -> bool:
 
 def find_orbit(mechanism: Mechanism) -> Orbit:
     """Search the periodic state from the standard start, with the settings of `reference` for its default accuracy."""
-    from quickreturn.engines.own.simulation import OwnSimulation
-
     reference, start = ReferenceEngine(), standard_start(mechanism)
     progress.tell(engine=reference.name, phase="searching the periodic state")
     try:
@@ -129,42 +127,32 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
     multiplier = abs(state.multipliers[0])
     if not state.stable:
         return Orbit(None, multiplier, "the periodic state is not stable")
-    assert isinstance(state.simulation, OwnSimulation)
     return Orbit(PeriodicStart.of(state.simulation.present_start()), multiplier, period=state.period)
 
 
-def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "OwnSimulation | None") -> SteadyState | None:
+def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "FoundOrbit | None") -> "FoundOrbit | None":
     """The periodic state that `reference` finds from a neighbour's, or from the standard start; None if it does not search.
 
     Raises:
         NoSteadyState: it found none.
     """
     reference, start = ReferenceEngine(), standard_start(scene)
-    for begun in dict.fromkeys((near, None)):
+    for begun in (None,) if near is None else (near, None):
         with contextlib.suppress(NoSteadyState):
             return reference.steady_state(scene, start, settings, begun)
     return reference.steady_state(scene, start, settings, near, patient=True)
 
 
-def simulation_in(state: SteadyState) -> "OwnSimulation":
-    """A new simulation of `reference` in a periodic state, so that the original simulation stays in it."""
-    from quickreturn.engines.own.simulation import OwnSimulation
-
-    simulation = state.simulation
-    assert isinstance(simulation, OwnSimulation)
-    return OwnSimulation(simulation.model, simulation.state, simulation.tolerance, simulation.setup_seconds)
-
-
-def other_motion(scene: Mechanism, state: SteadyState, settings: ReferenceSettings) -> str:
+def other_motion(scene: Mechanism, state: "FoundOrbit", settings: ReferenceSettings) -> str:
     """A sentence on another stable motion that the machine settles on when it comes from a lower or a higher speed; "" if none was found.
 
     A stable motion that this search does not reach may still exist.
     """
     for pace, first in (("slower", 1.0 - NEAR), ("faster", 1.0 + NEAR)):
-        other: SteadyState | None = None
+        other: FoundOrbit | None = None
         with contextlib.suppress(NoSteadyState, EngineFailure):
             for speed in np.linspace(first, 1.0, STEPS + 1):
-                other = periodic_state(_at_speed(scene, float(speed)), settings, None if other is None else simulation_in(other))
+                other = periodic_state(_at_speed(scene, float(speed)), settings, other)
             assert other is not None
             other_peak, peak = _peak(other), _peak(state)
             if other.stable and abs(other_peak - peak) > APART * max(other_peak, peak):
@@ -184,9 +172,9 @@ def _at_speed(scene: Mechanism, part: float) -> Mechanism:
     return changed(scene, {"crank.drive.speed": part * drive.speed})
 
 
-def _peak(state: SteadyState) -> float:
+def _peak(state: "FoundOrbit") -> float:
     """Largest tip acceleration in a turn, m/s^2."""
-    return float(np.abs(simulation_in(state).advance(state.period, state.period / ROWS)["tip_acceleration"]).max())
+    return float(np.abs(state.simulation_again().advance(state.period, state.period / ROWS)["tip_acceleration"]).max())
 
 
 def orbits(mechanisms: Iterable[Mechanism], workshop: Workshop) -> list[Orbit]:

@@ -1,8 +1,8 @@
 """The request of a run, and its result."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -82,7 +82,11 @@ class PeriodicOrbit:
     @classmethod
     def of(cls, state: SteadyState) -> "PeriodicOrbit":
         """The orbit of a state as it is stored."""
-        return cls(state.period, tuple((each.real, each.imag) for each in state.multipliers), state.stable, state.iterations)
+        return cls(state.period, (), state.stable, state.iterations).with_multipliers(state.multipliers)
+
+    def with_multipliers(self, multipliers: Iterable[complex]) -> "PeriodicOrbit":
+        """The orbit with these multipliers."""
+        return replace(self, multipliers=tuple((each.real, each.imag) for each in multipliers))
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,8 @@ from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.error_parts import Compared, compared, same_motion
 from quickreturn.engines.one_run import Made, check_trajectory
-from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.own.found_orbit import FoundOrbit
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import Start
@@ -99,6 +100,7 @@ class _RunInProgress:
         self._done: Mapping[Settings, Made] = {}
         self._cycles: tuple[Columns, ...] = ()  # the measured cycles
         self._compared: tuple[Compared[tuple[Columns, ...]], ...] = ()
+        self._found: FoundOrbit | None = None  # the delivered orbit, near which those for the error estimate are searched
         self._early: tuple[Columns, ...] = ()  # of a march from the orbit: the cycle that is compared
         self._rattling: Start | None = None  # the state after cycles that repeat in statistics only
         self.run = Run.begun(request, engine)
@@ -295,6 +297,8 @@ class _RunInProgress:
         return March(self._engine.prepare(self._mechanism, self._start, settings), self._start.crank_speed, self._step)
 
     def _periodic_state(self, settings: Settings) -> SteadyState | None:
+        if self._found is not None and isinstance(self._engine, ReferenceEngine) and isinstance(settings, ReferenceSettings):
+            return self._engine.steady_state(self._mechanism, self._start, settings, self._found)
         return self._engine.steady_state(self._mechanism, self._start, settings)
 
     def _direct_cycle(self) -> Columns:
@@ -307,11 +311,13 @@ class _RunInProgress:
             return {}
         if state is None:
             return {}
+        self._found = state if isinstance(state, FoundOrbit) else None
         orbit = PeriodicOrbit.of(state)
         self.note(periodic_orbit=orbit)
         if not state.stable:
             raise Hopeless(Orbit(None, abs(state.multipliers[0])).hopeless(0.0))
-        if isinstance(self._settings, ReferenceSettings) and (other := other_motion(self._mechanism, state, self._settings)):
+        settings, found = self._settings, self._found
+        if isinstance(settings, ReferenceSettings) and found and (other := other_motion(self._mechanism, found, settings)):
             self.add_remark(other)
         cycle, piece = self._one_cycle(state)
         self.note(

@@ -26,6 +26,9 @@ from quickreturn.reference_model.mechanism import Mechanism
 Measured = tuple[float, float]
 NOTHING: Final[Measured] = (math.nan, math.nan)
 
+#: Part of the last step of the search for a periodic motion that is left as its error, see `ORBIT_TOLERANCE` of `reference`.
+LEFT_BY_SEARCH: Final = 0.1
+
 
 @dataclass(frozen=True)
 class SettledMotion:
@@ -51,6 +54,7 @@ class Measure:
     of: Callable[[SettledMotion], Measured]  # computes it
     columns: tuple[str, ...] = ()  # columns of the cycle that it needs
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
+    multipliers: bool = False  # whether its error needs the finer run's own multiplier, which takes two or three turns
 
 
 def measure(name: str) -> Measure:
@@ -144,7 +148,9 @@ def _of_orbit(number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -
 
 def _period(motion: SettledMotion) -> Measured:
     time = motion.run.cycle["time"]
-    return _beside_finer(float(time[-1] - time[0]), lambda orbit: orbit.period, motion)
+    value, error = _beside_finer(float(time[-1] - time[0]), lambda orbit: orbit.period, motion)
+    left = LEFT_BY_SEARCH * (motion.run.settling_error or 0.0) if motion.mechanism.crank_is_free else 0.0
+    return value, error + left * value
 
 
 def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -> Measured:
@@ -179,7 +185,7 @@ def _declared() -> Iterator[Measure]:
         ("multiplier.real", "real part of that multiplier", lambda orbit: orbit.multipliers[0][0]),
         ("multiplier.imag", "imaginary part of that multiplier", lambda orbit: orbit.multipliers[0][1]),
     ):
-        yield Measure(name, "1", meaning, partial(_of_orbit, number))
+        yield Measure(name, "1", meaning, partial(_of_orbit, number), multipliers=True)
     yield Measure("period", "s", "time of a turn", _period)
     for name, meaning in (
         ("drive_work", "work of the drive, and of a force on the tip, in a turn"),

@@ -18,15 +18,15 @@ from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
 from quickreturn.cases.runs.marching import output_step
-from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state, simulation_in
+from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state
 from quickreturn.cases.runs.request import PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.measures import SettledMotion, measure
 from quickreturn.engines import progress
-from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal, SteadyState
+from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.error_parts import Compared
+from quickreturn.engines.own.found_orbit import FoundOrbit
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
@@ -97,7 +97,7 @@ def row(scenes: Sequence[Mechanism | Impossible], asked: MeasureRequest) -> Row:
         asked: what to measure.
     """
     measures = [measure(name) for name in asked.measures]
-    near: OwnSimulation | None = None
+    near: FoundOrbit | None = None
     numbers = np.full((len(scenes), len(measures), 2), math.nan)
     endings = []
     for place, scene in enumerate(scenes):
@@ -129,7 +129,7 @@ class _Point:
         self.status: str = Ending.FAILED
         self.sentence = ""
 
-    def settle(self, near: OwnSimulation | None) -> OwnSimulation | None:
+    def settle(self, near: FoundOrbit | None) -> FoundOrbit | None:
         """Find the settled motion, from a neighbour's or anew; return the periodic state from which the next point may begin."""
         try:
             settings = self._settings()
@@ -145,7 +145,7 @@ class _Point:
         except EngineFailure as failure:
             self.status, self.sentence = _ending(str(failure), Ending.FAILED), str(failure)
         else:
-            return near if state is None else simulation_in(state)
+            return state or near
         return near
 
     def _settings(self) -> ReferenceSettings:
@@ -158,7 +158,7 @@ class _Point:
             dict(self._asked.settings)
         )
 
-    def _measure(self, state: SteadyState, settings: ReferenceSettings) -> None:
+    def _measure(self, state: FoundOrbit, settings: ReferenceSettings) -> None:
         """Measure one turn of the periodic state, and one with finer settings for the error estimate."""
         if kind := instability(np.array(state.multipliers)):
             self.status = UNSTABLE.format(kind)
@@ -171,14 +171,17 @@ class _Point:
             pair = ReferenceEngine().comparisons(settings, self._scene, step)[0]
             try:
                 assert isinstance(pair.other, ReferenceSettings)
-                other = periodic_state(self._scene, pair.other, simulation_in(state))
+                other = periodic_state(self._scene, pair.other, state)
                 assert other is not None
-                comparisons, finer = [Compared(cycle, _turn(other, step), pair.factor)], (PeriodicOrbit.of(other), pair.factor)
+                comparisons, orbit = [Compared(cycle, _turn(other, step), pair.factor)], PeriodicOrbit.of(other)
+                if any(measure(name).multipliers for name in self._asked.measures):
+                    orbit = orbit.with_multipliers([other.whole_multiplier()])
+                finer = orbit, pair.factor
             except NoSteadyState as reason:
                 self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
         self.motion = SettledMotion(self._scene, self._measured(state, cycle, comparisons), finer)
 
-    def _measured(self, state: SteadyState, cycle: Columns, comparisons: Sequence[Compared[Columns]]) -> Run:
+    def _measured(self, state: FoundOrbit, cycle: Columns, comparisons: Sequence[Compared[Columns]]) -> Run:
         """The turn as `run` would report it, reduced to what the measures need."""
         measures = [measure(name) for name in self._asked.measures]
         columns = dict.fromkeys(name for one in measures for name in one.columns if name in cycle)
@@ -205,11 +208,11 @@ class _Point:
         estimated, consensus = with_estimates((compared[0].run if compared else measured(cycle)).measures, compared)
         return replace(run, measures=estimated, consensus=consensus, extreme_estimates=extreme_estimates(compared))
 
-    def _run(self, state: SteadyState | None) -> None:
+    def _run(self, state: FoundOrbit | None) -> None:
         """Measure as `run` does, from the periodic state of `reference` if there is one."""
         orbit, asked = None, self._asked
         if state is not None:
-            begin = PeriodicStart.of(simulation_in(state).present_start()) if state.stable else None
+            begin = PeriodicStart.of(state.simulation_again().present_start()) if state.stable else None
             orbit = Orbit(begin, abs(state.multipliers[0]), "" if state.stable else "the periodic state is not stable", state.period)
         run = steady_state(
             RunRequest(
@@ -229,10 +232,10 @@ class _Point:
             self.motion = SettledMotion(self._scene, run)
 
 
-def _turn(state: SteadyState, step: float) -> Columns:
+def _turn(state: FoundOrbit, step: float) -> Columns:
     """One turn of a periodic state, from the slider's farthest place on, recorded at about this step (s)."""
     rows = math.ceil(state.period / step)
-    return dict(simulation_in(state).advance(state.period, state.period / rows).columns)
+    return dict(state.simulation_again().advance(state.period, state.period / rows).columns)
 
 
 def _ending(cause: str, otherwise: str) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState, SteadyState
+from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState
 from quickreturn.engines.ladder import Ladder, S
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
@@ -26,7 +26,7 @@ from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
 
 if TYPE_CHECKING:
-    from quickreturn.engines.own.simulation import OwnSimulation
+    from quickreturn.engines.own.found_orbit import FoundOrbit
     from quickreturn.reference_model.model import BeamModel
 
 #: Tolerance over the accuracy, where a scene needs fewer modes than run 24.
@@ -203,22 +203,23 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return AS_THEY_ARE.finer(plain, excess)
 
     def steady_state(
-        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "OwnSimulation | None" = None, patient: bool = False
-    ) -> SteadyState | None:
+        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "FoundOrbit | None" = None, patient: bool = False
+    ) -> "FoundOrbit | None":
         """See `Engine.steady_state`; None for a rigid follower, a compliant joint or friction.
 
         Args:
             mechanism: the scene.
             start: start of the search.
             settings: settings of the model.
-            near: a simulation in the periodic state of a neighbouring scene or of other settings: the search begins there instead.
-            patient: whether to simulate more cycles before Newton's method, for a second attempt.
+            near: the periodic state of a neighbouring scene or of other settings: the search begins there instead.
+            patient: whether to simulate many cycles before Newton's method, for a second attempt.
         """
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
+        from quickreturn.engines.own.found_orbit import FoundOrbit
         from quickreturn.engines.own.simulation import OwnSimulation
         from quickreturn.reference_model.model import BeamModel
-        from quickreturn.reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, periodic_orbit
+        from quickreturn.reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, PeriodicOrbit, periodic_orbit
         from quickreturn.reference_model.poincare import turn_to
 
         begin = self.prepare(mechanism, start, settings)
@@ -226,16 +227,18 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         assert isinstance(model, BeamModel)
         turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that the time of the search does not count its compilation
         began = time.perf_counter()
-        guess = begin.state
-        if near is not None:
-            guess, speed = near.state.copy(), (len(near.state) - 5) // 2 + 2
+        guess: NDArray[np.float64] | PeriodicOrbit = begin.state
+        if near is not None and near.simulation.model.scene == mechanism and not patient:
+            guess = near.orbit
+        elif near is not None:
+            guess, speed = near.orbit.state.copy(), (len(near.orbit.state) - 5) // 2 + 2
             if not mechanism.crank_is_free:
                 guess[speed] = begin.state[model.parameters.speeds + 1]
         try:
             orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance, PATIENT if patient else MARCHED)
         except NoPeriodicOrbit as reason:
             raise NoSteadyState(str(reason)) from reason
-        return SteadyState(
+        return FoundOrbit(
             simulation=OwnSimulation(model, orbit.state, settings.tolerance, begin.setup_seconds),
             period=orbit.period,
             multipliers=tuple(complex(multiplier) for multiplier in orbit.multipliers),
@@ -244,6 +247,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             cycles_of_work=orbit.cycles_of_work,
             residual=orbit.residual,
             solve_seconds=time.perf_counter() - began,
+            orbit=orbit,
         )
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> NDArray[np.float64]:

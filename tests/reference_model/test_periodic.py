@@ -1,6 +1,7 @@
 """The periodic steady state found directly: against marching, conservation of phase volume, symmetry and the drive's own period."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,13 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.model import KERNEL, BeamModel
 from quickreturn.reference_model.motion.equations import evaluate
-from quickreturn.reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, floquet_multipliers, periodic_orbit
+from quickreturn.reference_model.periodic import (
+    NoPeriodicOrbit,
+    PeriodicOrbit,
+    floquet_multipliers,
+    largest_multiplier,
+    periodic_orbit,
+)
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 
 Array = NDArray[np.float64]
@@ -79,6 +86,32 @@ def test_slow_multipliers_are_those_of_the_whole_model(model: BeamModel, orbit: 
     # the model of the slow modes is off by some 1e-3 in the motion, and so are its leading multipliers
     np.testing.assert_allclose(np.abs(whole[:3]), np.abs(orbit.multipliers[:3]), atol=5e-3)
     assert np.all(np.abs(whole[5:]) < 0.05)
+
+
+def test_the_largest_multiplier_of_the_whole_model_takes_one_derivative(model: BeamModel, orbit: PeriodicOrbit) -> None:
+    """A model with more modes than the slow one: what the third mode adds is of second order, and difference quotients are good to 5e-4."""
+    whole = floquet_multipliers(model, orbit, INTEGRATION)[0]
+    assert largest_multiplier(model, orbit, INTEGRATION) == pytest.approx(whole, abs=5e-4)
+    # an eigenvector that is 30 % off: a single quotient would be off by as much
+    bent = orbit.slow_jacobian + 0.3 * np.diag(np.diag(orbit.slow_jacobian))
+    assert largest_multiplier(model, replace(orbit, slow_jacobian=bent), INTEGRATION) == pytest.approx(whole, abs=0.05)
+
+
+def test_a_multiplier_that_is_not_real_takes_two() -> None:
+    slow = BeamModel.following(run_24(crank={"drive": PrescribedSpeed(speed=9.5)}), 3)
+    found = periodic_orbit(slow, straight(slow), 1e-7, INTEGRATION)
+    whole = floquet_multipliers(slow, found, INTEGRATION)[0]
+    assert whole.imag > 0.1
+    assert largest_multiplier(slow, found, INTEGRATION) == pytest.approx(whole, abs=2e-3)
+
+
+def test_the_orbit_of_another_model_leads_to_the_same_orbit(orbit: PeriodicOrbit) -> None:
+    finer = BeamModel.following(run_24(), 4)
+    found = periodic_orbit(finer, orbit, 1e-7, INTEGRATION)
+    assert distance(finer, periodic_orbit(finer, straight(finer), 1e-7, INTEGRATION), found.state) < 1e-6  # ten times the tolerance
+    assert found.cycles[0] == 0
+    single = BeamModel.following(run_24(), 1)  # its slow mode is another model's
+    assert periodic_orbit(single, orbit, 1e-7, INTEGRATION).cycles[0] > 0
 
 
 def test_phase_volume_shrinks_as_the_equations_say(model: BeamModel, orbit: PeriodicOrbit) -> None:

@@ -128,7 +128,7 @@ def test_the_curve_passes_through_the_settled_motion() -> None:
     """At the machine's own speed, against a study of that one point, which searches the motion and claims how far off it is."""
     case = qr.case("example", {"crank.prescribed_speed": "120 rpm"})
     asked = job_around(case)
-    ((found, kind),) = Around(case, asked.function(*asked.arguments)).own
+    ((found, kind),) = Around(case, asked.function(*asked.arguments)).motions
     point = qr.sweep(case, {"crank.prescribed_speed": ["120 rpm", "121 rpm"]}, ["peak.tip_acceleration"], quiet=True)
     height, error = (float(point[name][0]) for name in ("peak.tip_acceleration", "peak.tip_acceleration.error"))
     assert kind == ""

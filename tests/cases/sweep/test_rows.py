@@ -12,7 +12,11 @@ from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
 from quickreturn.cases.sweep.rows import LEFT, MeasureRequest, row
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.periodic import floquet_multipliers
 
 RPM = math.pi / 30.0
 NAMES = ("peak.tip_acceleration", "rms.strain_2", "min.slider_force", "peak.stress", "peak.crank_force", "multiplier", "turn.drive_work")
@@ -42,6 +46,21 @@ def test_a_motion_that_the_dampers_end_takes_from_the_drive_what_they_dissipate(
     found = row([at(100.0)], MeasureRequest(measures=("turn.drive_work", "turn.dissipated_energy"))).values[0]
     assert found[0] == pytest.approx(found[1], rel=5e-3)
     assert found[0] > 0.0
+
+
+@pytest.mark.parametrize("speed", [60.0, 120.0])
+def test_multipliers_err_by_no_more_than_they_claim(speed: float) -> None:
+    """At 60 rpm the largest one is complex; two models with the same slow modes differ by a hundredth of the error."""
+    scene = at(speed)
+    found = row([scene], MeasureRequest(measures=("multiplier", "multiplier.real", "multiplier.imag")))
+    orbit = ReferenceEngine().steady_state(scene, standard_start(scene), ReferenceSettings(modes=6, tolerance=1e-9, added_inertia=False))
+    assert orbit is not None
+    assert isinstance(orbit.simulation.model, BeamModel)
+    whole = floquet_multipliers(orbit.simulation.model, orbit.orbit, 1e-9)[0]
+    quotients = 5e-4  # error of the whole model's own difference quotients
+    apart = np.abs(found.values[0] - [abs(whole), whole.real, whole.imag])
+    assert np.all(apart < found.errors[0] + quotients)
+    assert np.all(found.errors[0] < 0.02)
 
 
 def test_frequencies_are_those_of_run() -> None:
