@@ -25,6 +25,8 @@ Rates = Callable[[float, Array], Array]
 CLOSED: Final = 1e-8
 #: Largest rate of the gap of a loop that stays closed, relative to the largest rate in the loops. People give rates with few digits.
 OPENS: Final = 1e-5
+#: Smallest part of a Newton step that is tried to close the loops: a step is halved until it leads nearer.
+SMALLEST_PART: Final = 1e-6
 
 
 class Model:
@@ -82,15 +84,21 @@ class Model:
         Raises:
             DescriptionError: a loop does not close.
         """
-        q, v = q.copy(), v.copy()
-        for _ in range(50):
-            gap, G, _ = self.loops(q, p)
+        v, part = v.copy(), 1.0
+        gap, G, _ = self.loops(q, p)
+        for _ in range(100):
             step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
-            q[seek] += step
-            for table in self.system.tables:
-                q[table.index] = np.clip(q[table.index], table.low, table.high)
-            if np.max(np.abs(step), initial=0.0) < 1e-14:
+            if np.max(np.abs(step), initial=0.0) < 1e-14 or part < SMALLEST_PART:
                 break
+            there = q.copy()
+            there[seek] += part * step
+            for table in self.system.tables:
+                there[table.index] = np.clip(there[table.index], table.low, table.high)
+            moved = self.loops(there, p)
+            if np.linalg.norm(moved[0]) < np.linalg.norm(gap):
+                q, (gap, G, _), part = there, moved, min(1.0, 2.0 * part)
+            else:
+                part *= 0.5
         sizes = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
         problem = "cannot close at the start: {left:.3g} {unit} remain; change the start, the lengths, or the guess of what it gives"
         self._refuse_rows(gap, CLOSED * sizes, problem)
@@ -103,11 +111,14 @@ class Model:
         return self.state(q, v)
 
     def _refuse_rows(self, rows: Array, allowed: Array, problem: str) -> None:
-        """Raise DescriptionError if a row of the loops exceeds its allowed size."""
+        """Raise DescriptionError if a row of the loops exceeds its allowed size, for the one that exceeds it most."""
         of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
-        for loop, left, limit in zip(of_rows, np.abs(rows), allowed, strict=True):
-            if not left <= limit:
-                raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {problem.format(left=left, unit=loop.unit)}")
+        if np.all(np.abs(rows) <= allowed):
+            return
+        with np.errstate(divide="ignore", invalid="ignore"):
+            worst = int(np.argmax(np.nan_to_num(np.abs(rows) / allowed, nan=np.inf, posinf=np.inf)))
+        loop, left = of_rows[worst], abs(rows[worst])
+        raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {problem.format(left=left, unit=loop.unit)}")
 
     def simulate(
         self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None

@@ -115,7 +115,7 @@ MISTAKES: dict[Callable[..., None], str] = {
     units_in_a_function: "units do not fit: the energy of 'well' is not in J; ",
     no_inertia: "coordinate 'idle' of 'crank' has no inertia, and no loop holds it; give a body whose place or angle follows it",
     no_inertia_alone: "of 'crank' has no inertia, and no loop holds it",
-    too_far: "loop 'pin' of 'crank' cannot close at the start: 0.1",
+    too_far: "loop 'pin' of 'crank' cannot close at the start: 0.3 m remain",  # a rod of 10 cm to a line 40 cm away
     too_few: "the loops of 'crank' have 2 rows and give ['angle']: projection needs as many coordinates, each once; name",
     opening: "loop 'motor' of 'crank' opens at the start by 3 rad a second; leave out the rates of the coordinates that it gives",
     force_of_a_loop: "a load of 'crank' depends on an acceleration or on a loop's force; only outputs may",
