@@ -34,7 +34,7 @@ def leaving_time(
     h: float,
     limit: float,
 ) -> float:
-    """Fraction of the step at which the slider passes `limit`, by bisection."""
+    """Fraction of the step of size h that begins in y, where the slider passes `limit`; by bisection. K: the step's stages."""
     state, rate = np.empty(len(y)), np.empty(len(y))
     low, high = 0.0, 1.0
     for _ in range(45):
@@ -63,6 +63,10 @@ def _dop853(
     K: NDArray[np.float64],
     scratch: NDArray[np.float64],
 ) -> tuple[int, int, float, int, float]:
+    """Integrates `y` over `intervals` output steps, as `integrate.dop853` describes; rows go into `states`, K and scratch are overwritten.
+
+    Returns: status; number of rows written; last instant that was reached, s; evaluations; size of the step that would follow, s.
+    """
     controlled = len(scales)
     end = output_step * intervals
     t = 0.0

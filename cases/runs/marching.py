@@ -33,6 +33,8 @@ FEWEST_ROWS: Final = 20
 MOST_ROWS: Final = 200_000
 #: A cycle is advanced in pieces of at most so many rows: the time of a turn from rest is not known.
 LONGEST_PIECE: Final = 20_000
+#: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
+ROWS_AFTER: Final = 4
 
 
 def output_step(mechanism: Mechanism) -> float:
@@ -138,9 +140,12 @@ def whole_cycles(rows: Trajectory) -> list[Cycle]:
     return cycles
 
 
-def periodic_cycle(found: SteadyState, step: float) -> Cycle:
-    """A whole cycle of a periodic state, recorded every `step` seconds. Raises as `whole_cycles`."""
-    return whole_cycles(found.simulation.advance(step * (math.ceil(found.period / step) + 4), step))[0]
+def periodic_cycle(found: SteadyState, step: float) -> tuple[Cycle, Trajectory]:
+    """A whole cycle of a periodic state, recorded every `step` seconds, and its whole trajectory. Raises as `whole_cycles`."""
+    duration = step * (math.ceil(found.period / step) + ROWS_AFTER)
+    trajectory = found.simulation.advance(duration, step)
+    check_trajectory(trajectory, duration, step)
+    return whole_cycles(trajectory)[0], trajectory
 
 
 def columns_of(cycle: Cycle) -> Columns:

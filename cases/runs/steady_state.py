@@ -30,23 +30,21 @@ from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from quickreturn.cases.runs.marching import March, columns_of, output_step, settle, whole_cycles
+from quickreturn.cases.runs.marching import March, columns_of, output_step, periodic_cycle, settle
 from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
 from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, PeriodicOrbit, Run, RunRequest
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.error_parts import Compared, compared, same_motion
-from quickreturn.engines.one_run import Made, check_trajectory
+from quickreturn.engines.one_run import Made
 from quickreturn.engines.own.found_orbit import FoundOrbit
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import Start
-from quickreturn.engines.trajectory import Columns, Trajectory
+from quickreturn.engines.trajectory import Columns
 
-#: Rows recorded after the end of a cycle, so that its last instant is not interpolated at the edge of the table.
-ROWS_AFTER: Final = 4
 #: Cycles after which a change of the settings no longer shows in a rattling motion. Runs of the thesis that begin off their cycle by two
 #: engines' errors settle in 4 to 9; what remains after five disappears in the mean over thirty.
 CYCLES_AFTER_CHANGE: Final = 5
@@ -284,7 +282,7 @@ class _RunInProgress:
         with contextlib.suppress(NoSteadyState):
             state = self._periodic_state(settings)
             if state is not None and state.stable:
-                return (self._one_cycle(state)[0],)
+                return (columns_of(periodic_cycle(state, self._step)[0]),)
         cycles, settling = settle(self._march(settings), rattles=self._mechanism.slider.has_corners)
         if not settling.settled:
             raise EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
@@ -319,7 +317,8 @@ class _RunInProgress:
         settings, found = self._settings, self._found
         if isinstance(settings, ReferenceSettings) and found and (other := other_motion(self._mechanism, found, settings)):
             self.add_remark(other)
-        cycle, piece = self._one_cycle(state)
+        whole, piece = periodic_cycle(state, self._step)
+        cycle = columns_of(whole)
         self.note(
             start=DIRECT,
             settled=True,
@@ -331,13 +330,6 @@ class _RunInProgress:
             periodic_orbit=replace(orbit, period=float(cycle["time"][-1] - cycle["time"][0])),
         )
         return cycle
-
-    def _one_cycle(self, state: SteadyState) -> tuple[Columns, Trajectory]:
-        """The cycle of a periodic state, and the trajectory that it is cut from."""
-        duration = self._step * (math.ceil(state.period / self._step) + ROWS_AFTER)
-        piece = state.simulation.advance(duration, self._step)
-        check_trajectory(piece, duration, self._step)
-        return columns_of(whole_cycles(piece)[0]), piece
 
 
 def _error(run: Run) -> float:

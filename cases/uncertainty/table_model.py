@@ -87,7 +87,7 @@ class TableModel:
         state = self.engine.steady_state(scene, standard_start(scene), settings)
         if state is None or not state.stable:
             raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if state is None else "it is not stable")
-        cycle = periodic_cycle(state, output_step(scene))
+        cycle, _ = periodic_cycle(state, output_step(scene))
         turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
         direction = math.copysign(1.0, scene.crank.drive.initial_speed)
         of_rows = np.mod(direction * self._angle[:rows] - math.pi, 2.0 * math.pi)  # rad since the slider's farthest place

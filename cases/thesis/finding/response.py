@@ -137,7 +137,7 @@ def _steady_cycles(
     except NoSteadyState:
         state = None
     if state is not None and state.stable:
-        return iter([periodic_cycle(state, step)]), 2.0 * math.pi / state.period
+        return iter([periodic_cycle(state, step)[0]]), 2.0 * math.pi / state.period
     march = iter(March(engine.prepare(scene, start, settings), start.crank_speed, step))
     periods = [float(cycle.time[-1] - cycle.time[0]) for cycle in islice(march, TRIED)]
     before, last = (2.0 * math.pi / period for period in periods[-2:])

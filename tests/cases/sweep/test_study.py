@@ -64,12 +64,15 @@ def test_a_point_that_kills_its_process_costs_that_point(tmp_path: Path) -> None
 
 
 def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A made-up machine that follows one branch up and another one down between its second and fourth point."""
+    """A made-up machine that follows one branch up and another one down between its second and fourth point.
+
+    Its multiplier is found to 0.08 from either side, which makes no other motion.
+    """
 
     def folded(case: object, changes: tuple[dict[str, str], ...], asked: MeasureRequest) -> Row:
         speeds = [float(change["crank.prescribed_speed"].split()[0]) for change in changes]
         up = speeds[0] < speeds[-1]
-        values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5] for speed in speeds])
+        values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5 + 0.08 * up] for speed in speeds])
         return Row(values, np.full_like(values, 0.01), (Ending.SETTLED,) * len(speeds), ("",) * len(speeds))
 
     monkeypatch.setattr(of_grid, "measured_row", folded)
