@@ -61,7 +61,7 @@ SLOWEST: Final = 0.5
 #: `stiffness_ratio` below which no mode is slowed, because the motion needs the higher modes. In run 24 (4.1) slowing costs nothing; with a
 #: tenth of its stiffness (1.3) the error is ten times as large (`engines/LADDERS.md`, section 1).
 SOFT_FOLLOWER: Final = 3.0
-#: Modes -> `Comparison.alike`; 0 for other numbers of modes.
+#: Modes -> `Comparison.alike`; 0 for other numbers of modes, and for modes as they are, which follow where slowed ones were not enough.
 ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Length of the last step of the search for a periodic motion, relative to the motion. A tenth of it or less is left, which counts as
 #: settled in a simulation from cycle to cycle.
@@ -193,7 +193,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         finer, further = sized(settings, more), None
         if more + 2 <= MOST_MODES:
             further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST)
-        return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
+        alike = ALIKE.get(settings.modes, 0.0) if settings.added_inertia else 0.0
+        return (Comparison(settings, finer, ratio, further, alike),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
         """The same modes without added inertia, if it slowed any, for they may ring too slowly; else the next rung of the ladder."""
