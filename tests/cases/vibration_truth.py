@@ -16,8 +16,7 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.measures.cycle import CycleMeasures, measure_cycle
 from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale, time_scale
-from quickreturn.cases.runs.marching import output_step, whole_cycles
-from quickreturn.cases.runs.steady_state import ROWS_AFTER
+from quickreturn.cases.runs.marching import ROWS_AFTER, output_step, whole_cycles
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
