@@ -194,7 +194,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         if more + 2 <= MOST_MODES:
             further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST)
         alike = ALIKE.get(settings.modes, 0.0) if settings.added_inertia else 0.0
-        return (Comparison(settings, finer, ratio, further, alike),)
+        return (Comparison(settings, finer, ratio, further, alike=alike),)
 
     def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
         """The same modes without added inertia, if it slowed any, for they may ring too slowly; else the next rung of the ladder."""
