@@ -113,10 +113,11 @@ class Model:
     def _refuse_rows(self, rows: Array, allowed: Array, problem: str) -> None:
         """Raise DescriptionError if a row of the loops exceeds its allowed size, for the one that exceeds it most."""
         of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
-        if np.all(np.abs(rows) <= allowed):
+        kept = np.abs(rows) <= allowed
+        if np.all(kept):
             return
-        with np.errstate(divide="ignore", invalid="ignore"):
-            worst = int(np.argmax(np.nan_to_num(np.abs(rows) / allowed, nan=np.inf, posinf=np.inf)))
+        with np.errstate(divide="ignore"):
+            worst = int(np.argmax(np.where(kept, 0.0, np.abs(rows) / np.where(kept, 1.0, allowed))))
         loop, left = of_rows[worst], abs(rows[worst])
         raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {problem.format(left=left, unit=loop.unit)}")
 
