@@ -30,7 +30,6 @@ LONGEST = (
     "test_several",
     "test_bad_input",
     "test_pictures",
-    "test_exudyn",
     "test_recorded",
     "test_mutation",
     "test_conformance",

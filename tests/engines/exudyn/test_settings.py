@@ -1,0 +1,140 @@
+"""Which settings are compared, and which ones cure what is too large: orders measured, and what they promise."""
+
+import dataclasses
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from quickreturn.cases.case_file import load_case
+from quickreturn.engines import accurate
+from quickreturn.engines.base import Comparison
+from quickreturn.engines.error_parts import Compared, estimated_part
+from quickreturn.engines.exudyn import settings as ladder
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
+from quickreturn.engines.one_run import run_once
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.relative import relative_error
+from quickreturn.engines.start import standard_start
+from tests.engines.exudyn.runs import simulate
+from tests.engines.scenes import run_24
+
+ENGINE = ExudynEngine()
+
+
+@pytest.mark.verify
+def test_second_order_in_step_and_elements():
+    fine = simulate(run_24(), 0.3, elements=32, step=1.25e-4)["tip_deflection"]
+    errors = {
+        (n, h): relative_error(simulate(run_24(), 0.3, elements=n, step=h)["tip_deflection"], fine)
+        for n, h in ((32, 1e-3), (32, 5e-4), (8, 1.25e-4), (16, 1.25e-4))
+    }
+    # second order: 4.2 to 5 against a reference that is itself only a fourth of the step (third of the elements) finer
+    assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5
+    in_time, in_space, in_stretch, in_passing = ENGINE.comparisons(ExudynSettings(elements=32, step=2.5e-4), run_24(), 1e-3)
+    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=5e-4), 2.0**ladder.SAFE_IN_TIME)
+    assert in_time.before == Comparison(in_time.other, ExudynSettings(elements=32, step=1e-3), in_time.factor)
+    assert (in_space.run, in_space.other) == (in_time.before.other, ExudynSettings(elements=16, step=1e-3))
+    assert in_space.factor == 2.0**ladder.SAFE_IN_SPACE
+    assert (in_stretch.run, in_stretch.factor) == (in_space.other, 4.0)
+    assert in_stretch.other == ExudynSettings(elements=16, step=1e-3, axial_factor=0.25)
+    assert (in_passing.run, in_passing.other) == (in_space.run, ExudynSettings(elements=24, step=1e-3))
+    assert errors[8, 1.25e-4] > 2.5 * errors[16, 1.25e-4]
+
+
+@pytest.mark.verify
+def test_stretch_is_estimated_and_cured_by_a_stiffer_cable():
+    """A section three times as thick as run 24's at a tenth of its bending stiffness stretches; the scene's follower does not."""
+    soft = load_case("hard-ei-x0.1").mechanism
+    soft = dataclasses.replace(soft, follower=dataclasses.replace(soft.follower, thickness=3.0 * soft.follower.thickness))
+    converged = ReferenceSettings(modes=9, tolerance=1e-8)
+    truth = run_once(ReferenceEngine(), soft, standard_start(soft), 0.3, 1e-3, converged).trajectory["tip_deflection"]
+    found = {}
+    for factor in (1, 16):
+        texts = {"elements": "32", "step": "2.5e-4", "axial_factor": str(factor)}
+        result = accurate.simulate(ENGINE, soft, standard_start(soft), 0.3, 1e-3, texts)
+        found[factor] = relative_error(result.trajectory["tip_deflection"], truth)
+        assert found[factor] < result.error_estimate
+    assert found[16] < 0.3 * found[1]  # measured 1.0e-4 and 4.7e-4; steps and elements leave 7e-5
+
+
+def test_few_elements_are_not_taken_for_a_cable_that_stretches():
+    """Run 24's cable stretches little. A softer one shows it with half the elements; a stiffer one of few elements does not."""
+    mechanism, rung = run_24(), ladder.LADDER.pick(3e-3)
+
+    def part(pair: Comparison) -> float:
+        runs = (pair.run.as_dict(), pair.other.as_dict())
+        run, other = (simulate(mechanism, 0.3, **settings) for settings in runs)
+        return estimated_part(run, Compared(run, other, pair.factor), mechanism.follower.length)[0]
+
+    _, _, stretch, _ = ENGINE.comparisons(rung, mechanism, 1e-3)
+    half, whole = (part(Comparison(*(own.replaced(elements=n) for own in (stretch.run, stretch.other)), stretch.factor)) for n in (12, 24))
+    few = stretch.run.replaced(elements=6)
+    assert stretch.run.elements == 12
+    assert half < 2e-5  # measured 7.2e-6
+    assert 0.5 < half / whole < 2.0
+    assert part(Comparison(few, few.replaced(axial_factor=4.0), 0.25)) > 1e-3  # measured 1.4e-3
+
+
+def test_ladder_ends() -> None:
+    assert ENGINE.settings_for(ENGINE.default_accuracy, run_24()) == ExudynSettings()
+    steps = [rung.step for rung, _ in ladder.LADDER.rungs]
+    assert steps == sorted(steps, reverse=True)
+    settings, count = ExudynSettings(), 0
+    while (finer := ENGINE.finer(settings, (), 1e-3)) is not None:
+        assert finer.step < settings.step
+        settings, count = finer, count + 1
+    assert count >= 1
+    assert settings.step >= SMALLEST_STEP
+
+
+def test_finer_settings_cure_what_is_too_large():
+    settings = ExudynSettings(elements=24, step=2.5e-4)
+    # of second order in time: 7 steps leave 2.0 (4/7)^2 = 0.65; 6 would leave 0.89, and with 0.1 in space too much
+    assert ENGINE.finer(settings, (2.0, 0.1), 1e-3) == settings.replaced(step=1e-3 / 7)
+    # of third order in space: 32 elements leave 0.42
+    assert ENGINE.finer(settings, (0.5, 1.0), 1e-3) == settings.replaced(elements=32)
+    assert ENGINE.finer(settings, (0.5, 0.4, 0.0, 0.6), 1e-3) == settings.replaced(elements=32)  # what passing shows is in space as well
+    # smaller steps are cheaper than another cable, whose comparisons are all to be made again
+    assert ENGINE.finer(settings, (0.7, 0.3, 0.1), 1e-3) == settings.replaced(step=2e-4)
+    assert ENGINE.finer(settings, (0.5, 0.1, 0.8), 1e-3) == settings.replaced(axial_factor=4.0)
+
+
+@given(
+    st.tuples(*[st.floats(0.0, 20.0)] * 4).filter(lambda excess: sum(excess) > 1.0),
+    st.integers(6, 48).map(lambda half: 2 * half),
+    st.sampled_from((1.0, 4.0, 16.0)),
+    st.integers(1, 12),
+)
+def test_climbing_takes_what_the_orders_leave_to_within_reach(excess, elements, axial_factor, steps):
+    own = ExudynSettings(elements=elements, axial_factor=axial_factor, step=1e-3 / steps)
+    finer = ENGINE.finer(own, excess, 1e-3)
+    if finer is None:
+        return
+    in_time, in_space, in_stretch, passing = excess
+
+    def left(settings: ExudynSettings) -> float:
+        in_elements = (in_space + passing) * (elements / settings.elements) ** 3
+        return in_time * (settings.step / own.step) ** 2 + in_elements + in_stretch * axial_factor / settings.axial_factor
+
+    most = own.replaced(
+        elements=max(elements, min(2 * elements, ladder.MOST_ELEMENTS)), step=1e-3 / min(4 * steps, 50), axial_factor=max(ladder.STIFFER)
+    )
+    assert left(finer) <= max(1.0, 1.2 * left(most))
+    assert left(finer) < sum(excess)
+    assert (finer.step, finer.elements, finer.axial_factor) != (own.step, own.elements, own.axial_factor)
+
+
+@pytest.mark.parametrize("output_step", [1e-2, 1e-3, 5e-4, 2.5e-4, 1e-5])
+def test_runs_compared_differ_on_any_output_grid(output_step):
+    """A step cannot pass an output: settings that differ may be the same run."""
+    for step in (5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4):
+        own = ExudynSettings(elements=8, step=step)
+        for pair in ENGINE.comparisons(own, run_24(), output_step):
+            fine, coarse = (math.ceil(output_step / settings.step - 1e-9) for settings in (pair.run, pair.other))
+            stiffer = pair.other.axial_factor / pair.run.axial_factor
+            assert fine != coarse or pair.run.elements != pair.other.elements or stiffer != 1.0
+            in_time, in_space = (fine / coarse) ** ladder.SAFE_IN_TIME, (pair.run.elements / pair.other.elements) ** ladder.SAFE_IN_SPACE
+            assert pair.factor == pytest.approx(in_time * in_space / stiffer)
