@@ -123,9 +123,20 @@ def dimension_of(path: str) -> Dimension:
     return DIMENSIONS[PATHS[path].unit]
 
 
+def value_at(path: str, text: str, *, finite: bool = False) -> float:
+    """The SI value of a text for the quantity at a dotted path; with `finite` not "inf". QuantityError: wrong text, or wrong sign."""
+    quantity, dimension = PATHS[path], dimension_of(path)
+    value = parse_quantity(text, dimension, infinity_accepted=quantity.infinity and not finite)
+    if quantity.sign == "positive" and value <= 0.0:
+        raise QuantityError("is not positive", f"{dimension.name} greater than zero is accepted")
+    if quantity.sign == "not negative" and value < 0.0:
+        raise QuantityError("is negative", f"{dimension.name} of zero or more is accepted")
+    return value
+
+
 def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:
-    """The SI value of a text for the quantity at a dotted path; with `finite` not "inf". CaseError, with `source`: a wrong text."""
+    """As `value_at`, but a wrong text or sign is a CaseError about `source`."""
     try:
-        return parse_quantity(text, dimension_of(path), infinity_accepted=PATHS[path].infinity and not finite)
+        return value_at(path, text, finite=finite)
     except QuantityError as wrong:
         raise CaseError(source, path, as_written(text), wrong.problem, wrong.accepted) from None

@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
-from quickreturn.cases.case import PATHS, SECTIONS, Case, dimension_of
+from quickreturn.cases.case import PATHS, SECTIONS, Case, dimension_of, value_at
 from quickreturn.cases.document import Document, header_of, read_document, with_changes
 from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, attempted, together
-from quickreturn.cases.units import QuantityError, parse_quantity
+from quickreturn.cases.units import QuantityError
 from quickreturn.reference_model.mechanism import ImpossibleMechanism
 from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, scene_of
 
@@ -114,15 +114,10 @@ def _quantity(document: Document, path: str, written: Any) -> Any:
         return tuple(_quantity(document, path, one) for one in written)
     if isinstance(written, float):
         return written
-    wanted, dimension = PATHS[path], dimension_of(path)
     try:
-        value = parse_quantity(written, dimension, infinity_accepted=wanted.infinity)
+        value = value_at(path, written)
     except QuantityError as wrong:
         raise document.error(path, wrong.problem, wrong.accepted, value=written) from None
-    if wanted.sign == "positive" and value <= 0.0:
-        raise document.error(path, "is not positive", f"{dimension.name} greater than zero is accepted", value=written)
-    if wanted.sign == "not negative" and value < 0.0:
-        raise document.error(path, "is negative", f"{dimension.name} of zero or more is accepted", value=written)
     if path == "crank.initial_angle" and abs(value) > _LARGEST_ANGLE:
         raise document.error(path, "is beyond a million degrees", "angles from -1e6 deg to 1e6 deg are accepted")
     return value

@@ -27,7 +27,7 @@ from quickreturn.reference_model.cycle_family import CycleFamily
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.poincare import CycleBroken
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reference_model.scene_values import replaced_by, scene_of
 
 Array = NDArray[np.float64]
@@ -179,10 +179,10 @@ def job_around(case: Case) -> Job[ResonanceCurve]:
 
     Raises as `resonance_curve`; Refusal also if the crank stands still.
     """
-    pace = crank_pace(case.mechanism)
-    if pace == 0.0:
+    speed = mean_crank_speed(case.mechanism)
+    if speed == 0.0:
         raise Refusal("a resonance curve needs a crank that turns; give a speed, or a torque and damping")
-    low, high = sorted(((1.0 - NEAR) * pace, (1.0 + NEAR) * pace))
+    low, high = sorted(((1.0 - NEAR) * speed, (1.0 + NEAR) * speed))
     return job(case, Range(SPEED, low, high, "rpm", in_si("rpm")), claims=False)
 
 

@@ -168,7 +168,7 @@ class BeamModel:
     def bent_state(
         self, crank_angle: float, crank_speed: float, slider: tuple[float, float], x: Array, angle: Array, angle_rate: Array
     ) -> Array:
-        """State vector closest to a given shape, without gap or gap rate.
+        """State vector closest to a given shape, without gap or gap rate; it cannot move if no place of the slider closes the loop.
 
         Args:
             crank_angle: rad.
@@ -193,7 +193,8 @@ class BeamModel:
             self.can_move(y)
             return abs(f.foot) - math.hypot(v1, v2)
 
-        y[m] = scipy.optimize.brentq(excess, 0.98 * s, min(1.02 * s, p.tables.high), xtol=1e-15)
+        low, high = p.tables.low, p.tables.high
+        y[m] = scipy.optimize.brentq(excess, low, high, xtol=1e-15) if excess(low) <= 0.0 <= excess(high) else math.nan
         if not self.closes_loop:
             self.can_move(y)
             y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0

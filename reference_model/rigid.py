@@ -3,13 +3,15 @@
 Everything is vectorised over the crank angle. It is the limit of infinite bending stiffness, and the start of every case.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE
+from quickreturn.reference_model.mechanism import Base, Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -61,11 +63,22 @@ def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
     return inertia, 0.5 * beam.mass_per_length * beam.length**2 + tip.mass * arm
 
 
+def pivot_torque(base: Base, rate: Array) -> Array:
+    """Torque (N m) of the damping and friction in the pivot P against a follower that turns at `rate` (rad/s), equation 4.7."""
+    return np.asarray(base.damping * rate + base.friction_torque * np.tanh(rate / PIVOT_FRICTION_RATE))
+
+
 def crank_pace(mechanism: Mechanism) -> float:
     """Estimated crank speed, rad/s, not negative: the larger of the initial speed and torque / damping."""
     drive = mechanism.crank.drive
     balanced = abs(drive.torque) / drive.damping if isinstance(drive, TorqueDrive) and drive.damping > 0.0 else 0.0
     return max(abs(drive.initial_speed), balanced)
+
+
+def mean_crank_speed(mechanism: Mechanism) -> float:
+    """Estimated crank speed, rad/s: `crank_pace` in the sense in which the crank starts, or in which the torque turns it from rest."""
+    drive = mechanism.crank.drive
+    return math.copysign(crank_pace(mechanism), drive.initial_speed or (drive.torque if isinstance(drive, TorqueDrive) else 1.0))
 
 
 #: Scale of the deflection, as a fraction of the follower's length, in scenes that deflect as much as the thesis' runs or more ...
@@ -123,7 +136,7 @@ def rigid_kinetostatics(
     g1, g2 = mechanism.gravity
     q1, q2 = np.asarray(crank_angle, dtype=float), motion.follower_angle
     inertia += slider.inertia  # the slider turns with the follower
-    about_P = inertia * motion.follower_acceleration + mechanism.base.damping * motion.follower_speed
+    about_P = inertia * motion.follower_acceleration + pivot_torque(mechanism.base, motion.follower_speed)
     about_P -= moment * (np.cos(q2) * g2 - np.sin(q2) * g1) + mechanism.follower.length * _tool_across(mechanism, q1, q2)
     force = about_P / motion.slider_position
     damping = getattr(crank.drive, "damping", 0.0)

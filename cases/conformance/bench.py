@@ -15,7 +15,6 @@ from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal
 from quickreturn.engines.error_parts import compared
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.scene import check_scene
@@ -89,9 +88,10 @@ def truth(motion: Motion) -> Truth:
 def bent_start(mechanism: Mechanism) -> Start:
     """A start with a bent follower in motion: the state of the scene after a while."""
     simulation = ReferenceEngine().prepare(mechanism, standard_start(mechanism), _FINEST)
-    assert isinstance(simulation, OwnSimulation)
     simulation.advance(UNTIL_BENT, OUTPUT_STEP)
-    return simulation.present_start()
+    start = simulation.present_start()
+    assert start is not None
+    return start
 
 
 class Bench:

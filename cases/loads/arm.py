@@ -2,10 +2,10 @@
 
 An engine gives the moment at the interior twelfths of the length and at the slider. At the ends moment and slope follow from Newton's and
 Euler's laws for the bodies there, with q2 the angle of the base, theta that of the flexible end, n the normal, a the acceleration of the
-flexible end along it, e the tip body's centre of mass beyond the end, R the force of the bearing, f the force on the tip, c the damping of
-the beam, which acts between it and the base:
+flexible end along it, e the tip body's centre of mass beyond the end, R the force of the bearing, M2 the torque of its damping and friction
+(DERIVATION, 4.7), f the force on the tip, c the damping of the beam, which acts between it and the base:
 
-    base   M(0) = J_b q2'' + c_b q2' - turning torque - integral of c x dW/dt over x,  dM(0)/dx = R n + integral of c dW/dt over x
+    base   M(0) = J_b q2'' + M2 - turning torque - integral of c x dW/dt over x,  dM(0)/dx = R n + integral of c dW/dt over x
     tip    M(L) = -J theta'' - m e (a + e theta'' - g n),                              dM(L)/dx = m (a + e theta'' - g n) - f n
 
 On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.rigid import pivot_torque
 from quickreturn.reference_model.splines import CubicSpline
 from quickreturn.reference_model.tip_force import tip_force
 
@@ -127,7 +128,7 @@ def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
     base, time, angle = scene.base, columns["time"], columns["follower_angle"]
     turning = columns.get("base_torque", np.zeros(time.size))
     acceleration, error = _second_derivative(time, angle)
-    moment = base.inertia * acceleration + base.damping * CubicSpline(time, angle)(time, 1) - turning
+    moment = base.inertia * acceleration + pivot_torque(base, CubicSpline(time, angle)(time, 1)) - turning
     return moment - _damping(scene, columns, power=1), base.inertia * error
 
 

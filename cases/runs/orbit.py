@@ -127,7 +127,7 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
     multiplier = abs(state.multipliers[0])
     if not state.stable:
         return Orbit(None, multiplier, "the periodic state is not stable")
-    return Orbit(PeriodicStart.of(state.simulation.present_start()), multiplier, period=state.period)
+    return Orbit(PeriodicStart.of(state.start), multiplier, period=state.period)
 
 
 def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "FoundOrbit | None") -> "FoundOrbit | None":

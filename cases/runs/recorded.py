@@ -31,7 +31,7 @@ from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.rigid import crank_pace, rigid_motion
+from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed, rigid_motion
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         raise CaseError(table.shown, "case", f'"{table.declared["case"]}"', f'is not "{case.name}"', "compare it with the case it declares")
     columns, remarks = dict(table.columns), []
     if "crank_angle" not in columns:
-        speed = math.copysign(crank_pace(mechanism), mechanism.crank.drive.initial_speed)
+        speed = mean_crank_speed(mechanism)
         columns["crank_angle"] = mechanism.crank.initial_angle + speed * columns["time"]
         start = math.degrees(mechanism.crank.initial_angle)
         remarks.append(
@@ -158,7 +158,7 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
     pace = crank_pace(mechanism)
     if pace <= 0.0 or len(time) < 2:
         return
-    if (angle[-1] - angle[0]) * mechanism.crank.drive.initial_speed < 0.0:
+    if (angle[-1] - angle[0]) * mean_crank_speed(mechanism) < 0.0:
         told = f"runs from {angle[0]:.6g} to {angle[-1]:.6g} rad, but the drive of {case} turns the crank the other way"
         raise CaseError(table.shown, "crank_angle", None, told, "angles count counter-clockwise")
     if "crank_angle" in table.columns:

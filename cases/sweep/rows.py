@@ -212,7 +212,7 @@ class _Point:
         """Measure as `run` does, from the periodic state of `reference` if there is one."""
         orbit, asked = None, self._asked
         if state is not None:
-            begin = PeriodicStart.of(state.simulation_again().present_start()) if state.stable else None
+            begin = PeriodicStart.of(state.start) if state.stable else None
             orbit = Orbit(begin, abs(state.multipliers[0]), "" if state.stable else "the periodic state is not stable", state.period)
         run = steady_state(
             RunRequest(

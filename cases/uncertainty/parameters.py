@@ -146,6 +146,4 @@ def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
         raise wrong("does not rise", "write the lower end first")
     if kind == "log-uniform" and not first > 0.0:
         raise wrong("has an end that is not positive, and no logarithm", "both ends of a log-uniform distribution must be positive")
-    if parameter.quantity.sign != "any" and first < 0.0:
-        raise wrong("holds negative values", f"{parameter.path} must be {parameter.quantity.sign}")
     return Distribution(kind, first, second, text)

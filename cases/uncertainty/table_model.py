@@ -22,7 +22,7 @@ from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import mean_crank_speed
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class TableModel:
         self.engine = ReferenceEngine()
         self._time = table.columns["time"]
         scene = case.mechanism
-        even = scene.crank.initial_angle + math.copysign(crank_pace(scene), scene.crank.drive.initial_speed) * self._time
+        even = scene.crank.initial_angle + mean_crank_speed(scene) * self._time
         self._angle = table.columns.get("crank_angle", even)
 
     @property
@@ -89,6 +89,6 @@ class TableModel:
             raise NoSteadyState("a rigid follower or a soft joint has none that can be searched" if state is None else "it is not stable")
         cycle, _ = periodic_cycle(state, output_step(scene))
         turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
-        direction = math.copysign(1.0, scene.crank.drive.initial_speed)
+        direction = math.copysign(1.0, mean_crank_speed(scene))
         of_rows = np.mod(direction * self._angle[:rows] - math.pi, 2.0 * math.pi)  # rad since the slider's farthest place
         return np.array([CubicSpline(turned, cycle.channels[name])(of_rows) for name in self.names])

@@ -177,7 +177,8 @@ def finer(own: ExudynSettings, excess: Excess | None, output_step: float) -> Exu
         return own.replaced(step=output_step / min(2 * steps, most_steps)) if most_steps > steps else None
     most_elements = max(elements, min(2 * elements, MOST_ELEMENTS))
     stiffer = [factor for factor in STIFFER if factor == 1.0 or factor * own.axial_factor <= STIFFER[-1]]
-    rungs = list(itertools.product(range(steps, most_steps + 1), range(elements, most_elements + 1, 2), stiffer))[1:]
+    numbers_of_steps = range(steps, most_steps + 1, 1 + steps // 100)  # 1 % apart where there are hundreds
+    rungs = list(itertools.product(numbers_of_steps, range(elements, most_elements + 1, 2), stiffer))[1:]
 
     def left(rung: tuple[int, int, float]) -> float:
         """Parts of the error over the accuracy asked for that the orders leave of `excess`."""

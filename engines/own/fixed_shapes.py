@@ -52,11 +52,11 @@ class FixedShapesEngine(StayingShapesEngine[FixedShapesSettings]):
         self, mechanism: Mechanism, crank_angle: float, count: int, settings: FixedShapesSettings
     ) -> NDArray[np.float64]:
         """Converged: Hermite elements with a node at the slider, doubled until no frequency changes by more than 1e-6 of itself."""
+        self.check(mechanism)
         if mechanism.follower.is_rigid:
             return np.zeros(0)
         from quickreturn.reference_model.thesis.frequencies import shape_frequencies
 
-        self.check(mechanism)
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
         elements, last = max(8, count), np.full(count, np.inf)
         while True:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from quickreturn.engines.base import NoSteadyState, SteadyState
 from quickreturn.engines.own.simulation import OwnSimulation
+from quickreturn.engines.start import Start
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier
 
@@ -24,6 +25,13 @@ class FoundOrbit(SteadyState):
         """A new simulation in this state, so that the original one stays in it."""
         original = self.simulation
         return OwnSimulation(original.model, self.orbit.state, original.tolerance, original.setup_seconds)
+
+    @property
+    def start(self) -> Start:
+        """The same state as a start for any engine."""
+        start = self.simulation_again().present_start()
+        assert start is not None
+        return start
 
     def whole_multiplier(self) -> complex:
         """The largest multiplier by derivatives of the whole model. NoSteadyState: a cycle is broken."""

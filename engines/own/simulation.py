@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 _CAUSES: Final = {
     integrate.LEFT_FOLLOWER: ("the slider has left the follower's end", "try a slower crank, a stiffer or longer follower"),
     integrate.STEP_TOO_SMALL: (
-        "the step size fell below 1e-13 s",
+        "the integrator finds no step that is small enough",
         "check the scene; the follower may be bent beyond what its shapes describe",
     ),
     integrate.TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "try fewer shapes or a looser engine.tolerance"),
@@ -53,9 +53,10 @@ class OwnSimulation(Simulation):
         self.tolerance = tolerance
         self._step = 0.0
 
-    def present_start(self) -> Start:
-        """The present state as a start for any engine; only for a `BeamModel`, because the other models have too few shapes for that."""
-        assert isinstance(self.model, BeamModel)
+    def present_start(self) -> Start | None:
+        """The present state as a start for any engine; None for models other than a `BeamModel`, which have too few shapes for that."""
+        if not isinstance(self.model, BeamModel):
+            return None
         deflection, rate = self.model.deflection(self.state)
         return Start(float(self.state[0]), float(self.state[self.model.parameters.speeds + 1]), deflection, rate)
 

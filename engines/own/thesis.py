@@ -115,9 +115,9 @@ class ThesisEngine(Engine[ThesisSettings]):
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ThesisSettings) -> NDArray[np.float64]:
         """See `Engine.natural_frequencies`; those of the cubic elements, two per element."""
+        self.check(mechanism)
         if mechanism.follower.is_rigid:
             return np.zeros(0)
-        self.check(mechanism)
         from quickreturn.reference_model.thesis.frequencies import shape_frequencies
 
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)

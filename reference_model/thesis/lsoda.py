@@ -7,7 +7,7 @@ import numpy as np
 import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, Integration
+from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
 
 Array = NDArray[np.float64]
 
@@ -47,10 +47,11 @@ def integrate_lsoda(
         states, info = scipy.integrate.odeint(
             fun, y, times, tfirst=True, rtol=1e-14, atol=errors, mxstep=100_000, full_output=True, printmessg=False
         )
-    good, status = len(states), REACHED_END
+    good, status, last = len(states), REACHED_END, intervals - 1
     if info["message"] != "Integration successful.":
-        # odeint does not initialise the rows after the first one that it did not reach
-        good, status = 1 + int(np.argmax(info["tcur"] < times[1:] - 1e-12)), STEP_TOO_SMALL
+        # odeint does not initialise what comes after the first output step whose end it did not reach
+        last = int(np.argmax(info["tcur"] < times[1:] - 1e-12))
+        good, status = 1 + last, TOO_MANY_CALLS if info["message"].startswith("Excess work") else STEP_TOO_SMALL
     for row in range(good):
         if not (np.all(np.isfinite(states[row])) and equations(states[row], rate)):
             good, status = row, NOT_A_NUMBER
@@ -58,4 +59,4 @@ def integrate_lsoda(
         if watched[0] > limit:
             good, status = row, LEFT_FOLLOWER
             break
-    return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][-1]), 0.0)
+    return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][last]), 0.0)

@@ -16,7 +16,7 @@ from quickreturn.cases.loads import resonance
 from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve, ResonancePeak, SpecialPoint, job_around
 from quickreturn.engines.base import Refusal
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import mean_crank_speed
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class Around:
 
     @cached_property
     def pace(self) -> float:
-        """The machine's own speed, rad/s: its mean speed if a torque drives it."""
-        return crank_pace(self.case.mechanism)
+        """The machine's own speed, rad/s, negative if it turns clockwise: its mean speed if a torque drives it."""
+        return mean_crank_speed(self.case.mechanism)
 
     @property
     def heights(self) -> NDArray[np.float64]:

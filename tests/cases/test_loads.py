@@ -25,7 +25,7 @@ SPEED = 12.0  # rad/s
 #: Everything that gives an end of the arm, or the slider, a moment of its own, and a force on the tip.
 LOADED = run_24(
     crank={"drive": PrescribedSpeed(speed=SPEED)},
-    base=Base(inertia=2e-3, damping=0.05),
+    base=Base(inertia=2e-3, damping=0.05, friction_torque=0.5),
     tip=Tip(mass=0.4, inertia=3e-3, center_of_mass=0.03, force=(3.0, 20.0), force_from=1.0, force_to=5.0),
     slider=Slider(mass=0.2, inertia=2e-3),
     gravity=(0.0, -9.80665),

@@ -7,6 +7,7 @@ import pytest
 
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import Settings
+from quickreturn.reference_model.rigid import follower_inertia, rigid_motion
 from tests.engines.scenes import run_24
 
 #: Of run 24 at crank angles, Hz, from converged models of other kinds.
@@ -38,3 +39,13 @@ def test_frequencies_of_run_24(name: str, size: dict[str, str], tolerance: float
 def test_a_rigid_follower_has_no_natural_frequency(name: str) -> None:
     rigid = run_24(follower={"bending_stiffness": math.inf})
     assert engine(name).natural_frequencies(rigid, 1.0, 4, settings_of(name)).shape == (0,)
+
+
+@pytest.mark.parametrize("name", ["reference", "exudyn", "mujoco", "stiff-spring"])
+def test_a_rigid_follower_swings_on_a_soft_joint(name: str) -> None:
+    """One pendulum: stiffness k s^2 against its moment of inertia about P."""
+    scene = run_24(follower={"bending_stiffness": math.inf}, slider={"joint_stiffness": 1e4})
+    expected = math.sqrt(1e4 / follower_inertia(scene)[0]) * float(rigid_motion(scene, np.array(1.0), 0.0).slider_position)
+    chosen = engine(name)
+    found = chosen.natural_frequencies(scene, 1.0, 4, chosen.settings_for(chosen.default_accuracy, scene))
+    np.testing.assert_allclose(found, [expected / (2.0 * math.pi)], rtol=1e-9)

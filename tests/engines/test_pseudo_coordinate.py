@@ -167,3 +167,7 @@ def test_ladder_climbs() -> None:
     for accuracy in (0.05, 1e-2, 1e-3, 3e-4):
         assert LADDER.claim(FIXED.settings_for(accuracy, run_24()).shapes) <= accuracy
     assert FIXED.settings_for(1e-5, run_24()).shapes == LADDER.rungs[-1][0].shapes
+
+
+def test_a_thesis_simulation_has_no_start_for_other_engines() -> None:
+    assert ThesisEngine().prepare(run_24(), standard_start(run_24()), ThesisSettings()).present_start() is None

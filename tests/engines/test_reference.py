@@ -19,6 +19,7 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import OPTIONAL, REQUIRED, Trajectory, join
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip
+from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.engines.energy import imbalance
 from tests.engines.scenes import INCH, POUND_FORCE, run_24, violent
@@ -165,6 +166,25 @@ def test_a_start_that_cannot_be_closed_is_refused() -> None:
     with pytest.raises(EngineFailure, match="cannot be closed") as caught:
         ENGINE.prepare(run_24(), start, ReferenceSettings(modes=3))
     assert caught.value.time == 0.0
+
+
+def test_one_mode_begins_in_a_far_bent_state_of_many() -> None:
+    """Its closest shape closes the loop a long way, 2 % and more, from where the given one does."""
+    scene = run_24(follower={"bending_stiffness": 0.1 * run_24().follower.bending_stiffness})
+    simulation = ENGINE.prepare(scene, standard_start(scene), ENGINE.settings_for(1e-3, scene))
+    simulation.advance(0.39, 0.39)
+    start = simulation.present_start()
+    assert start is not None
+    one = ENGINE.prepare(scene, start, ReferenceSettings(modes=1)).advance(1e-4, 1e-4)
+    given = float(reconstruct(scene, start).slider_position)
+    assert abs(float(one["slider_position"][0]) / given - 1.0) > 0.02
+
+
+def test_a_shape_whose_ends_are_too_near_cannot_move() -> None:
+    scene = run_24()
+    model, x = BeamModel.following(scene, 2), np.linspace(0.0, scene.follower.length, 50)
+    for bend, closes in ((1.0, True), (2.0, False)):  # rad from base to tip; the chord is 0.96 and 0.84 of the arc
+        assert model.can_move(model.bent_state(math.pi, 0.0, (0.55, 0.0), x, bend * x / x[-1], 0.0 * x)) == closes
 
 
 def test_only_what_a_scene_needs_is_built() -> None:

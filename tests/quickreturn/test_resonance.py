@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import quickreturn as qr
-from quickreturn.cases.resonance_curve import range_of, scene_with
+from quickreturn.cases.resonance_curve import job_around, range_of, scene_with
 from quickreturn.reports.drawing.style import picture
 from quickreturn.reports.findings.resonance import Around
 from tests.quickreturn.conftest import Call
@@ -96,6 +96,8 @@ def test_the_command_writes_what_python_gives(call: Call, tmp_path: Path) -> Non
         (("--vary", "slider.joint_stiffness=1e4 N/m .. 2e4 N/m", "--speed", "100 rpm"), ("rigid and frictionless",)),
         (("--vary", "tip.mass=0 g .. 100 g", "--speed", "0 rpm"), ("--speed", "0 rpm", "does not turn")),
         (("--speed", "60 rpm .. 90 rpm", "--measure", "peak.tip"), ("--measure", "peak.tip")),
+        (("--vary", "tip.mass=-20 g .. -10 g", "--speed", "60 rpm"), ("--vary", "tip.mass", '"-20 g" is negative')),
+        (("--vary", "crank.length=0 in .. 4 in"), ("--vary", "crank.length", '"0 in" is not positive')),
         (("--speed", "60 rpm .. 90 rpm", "--output", "curve.xlsx"), ("curve.xlsx", ".csv")),
     ],
     ids=str,
@@ -114,6 +116,13 @@ def test_other_values_replace_what_excludes_them() -> None:
     assert held.crank.drive.initial_speed == 10.0
     assert held.tip_body.mass == 0.02
     assert range_of("tip.mass", "0 g .. 25 g").high == pytest.approx(0.025)
+
+
+def test_the_curve_around_a_crank_that_turns_clockwise_is_over_negative_speeds() -> None:
+    case = qr.case("thesis-24", {"crank.prescribed_speed": "-100 rpm"})
+    varied = job_around(case).arguments[1]
+    assert (varied.low / RPM, varied.high / RPM) == pytest.approx((-115.0, -85.0))
+    assert Around(case, None).pace / RPM == pytest.approx(-100.0)
 
 
 def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -> None:

@@ -35,7 +35,7 @@ def everything(**changes: Any) -> Mechanism:
     return full
 
 
-RIGID = everything(follower={"bending_stiffness": math.inf})
+RIGID = everything(follower={"bending_stiffness": math.inf}, base={"friction_torque": 0.4})
 
 
 def second_derivative(places: Any, h: float) -> Any:
@@ -84,8 +84,9 @@ def test_closed_forms_of_the_rigid_follower_are_newtons_law_for_mass_points(q1: 
         if place < motion.slider_position:
             moment += force * (motion.slider_position - place) - slider.inertia * motion.follower_acceleration
         assert float(rigid_bending_moment(mechanism, place, angle, speed, acceleration)) == pytest.approx(float(moment), abs=1e-6)
-    base = mechanism.base.inertia * motion.follower_acceleration + mechanism.base.damping * motion.follower_speed
-    assert float(rigid_bending_moment(mechanism, 0.0, angle, speed, acceleration)) == pytest.approx(float(base), abs=1e-12)
+    base, rate = mechanism.base, float(motion.follower_speed)
+    moment = base.inertia * float(motion.follower_acceleration) + base.damping * rate + base.friction_torque * math.tanh(rate / 0.1)
+    assert float(rigid_bending_moment(mechanism, 0.0, angle, speed, acceleration)) == pytest.approx(moment, abs=1e-12)
 
 
 def forces(columns: dict[str, Array]) -> dict[str, Array]:
@@ -93,9 +94,12 @@ def forces(columns: dict[str, Array]) -> dict[str, Array]:
 
 
 @pytest.mark.parametrize("prescribed", [False, True], ids=["torque", "prescribed speed"])
-@pytest.mark.parametrize("model_of", [lambda scene: BeamModel.following(scene, 0), rigid], ids=["one beam", "thesis"])
-def test_a_rigid_follower_has_the_closed_forms(model_of: Any, prescribed: bool) -> None:
-    mechanism = RIGID
+@pytest.mark.parametrize(
+    ("model_of", "mechanism"),
+    [(lambda scene: BeamModel.following(scene, 0), RIGID), (rigid, everything(follower={"bending_stiffness": math.inf}))],
+    ids=["one beam", "thesis"],  # which has no friction
+)
+def test_a_rigid_follower_has_the_closed_forms(model_of: Any, mechanism: Mechanism, prescribed: bool) -> None:
     if prescribed:
         mechanism = dataclasses.replace(mechanism, crank=dataclasses.replace(mechanism.crank, drive=PrescribedSpeed(speed=-14.0)))
     model: BeamModel | ThesisModel = model_of(mechanism)

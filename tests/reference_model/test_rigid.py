@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
-from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.rigid import mean_crank_speed, rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
 from tests.reference_model import beam_runs
 from tests.reference_model.beam_runs import Array, run, staying
@@ -48,6 +48,20 @@ def test_closed_form_and_its_derivatives(q1: float) -> None:
     np.testing.assert_allclose([motion.slider_position, motion.follower_angle], at(0), atol=1e-14)
     np.testing.assert_allclose([motion.slider_speed, motion.follower_speed], first, atol=1e-8)
     np.testing.assert_allclose([motion.slider_acceleration, motion.follower_acceleration], second, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("drive", "expected"),
+    [
+        (PrescribedSpeed(speed=-14.0), -14.0),
+        (TorqueDrive(torque=-3.0, damping=0.2, initial_speed=-14.0), -15.0),
+        (TorqueDrive(torque=-3.0, damping=0.2, initial_speed=0.0), -15.0),
+        (TorqueDrive(torque=3.0, damping=0.2, initial_speed=14.0), 15.0),
+    ],
+    ids=str,
+)
+def test_mean_speed_has_the_sense_in_which_the_crank_turns(drive: PrescribedSpeed | TorqueDrive, expected: float) -> None:
+    assert mean_crank_speed(run_24(crank={"drive": drive})) == pytest.approx(expected)
 
 
 def energies(mechanism: Mechanism, q1: float) -> tuple[float, float]:

@@ -60,6 +60,7 @@ def test_a_march_from_a_neighbouring_speed_settles_on_the_curve(engine: str, acc
     scene, chosen = at_speed(goal.parameter), usable_engine(engine)
     cycle, like = family.at(neighbour.parameter)
     start = OwnSimulation(cycle.model, cycle.state(neighbour.point, like), family.tolerance, 0.0).present_start()
+    assert start is not None
     begun = dataclasses.replace(start, crank_speed=goal.parameter)
     turn = 2.0 * math.pi / goal.parameter
     simulation = chosen.prepare(scene, begun, chosen.settings_for(accuracy, scene))

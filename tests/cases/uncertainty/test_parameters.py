@@ -44,7 +44,7 @@ def test_the_polynomials_are_orthonormal(text: str) -> None:
         ("uniform 0 kg to 3 kg", "is no distribution"),
         ("uniform 3 kg .. 0 kg", "does not rise"),
         ("uniform 0 kg .. 3 m", "is a length (m), but a mass is needed"),
-        ("uniform -1 kg .. 3 kg", "holds negative values"),
+        ("uniform -1 kg .. 3 kg", "is negative"),
         ("log-uniform 0 kg .. 3 kg", "and no logarithm"),
         ("normal 2 kg +- 0 %", "has no positive standard deviation"),
     ],

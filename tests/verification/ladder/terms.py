@@ -26,7 +26,6 @@ from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
 from quickreturn.engines.own.multiplier import MultiplierSettings
 from quickreturn.engines.own.reference import ReferenceSettings
-from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
@@ -107,8 +106,9 @@ def state_of(mechanism: Mechanism, time: float) -> Start:
     """Where the reference's motion from the standard start has led at `time` (s), a multiple of 10 ms."""
     simulation = engine("reference").prepare(mechanism, standard_start(mechanism), OWN)
     simulation.advance(time, 1e-2)
-    assert isinstance(simulation, OwnSimulation)
-    return simulation.present_start()
+    start = simulation.present_start()
+    assert start is not None
+    return start
 
 
 def term_rows(mechanism: Mechanism, scene: str, state: Start, fineness: int) -> Iterator[Row]:
