@@ -24,7 +24,7 @@ from quickreturn.engines.base import (
     ModelDescription,
 )
 from quickreturn.engines.error_parts import ESTIMATED, LOADS, compared, estimated_part, relative_size, same_motion
-from quickreturn.engines.one_run import Made, run_once
+from quickreturn.engines.one_run import CompletedRun, run_once
 from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
@@ -90,7 +90,7 @@ class Result(Assessment):
 
     trajectory: Trajectory
     settings: Settings
-    runs: Mapping[Settings, Made] = field(default_factory=dict, repr=False)
+    runs: Mapping[Settings, CompletedRun] = field(default_factory=dict, repr=False)
 
 
 @on_one_thread
@@ -160,7 +160,7 @@ class _Judged:
     """A run with the parts of its error estimate; none if the error is unknown, and `remark` says why."""
 
     settings: Settings
-    made: Made
+    made: CompletedRun
     parts: tuple[float, ...] = ()
     estimates: dict[str, float | None] = field(default_factory=lambda: dict.fromkeys(ESTIMATED))
     remark: str = ""
@@ -182,7 +182,7 @@ class _Runs:
     ) -> None:
         self.engine, self.scene = engine, scene
         self._run = (start, duration, output_step)
-        self._done: dict[Settings, Made] = {}
+        self._done: dict[Settings, CompletedRun] = {}
         self._failed: dict[Settings, EngineFailure] = {}
         self.compile_seconds = 0.0
         self._rung = 0
@@ -190,7 +190,7 @@ class _Runs:
         self._seconds: dict[Settings, float] = {}  # wall time of each run, whether it failed or not
         self._time_limit, self._has_estimate, self._hurried = time_limit, False, False
 
-    def run(self, settings: Settings) -> Made:
+    def run(self, settings: Settings) -> CompletedRun:
         if self.engine.compiles and not self._done and not self._failed and not self.compile_seconds:
             self._compile(settings)
         if settings in self._failed:

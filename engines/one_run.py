@@ -20,14 +20,14 @@ _BELOW: Final = frozenset({"numpy", "scipy"})
 
 
 @dataclass(frozen=True)
-class Made:
+class CompletedRun:
     """The trajectory of a run, and the simulation at its end, which can be advanced further."""
 
     trajectory: Trajectory
     simulation: Simulation
 
 
-def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> Made:
+def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> CompletedRun:
     """One run with the given settings, checked to be complete and finite.
 
     Raises:
@@ -41,10 +41,14 @@ def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: flo
     except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything
-        cause = f"the engine raised {type(error).__name__}{raised_at(error)}: {first_line(error)}"
-        raise EngineFailure(0.0, cause, "report this to the author of the engine") from error
+        raise EngineFailure(0.0, raised(error), "report this to the author of the engine") from error
     check_trajectory(trajectory, duration, output_step)
-    return Made(trajectory, simulation)
+    return CompletedRun(trajectory, simulation)
+
+
+def raised(error: BaseException) -> str:
+    """What an engine raised and where, as a clause."""
+    return f"the engine raised {type(error).__name__}{raised_at(error)}: {first_line(error)}"
 
 
 def raised_at(error: BaseException) -> str:

@@ -24,7 +24,7 @@ from quickreturn.reference_model.machine.pointers import call_equations, matrix_
 
 
 @compiled
-def leaving_time(
+def leaving_fraction(
     function: int,
     parameters: int,
     workspace: int,

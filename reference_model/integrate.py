@@ -83,7 +83,7 @@ def dop853(
         intervals: number of output steps.
         scales: accepted local error of each controlled state, in its unit, shape (number of them,). The controlled states come first.
         limit: slider position at which the integration ends, m.
-        first_step: step size to begin with, s; 0 chooses one.
+        first_step: step size to begin with, s; 0 for 1e-5 s.
     """
     size, y, scales = len(y), np.array(y, dtype=float), np.ascontiguousarray(scales, dtype=float)
     states, scratch, K = np.empty((intervals + 1, size)), np.empty((2, size)), np.empty((STAGES + 1, size))
@@ -93,11 +93,11 @@ def dop853(
     status = LOOP(*at, watched.ctypes.data, y.ctypes.data, *sizes, *(each.ctypes.data for each in (states, K, scratch, end)))
     rows, calls, (time, step) = int(end[0]), int(end[2]), end[1::2].tolist()
     if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose stages are left in K
-        from quickreturn.reference_model.dop853_loop import interpolate, leaving_time
+        from quickreturn.reference_model.dop853_loop import interpolate, leaving_fraction
 
-        time_left = step * leaving_time(*at, watched, y, K, step, limit)
-        while rows <= intervals and rows * output_step <= time + time_left * (1.0 + 1e-12):
+        until_leaving = step * leaving_fraction(*at, watched, y, K, step, limit)
+        while rows <= intervals and rows * output_step <= time + until_leaving * (1.0 + 1e-12):
             interpolate(y, K, step, min((rows * output_step - time) / step, 1.0), states[rows])
             rows += 1
-        time += time_left
+        time += until_leaving
     return Integration(states[:rows], status, time, calls, step)

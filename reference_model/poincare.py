@@ -136,7 +136,7 @@ class PoincareMap:
         Args:
             start: state vector, at any crank angle.
             duration: estimated time until the passage, s.
-            step: size of the first step, s; 0 chooses one.
+            step: size of the first step, s; 0 for 1e-5 s.
 
         Raises:
             CycleBroken: the motion does not get there.

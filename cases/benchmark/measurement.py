@@ -21,7 +21,7 @@ from quickreturn.cases.benchmark.truth import Confirmation, Converged, confirmat
 from quickreturn.cases.case import Case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.one_run import Made, run_once
+from quickreturn.engines.one_run import CompletedRun, run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import standard_start
@@ -146,7 +146,7 @@ def _machine(names: Sequence[str]) -> dict[str, str]:
     }
 
 
-def seconds_of(runs: Iterable[Made]) -> float:
+def seconds_of(runs: Iterable[CompletedRun]) -> float:
     """Time to set up and solve some runs, s; parts kept from an earlier run count each time they are used."""
     return sum(run.simulation.setup_seconds + run.trajectory.solve_seconds for run in runs)
 

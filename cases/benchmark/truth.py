@@ -8,7 +8,7 @@ from typing import Any, Final
 from quickreturn.cases.case import Case
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.one_run import Made, run_once
+from quickreturn.engines.one_run import CompletedRun, run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error, rms
 from quickreturn.engines.settings import Settings
@@ -80,7 +80,7 @@ def confirmation_of(case: Case, truth: Trajectory, name: str = CONFIRMING_ONE) -
     return confirmation
 
 
-def run_of(chosen: AnyEngine, case: Case, settings: Settings) -> Made:
+def run_of(chosen: AnyEngine, case: Case, settings: Settings) -> CompletedRun:
     """One run of a case from its standard start, over its duration and output step. Raises as `run_once`."""
     return run_once(chosen, case.mechanism, standard_start(case.mechanism), case.duration, case.output_step, settings)
 

@@ -37,7 +37,7 @@ from quickreturn.engines import progress
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.error_parts import Compared, compared, same_motion
-from quickreturn.engines.one_run import Made
+from quickreturn.engines.one_run import CompletedRun, raised
 from quickreturn.engines.own.found_orbit import FoundOrbit
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
@@ -76,13 +76,9 @@ def steady_state(request: RunRequest) -> Run:
     except (MemoryError, OSError):
         raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
-        unfinished.note(status=Ending.FAILED, remark=_words_of(error), cause=_words_of(error), cycle={})
+        unfinished.note(status=Ending.FAILED, remark=raised(error), cause=raised(error), cycle={})
     unfinished.measure()
     return replace(unfinished.run, wall_seconds=time.perf_counter() - began)
-
-
-def _words_of(error: Exception) -> str:
-    return f"the engine raised {type(error).__name__}: {(str(error).splitlines() or ['no message'])[0]}"
 
 
 class _RunInProgress:
@@ -95,7 +91,7 @@ class _RunInProgress:
     def __init__(self, engine: AnyEngine, request: RunRequest) -> None:
         self._engine, self._request, self._mechanism = engine, request, request.mechanism
         self._step = 0.0
-        self._done: Mapping[Settings, Made] = {}
+        self._done: Mapping[Settings, CompletedRun] = {}
         self._cycles: tuple[Columns, ...] = ()  # the measured cycles
         self._compared: tuple[Compared[tuple[Columns, ...]], ...] = ()
         self._found: FoundOrbit | None = None  # the delivered orbit, near which those for the error estimate are searched
@@ -263,7 +259,7 @@ class _RunInProgress:
         except (MemoryError, OSError):
             raise
         except Exception as error:  # the delivered cycle stays good
-            return (), f"the run for their estimate: {_words_of(error)}"
+            return (), f"the run for their estimate: {raised(error)}"
         if not self._mechanism.follower.is_rigid and any(same_motion(runs.run[-1], runs.other[-1]) for runs in comparisons):
             return (), "the run to compare with is the same to the last digit"
         return comparisons, ""

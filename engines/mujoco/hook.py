@@ -57,7 +57,7 @@ def damp_beam(ctx: Context, e: Points, rates: Array, force: Array) -> float:
 
 
 @compiled
-def _damp_hinges(ctx: Context, qvel: Array) -> float:
+def _power_lost_in_hinges(ctx: Context, qvel: Array) -> float:
     """Power that the material's damping dissipates in the hinges, W; its moments belong to MuJoCo's joints."""
     if ctx.material_damping == 0.0:
         return 0.0
@@ -154,7 +154,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     if ctx.crank_is_free:
         applied[0] = ctx.crank_torque
     dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
-    dissipation += damp_beam(ctx, e, rates, applied) + _damp_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
+    dissipation += damp_beam(ctx, e, rates, applied) + _power_lost_in_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
     tool_power = _push_tip(ctx, angle, e, rates, applied)
 
     rubs = ctx.friction > 0.0 or ctx.friction_force > 0.0
@@ -200,7 +200,7 @@ def _turn_base(model: int, data: int, ctx: Context, time: float) -> None:
     rates = link_rates(ctx, qvel)
     applied[:] = 0.0
     dissipation = ctx.base_damping * rates[0] ** 2 + damp_beam(ctx, link_directions(ctx, qpos), rates, applied)
-    dissipation += _damp_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
+    dissipation += _power_lost_in_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
     forces, accelerations = np.zeros((2, n)), np.empty((2, n))
     forces[0] = numbers(ctx.force_passive, n) - numbers(ctx.force_bias, n) + applied
     forces[1, 0] = 1.0

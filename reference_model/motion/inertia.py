@@ -118,13 +118,13 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     end = t.tip
     w.force[end] -= f.tip_force.real
     w.force[N + end] -= f.tip_force.imag
-    hardening = 0.0
+    strain_energy_by_s = 0.0
     for i in range(n):
-        hardening += 0.5 * w.squares_s[i] * y[1 + i] ** 2
+        strain_energy_by_s += 0.5 * w.squares_s[i] * y[1 + i] ** 2
     if p.bending_damping > 0.0:
         _damp_bending(p, t, w)
     for k in range(m):
-        w.Q[k] = moment * w.c[k] - hardening * w.sigma[k] - _dot(w.V[k], w.force, size)
+        w.Q[k] = moment * w.c[k] - strain_energy_by_s * w.sigma[k] - _dot(w.V[k], w.force, size)
         if 0 < k <= n:
             w.Q[k] -= w.squares[k - 1] * y[k]
         if p.bending_damping > 0.0:
