@@ -84,7 +84,7 @@ class BeamEngine(Engine[S]):
         began = time.perf_counter()
         model = self.model(scene, settings)
         state = state_of(model, scene, start)
-        if not model.can_move(state):
+        if not np.all(np.isfinite(state)) or (model.closes_loop and not model.can_move(state)):
             advice = "try a start with a smaller deflection, or with the slider farther from the follower's end"
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", advice)
         return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began + model.made_before)

@@ -3,10 +3,6 @@
 import dataclasses
 from typing import Any
 
-import numpy as np
-from scipy.interpolate import PPoly
-
-from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
 
 INCH = 0.0254  # m
@@ -52,11 +48,3 @@ def violent() -> Mechanism:
     """Crank tip 0.2 in from the follower's end at twice the speed: bending draws the end in."""
     drive = TorqueDrive(torque=10.0 * POUND_FORCE * INCH, damping=0.3 * POUND_FORCE * INCH, initial_speed=10.0 / 0.3)
     return run_24(crank={"length": 6.8 * INCH, "drive": drive}, tip=None)
-
-
-def bent_start() -> Start:
-    """A quartic deflection of 26 mm at the tip, free of moment at both ends, and a rate of the same shape."""
-    length = run_24().follower.length
-    quartic = np.array([[-1.0], [2.0 * length], [0.0], [0.0], [0.0]]) / length**2  # x³ (2 L - x) / L²
-    ends = np.array([0.0, length])
-    return Start(2.0, 16.6, PPoly(0.1 * quartic, ends), PPoly(quartic, ends))

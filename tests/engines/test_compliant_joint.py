@@ -22,7 +22,8 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.engines.energy import imbalance
-from tests.engines.scenes import INCH, bent_start, run_24
+from tests.engines.exudyn.runs import bent_start
+from tests.engines.scenes import INCH, run_24
 
 Array = NDArray[np.float64]
 

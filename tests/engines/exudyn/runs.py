@@ -1,4 +1,7 @@
-"""Runs of the Exudyn engine, and an arm of any proportions."""
+"""Runs of the Exudyn engine, a start with a bent follower, and an arm of any proportions."""
+
+import numpy as np
+from scipy.interpolate import PPoly
 
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.exudyn.engine import ExudynEngine
@@ -9,11 +12,20 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip
+from tests.engines.scenes import run_24
 
 
 def simulate(mechanism: Mechanism, duration: float, start: Start | None = None, output_step: float = 1e-3, **settings) -> Trajectory:
     prepared = ExudynEngine().prepare(mechanism, start or standard_start(mechanism), ExudynSettings(**settings))
     return prepared.advance(duration, output_step)
+
+
+def bent_start() -> Start:
+    """A quartic deflection of 26 mm at the tip, free of moment at both ends, and a rate of the same shape."""
+    length = run_24().follower.length
+    quartic = np.array([[-1.0], [2.0 * length], [0.0], [0.0], [0.0]]) / length**2  # x³ (2 L - x) / L²
+    ends = np.array([0.0, length])
+    return Start(2.0, 16.6, PPoly(0.1 * quartic, ends), PPoly(quartic, ends))
 
 
 def arm(length: float, slenderness: float, width: float, speed: float, damping: float, tip: Tip | None = None) -> Mechanism:

@@ -16,8 +16,8 @@ from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import REQUIRED, Trajectory, join
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
 from tests.engines.energy import imbalance
-from tests.engines.exudyn.runs import arm, errors_of, simulate
-from tests.engines.scenes import INCH, bent_start, run_24
+from tests.engines.exudyn.runs import arm, bent_start, errors_of, simulate
+from tests.engines.scenes import INCH, run_24
 
 ENGINE = ExudynEngine()
 
