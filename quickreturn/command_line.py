@@ -36,6 +36,10 @@ COMMANDS: Final = (
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
 COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 
+#: Environment variable for the threads of numpy's linear algebra: with two the small eigenproblems of the shapes take several times the
+#: processor time.
+BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
+
 #: Errors of the system when there is no room to write.
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
@@ -109,6 +113,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code. No exception leaves this function.
     """
+    if argv is None:  # this process serves the command alone; read when numpy is imported
+        os.environ.setdefault(BLAS_THREADS, "1")
     before = signal.getsignal(signal.SIGINT)
     if before is signal.default_int_handler:  # otherwise it is ignored, or another program handles it
         signal.signal(signal.SIGINT, _Interrupts())

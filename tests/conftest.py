@@ -1,11 +1,15 @@
 """Keeps the outcome of a verification for the report: `pytest -m verify --keep-outcome`."""
 
 import json
+import os
 import signal
 import sys
 import time
 from pathlib import Path
 from typing import Any
+
+# As the command does: two test processes on two cores have no third and fourth one for their linear algebra.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import hypothesis
 import pytest

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from threadpoolctl import threadpool_limits
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.explanation import Hypothesis
@@ -49,7 +50,8 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     If all vibrating columns are equally late, the crank angle is wrong. A table of another case is reported under `WHOLE`, and none of its
     columns is explained. `run` is that of the table, `other` that of the engine on the case, in the same turn or state.
     """
-    others = other_cases(run, other, case)
+    with threadpool_limits(limits=1, user_api="blas"):  # hundreds of small eigenproblems
+        others = other_cases(run, other, case)
     if others.names and others.sure:
         return {WHOLE: _of_another(others)}
     grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))

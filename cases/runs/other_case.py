@@ -18,7 +18,7 @@ from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
-from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics, static_deflection
+from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed, rigid_kinetostatics, static_deflection
 
 
 class Trait(NamedTuple):
@@ -124,7 +124,7 @@ def _scene(name: str) -> Mechanism | None:
 
 
 def _rotation(mechanism: Mechanism) -> bool:
-    return mechanism.crank.drive.initial_speed >= 0.0
+    return mean_crank_speed(mechanism) > 0.0
 
 
 def _measured_traits(run: Run) -> dict[str, float]:

@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -381,6 +382,20 @@ def test_program_as_a_process(tmp_path: Path) -> None:
     output, errors = program.communicate()
     assert (program.returncode, errors) == (0, "")
     assert json.loads(output)["rows"] == 101
+
+
+@pytest.mark.parametrize(("given", "then"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_the_command_keeps_linear_algebra_to_one_thread_unless_told_otherwise(given: dict[str, str], then: str) -> None:
+    program = """
+import os, sys
+from quickreturn.command_line import main
+sys.argv[1:] = ["cases"]
+main()
+print(os.environ["OPENBLAS_NUM_THREADS"])
+"""
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"} | given
+    run = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == then
 
 
 def test_reader_that_has_enough_is_no_error(tmp_path: Path) -> None:

@@ -162,8 +162,9 @@ def test_last_digits_may_differ(part: float, status: str) -> None:
     assert set(checks.values()) == {"passed"}
 
 
-def test_threads_may_add_in_another_order() -> None:
+def test_threads_may_add_in_another_order(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compared are processes that have one thread each, not the caller, who may have many."""
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS")
     other = elsewhere(Threaded())
     assert not other.reason
     assert all(check.status == "passed" for check in repetition(Bench(Threaded()), other))
