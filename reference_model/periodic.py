@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 #: Number of slow modes. A disturbance of any other mode shrinks to a twentieth or less within a cycle of the thesis' runs.
 SLOW_MODES: Final = 2
-#: Cycles simulated before the search, which bring a start far from any steady state near enough for Newton's method; and their number after
-#: a search has failed.
+#: Cycles simulated before the search, which bring a start far from any steady state near enough for Newton's method; and their number where
+#: that was too few.
 MARCHED: Final = 2
 PATIENT: Final = 50
 #: Accuracy to which the model of the slow modes is solved. At 60 speeds of run 24's machine the whole model then takes 2.4 cycles to 1e-3;
@@ -76,9 +76,7 @@ class PeriodicOrbit:
     slow_jacobian: Array
 
 
-def periodic_orbit(
-    model: BeamModel, guess: Array | PeriodicOrbit, tolerance: float = 1e-6, integration: float = 1e-9, marched: int = MARCHED
-) -> PeriodicOrbit:
+def periodic_orbit(model: BeamModel, guess: Array | PeriodicOrbit, tolerance: float = 1e-6, integration: float = 1e-9) -> PeriodicOrbit:
     """The periodic steady state of a scene.
 
     Args:
@@ -88,24 +86,23 @@ def periodic_orbit(
         tolerance: distance from the fixed point relative to the states' sizes along the cycle. Mild motions are small beside the
             fixed sizes that the integration's tolerance refers to: to reach 1e-6 in all, that must be 1e-9.
         integration: tolerance of the integration.
-        marched: number of cycles of the slow modes' model simulated before the search.
 
     Raises:
         NoPeriodicOrbit: not converged.
     """
     try:
-        return _search(PoincareMap(model, integration), guess, tolerance, marched)
+        return _search(PoincareMap(model, integration), guess, tolerance)
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
 
 
-def _search(whole: PoincareMap, guess: Array | PeriodicOrbit, tolerance: float, marched: int) -> PeriodicOrbit:
+def _search(whole: PoincareMap, guess: Array | PeriodicOrbit, tolerance: float) -> PeriodicOrbit:
     """As `periodic_orbit`, from the map of the whole model. Raises CycleBroken, NoPeriodicOrbit."""
     is_slow = whole.belongs_to(min(SLOW_MODES, whole.parameters.n))
     if isinstance(guess, PeriodicOrbit) and len(guess.slow_jacobian) == is_slow.sum():
         begin = _Begin(guess.state, guess.period, guess.slow_jacobian)
     else:
-        begin = _by_slow_modes(whole, guess.state if isinstance(guess, PeriodicOrbit) else guess, marched)
+        begin = _by_slow_modes(whole, guess.state if isinstance(guess, PeriodicOrbit) else guess)
     jacobian = np.zeros((len(is_slow), len(is_slow)))  # the other modes forget their state within a cycle (equation 10.6)
     jacobian[np.ix_(is_slow, is_slow)] = begin.jacobian
     guessed = _with_modes(begin.state, whole.parameters.n)
@@ -137,10 +134,17 @@ class _Begin(NamedTuple):
     calls: int = 0  # right-hand sides evaluated in them
 
 
-def _by_slow_modes(whole: PoincareMap, guess: Array, marched: int) -> _Begin:
+def _by_slow_modes(whole: PoincareMap, guess: Array) -> _Begin:
     """The fixed point of the slow modes' model. Raises CycleBroken, NoPeriodicOrbit."""
     slow = PoincareMap(whole.model.with_fewer_shapes(min(SLOW_MODES, whole.parameters.n)), max(whole.tolerance, GUESS_INTEGRATION))
-    found = _newton(_marched(slow, _with_modes(guess, slow.parameters.n), marched), None, GUESS)
+    state = _with_modes(guess, slow.parameters.n)
+    try:
+        found = _newton(_marched(slow, state, MARCHED), None, GUESS)
+    except (CycleBroken, NoPeriodicOrbit) as failure:
+        try:
+            found = _newton(_marched(slow, state, PATIENT), None, GUESS)
+        except (CycleBroken, NoPeriodicOrbit):
+            raise failure from None
     jacobian = _jacobian(found.cycle) if found.carried > CARRIED else found.jacobian
     return _Begin(found.state, found.cycle.passage.duration, jacobian, found.steps, slow.cycles, slow.calls)
 

@@ -19,7 +19,7 @@ def test_the_pinocchio_engine_passes_its_tests(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-m", "venv", environment], check=True)
     python = environment / "bin" / "python"
     site = Path(sysconfig.get_path("purelib", vars={"base": str(environment)}))
-    (site / "beside.pth").write_text(f"{sysconfig.get_path('purelib')}\n{ROOT}\n", encoding="utf-8")
+    (site / "beside.pth").write_text(f"import site; site.addsitedir({sysconfig.get_path('purelib')!r})\n", encoding="utf-8")
     install = [python, "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt", package]
     done = subprocess.run(install, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"pip cannot install the example with its dependency pin:\n{done.stderr}"

@@ -94,7 +94,7 @@ class Outlook:
         if self.ratio is not None:
             return (
                 f"{seen}, which shrinks {self.ratio:.3f}-fold a cycle: about {self.remaining_error:.2g} is left, and {self.cycles_needed}"
-                " cycles would be needed; try more damping, or engine reference, which need not wait for its steady state"
+                " cycles would be needed; more damping needs fewer, and engine reference none where its search finds the steady state"
             )
         if self.stalled_since is None:
             return f"{seen}, and there are too few cycles to decide whether this shrinks"

@@ -137,10 +137,10 @@ def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "FoundOr
         NoSteadyState: it found none.
     """
     reference, start = ReferenceEngine(), standard_start(scene)
-    for begun in (None,) if near is None else (near, None):
+    if near is not None:
         with contextlib.suppress(NoSteadyState):
-            return reference.steady_state(scene, start, settings, begun)
-    return reference.steady_state(scene, start, settings, near, patient=True)
+            return reference.steady_state(scene, start, settings, near)
+    return reference.steady_state(scene, start, settings)
 
 
 def other_motion(scene: Mechanism, state: "FoundOrbit", settings: ReferenceSettings) -> str:

@@ -204,7 +204,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return AS_THEY_ARE.finer(plain, excess)
 
     def steady_state(
-        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "FoundOrbit | None" = None, patient: bool = False
+        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "FoundOrbit | None" = None
     ) -> "FoundOrbit | None":
         """See `Engine.steady_state`; None for a rigid follower, a compliant joint or friction.
 
@@ -213,14 +213,13 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             start: start of the search.
             settings: settings of the model.
             near: the periodic state of a neighbouring scene or of other settings: the search begins there instead.
-            patient: whether to simulate many cycles before Newton's method, for a second attempt.
         """
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
         from quickreturn.engines.own.found_orbit import FoundOrbit
         from quickreturn.engines.own.simulation import OwnSimulation
         from quickreturn.reference_model.model import BeamModel
-        from quickreturn.reference_model.periodic import MARCHED, PATIENT, NoPeriodicOrbit, PeriodicOrbit, periodic_orbit
+        from quickreturn.reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, periodic_orbit
         from quickreturn.reference_model.poincare import turn_to
 
         begin = self.prepare(mechanism, start, settings)
@@ -229,14 +228,14 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that the time of the search does not count its compilation
         began = time.perf_counter()
         guess: NDArray[np.float64] | PeriodicOrbit = begin.state
-        if near is not None and near.simulation.model.scene == mechanism and not patient:
+        if near is not None and near.simulation.model.scene == mechanism:
             guess = near.orbit
         elif near is not None:
             guess, speed = near.orbit.state.copy(), (len(near.orbit.state) - 5) // 2 + 2
             if not mechanism.crank_is_free:
                 guess[speed] = begin.state[model.parameters.speeds + 1]
         try:
-            orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance, PATIENT if patient else MARCHED)
+            orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance)
         except NoPeriodicOrbit as reason:
             raise NoSteadyState(str(reason)) from reason
         return FoundOrbit(

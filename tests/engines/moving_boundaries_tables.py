@@ -75,7 +75,7 @@ def stability_table(mechanism: Mechanism, speeds: Sequence[float], modes: int = 
 
 def _exact(scene: Mechanism) -> float:
     try:
-        found = ReferenceEngine().steady_state(scene, standard_start(scene), ReferenceSettings(modes=4, tolerance=1e-8), patient=True)
+        found = ReferenceEngine().steady_state(scene, standard_start(scene), ReferenceSettings(modes=4, tolerance=1e-8))
     except NoSteadyState:
         return float("nan")
     assert found is not None
