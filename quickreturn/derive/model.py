@@ -145,7 +145,8 @@ class Model:
 
     def integrate(self, rates: Rates, y: Array, times: Array, tolerance: float, sizes: Array, method: str = "DOP853") -> Array:
         """The states at given times, shape (times, len(y)); errors are relative to the states and to `sizes`. See `simulate`."""
-        solution = solve_ivp(rates, (0.0, times[-1]), y, method, times, rtol=tolerance, atol=tolerance * sizes)
+        with np.errstate(invalid="ignore"):  # where the motion ends, a step too far has rates that are no numbers
+            solution = solve_ivp(rates, (0.0, times[-1]), y, method, times, rtol=tolerance, atol=tolerance * sizes)
         if not solution.success:
             at = solution.t[-1] if len(solution.t) else 0.0
             ends = ", ".join(self.system.coordinates[table.index].name for table in self.system.tables)

@@ -175,6 +175,7 @@ def test_a_system_too_large_for_latex_or_without_sensitivities() -> None:
         sensitivities(model, ["crank"], {}, 0.1, 0.1)
 
 
+@pytest.mark.filterwarnings("error")  # the sentence is all that the user reads
 def test_a_motion_that_ends_says_when() -> None:
     system, p, angle = crank()
     system.energy("well", p.stiffness * p.length**2 * ca.sqrt(1 - angle))
