@@ -40,8 +40,9 @@ def command(
     Without a CASE it measures the scenes on which the report compares methods. The report shows a measurement only if it contains all nine
     engines. All engines share one process: the time limit is for their sum.
 
-    Exit code 3: the solution that defines the error could not be computed, or an engine died, was stopped at a limit or is not installed;
-    the others are still measured. Settings with which an engine reports a failure are listed, but are not an error.
+    Exit code 3: the solution that defines the error could not be computed, an engine died or was stopped at a limit, or a default
+    engine is not installed; the others are still measured. Settings with which an engine reports a failure are listed, but are not an
+    error.
     """
     from quickreturn.cases.benchmark import SCENES, compiling, measure
     from quickreturn.cases.benchmark.scenes import ENGINES

@@ -49,8 +49,8 @@ def command(
     A slow engine is quicker with coarser settings (--set my-engine.links=8) or to a lower accuracy (--accuracy 0.05).
 
     Exit code 0: the page is written and every engine completed; the page shows where engines disagree. Exit code 3: an engine failed, was
-    stopped at a limit, is not installed or did not settle; the page is still written and shows it. Each result is stored at once: an
-    interrupted report continues where it stopped.
+    stopped at a limit or did not settle, or a default engine is not installed; the page is still written and shows it. Each result is
+    stored at once: an interrupted report continues where it stopped.
     """
     from quickreturn.catalogue import prepared
     from quickreturn.reference_model.errors import ExitCode

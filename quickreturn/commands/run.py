@@ -26,9 +26,9 @@ def command(
     """Bring engines to their steady state on each CASE, measure and compare them.
 
     Two engines may differ by the sum of their claims: their own error estimates and the uncertainty of the measures. Exit code 1: some
-    differ by more. Exit code 2: an engine asked for by name cannot model a scene. Exit code 3: an engine failed, was stopped at a limit, is
-    not installed, did not settle or did not reach the accuracy asked. The other engines go on. Each result is stored at once: an
-    interrupted run continues.
+    differ by more. Exit code 2: an engine asked for by name is not installed or cannot model a scene. Exit code 3: an engine failed, was
+    stopped at a limit, did not settle or did not reach the accuracy asked, or a default engine is not installed. The other engines go on.
+    Each result is stored at once: an interrupted run continues.
     """
     from quickreturn.catalogue import prepared
     from quickreturn.commands.verdicts import as_document, exit_code

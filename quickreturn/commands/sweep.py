@@ -35,7 +35,7 @@ class _WithMeasures(click.Command):
 @options.assignments
 @options.single("--path", metavar="WAY", default="up", help="Direction through each row: up (default), down or both.")
 @click.option(
-    "--claims/--no-claims", default=True, help="Estimate the error of every number (default), or not, which saves half of the time."
+    "--claims/--no-claims", default=True, help="Estimate the error of every number (default), or not, which saves half of the time or more."
 )
 @options.output("File for the result of every point: .nc, .csv or .parquet.")
 @options.single("--plot", metavar="FILE", help="File for a picture: lines over one key, a heat map over two.")
