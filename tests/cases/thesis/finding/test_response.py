@@ -56,9 +56,14 @@ def test_a_soft_roller_changes_the_half_that_it_carries_by_what_its_spring_does_
     spring = changed(mechanism, {"slider.joint_stiffness": 2e4})
     expected = 100.0 * (of_held_crank(spring, orbit) / of_held_crank(mechanism, orbit) - 1.0)
     for half in ("pre", "post"):
-        change, _ = study._frequency((nominal, soft), half)
-        # 0.3 %: the floor of the measure (`cases.measures.first_mode.FREQUENCY_FLOOR`), of each of the two
-        assert change == pytest.approx(expected if half in halves else 0.0, abs=0.3 * 2.0**0.5)
+        change, error = study._frequency((nominal, soft), half)
+        if half in halves:
+            # along the half the spring's effect goes from 0 to -3.2 %, so that the measured mean depends on where the mode is strong: the
+            # study claims 0.8 to 1.4 %
+            assert change == pytest.approx(expected, abs=error)
+        else:
+            # 0.3 %: the floor of the measure (`cases.measures.first_mode.FREQUENCY_FLOOR`), of each of the two
+            assert change == pytest.approx(0.0, abs=0.3 * 2.0**0.5)
     assert expected < -1.0
 
 
