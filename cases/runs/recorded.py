@@ -282,7 +282,7 @@ def _is_far(settling: Settling, last: Cycle) -> bool:
         return False
     sizes = {name: rms(last.channels[name]) for name in _deciding_columns(last)}
     noise = [_noise(last.time, last.channels[name]) / size for name, size in sizes.items() if size > 0.0]
-    return outlook.change > max(FAR, *noise)
+    return outlook.change > max((FAR, *noise))
 
 
 def _unsettled(settling: Settling, far: bool, odd: str) -> str:

@@ -125,11 +125,15 @@ class Grid:
         return tuple(len(each.texts) for each in self.axes)
 
     @property
-    def along(self) -> int:
-        """The axis along which rows run: the longest one of numbers, preferably of those that leave the follower's shapes unchanged."""
+    def along(self) -> int | None:
+        """The axis along which rows run: the longest one of numbers, preferably of those that leave the follower's shapes unchanged.
+
+        None if engines alone vary: a row has one engine, and then one point.
+        """
         numeric = [place for place, each in enumerate(self.axes) if each.unit]
         preferred = [place for place in numeric if keeps_shapes(self.axes[place].key)]
-        return max(preferred or numeric or range(len(self.axes)), key=lambda place: self.shape[place])
+        others = [place for place, each in enumerate(self.axes) if each.key != ENGINE]
+        return max(preferred or numeric or others, key=lambda place: self.shape[place], default=None)
 
     def rows(self) -> Iterator[tuple[int, ...]]:
         """The places of the grid at which rows begin, with 0 on the axis along which they run."""
@@ -181,7 +185,8 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: MeasureRequest)
         kind="row of a study",
         engines=tuple(dict.fromkeys(("reference", asked.engine))),
         code=CODE,
-        inputs=(case.scene, [list(each.items()) for each in changed], asked),
+        # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the row show it
+        inputs=(case.scene, [list(each.items()) for each in changed], scenes_of(case, (changed[0], changed[-1])), asked),
         points=len(changed),
         brief=own,  # a foreign library gets a process of its own
     )

@@ -69,10 +69,15 @@ def study(grid: Grid, asked: MeasureRequest, workshop: Workshop, path: Path = "u
     jobs, places = list[Job[Row]](), list[Any]()
     for number, way in enumerate(ways):
         for place in grid.rows():
-            before, behind, backwards = place[:along], place[along + 1 :], slice(None, None, -1 if way == "down" else 1)
-            changes = [grid.overrides((*before, at, *behind)) for at in range(grid.shape[along])][backwards]
+            where: tuple[int | slice, ...] = (*place[:-1], slice(place[-1], place[-1] + 1))
+            points = [place]
+            if along is not None:
+                before, behind, backwards = place[:along], place[along + 1 :], slice(None, None, -1 if way == "down" else 1)
+                where = (*before, backwards, *behind)
+                points = [(*before, at, *behind) for at in range(grid.shape[along])][backwards]
+            changes = [grid.overrides(each) for each in points]
             jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
-            places.append((number, *before, backwards, *behind))
+            places.append((number, *where))
     for at, row in zip(places, computed(jobs, workshop), strict=True):
         values[at], errors[at], statuses[at], sentences[at] = row.values, row.errors, row.statuses, row.sentences
     return Study(grid, asked, ways, values, errors, statuses, sentences)

@@ -83,7 +83,8 @@ class Fit(Shown):
     def fitted(self) -> Case:
         """The case with the fitted values."""
         values = {Parameter.of_key(each.key, self.case.name): each.value for each in self.found}
-        return self.case.with_(overrides(self.case.mechanism, values), name=f"{self.case.name}-fitted"[-LONGEST_NAME:])
+        suffix = "-fitted"
+        return self.case.with_(overrides(self.case.mechanism, values), name=self.case.name[: LONGEST_NAME - len(suffix)] + suffix)
 
     def as_document(self) -> dict[str, Any]:
         """The fit as a JSON document."""

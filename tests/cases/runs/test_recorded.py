@@ -129,6 +129,11 @@ def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataF
     assert result.accuracy_class("tool.csv") in ("0.1 %", "0.3 %")
 
 
+def test_columns_that_are_zero_decide_nothing(transient: pd.DataFrame, recorded: Recorded) -> None:
+    zero = transient[["time", "crank_angle"]][:1300].assign(tip_deflection=0.0)  # three turns, too few for a trend
+    assert recorded(zero).status is not Ending.FAILED
+
+
 def test_a_single_turn_is_taken_to_repeat(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     last = settled[(settled["crank_angle"] > 61 * np.pi) & (settled["crank_angle"] < 63 * np.pi)]
     assert 0.0 < float(last["crank_angle"].iloc[0]) - 61 * np.pi < 0.06  # the turn lacks a little at both its ends

@@ -4,6 +4,7 @@ import os
 import subprocess
 import time
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,14 @@ import numpy as np
 import pytest
 
 from quickreturn import sweeping
+from quickreturn.cases.document import document_of
 from quickreturn.cases.jobs.here import ThisProcess
 from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import library_case
+from quickreturn.cases.reading import case_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep import grid as of_grid
 from quickreturn.cases.sweep.grid import Grid, axis
@@ -53,6 +57,24 @@ class _Dies(ThisProcess):
         for outcome in super().run(jobs, watch):
             lost = any("100 rpm" in change.values() for change in outcome.job.arguments[1])
             yield Outcome(outcome.job, failure="killed by SIGSEGV") if lost else outcome
+
+
+def test_engines_alone_may_vary(tmp_path: Path) -> None:
+    """Each point is computed by its own engine, as in a study of that engine."""
+    workshop, asked = Workshop(Store(tmp_path), ThisProcess()), MeasureRequest(measures=("peak.tip_acceleration",), claims=False)
+    found = study(grid("engine = reference; thesis"), asked, workshop)
+    alone = study(grid("base.friction_torque = 0 N*m"), replace(asked, engine="thesis"), workshop)
+    assert found.values[0, 1, 0] == pytest.approx(alone.values[0, 0, 0], rel=1e-12)
+    assert found.values[0, 0, 0] > 1.02 * found.values[0, 1, 0]
+
+
+def test_equal_machines_that_a_change_makes_different_are_kept_apart() -> None:
+    """A thickness changes the stiffness of a follower that is given by its material, and not that of one that is given by its stiffness."""
+    as_material = library_case("shaper-cutting")
+    as_stiffness = case_of(document_of(as_material))
+    assert as_stiffness.scene == as_material.scene
+    change = [{"follower.thickness": "30 mm"}]
+    assert key_of(of_grid.job(as_material, change, ASKED)) != key_of(of_grid.job(as_stiffness, change, ASKED))
 
 
 def test_a_point_that_kills_its_process_costs_that_point(tmp_path: Path) -> None:
