@@ -1,5 +1,6 @@
 """A case: a scene with its simulation times; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -132,6 +133,12 @@ def value_at(path: str, text: str, *, finite: bool = False) -> float:
     if quantity.sign == "not negative" and value < 0.0:
         raise QuantityError("is negative", f"{dimension.name} of zero or more is accepted")
     return value
+
+
+def si_text(path: str, value: float) -> str:
+    """The shortest text of a case file that reads back as exactly this SI value of the quantity at a dotted path."""
+    unit = PATHS[path].unit
+    return "inf" if math.isinf(value) else f"{repr(float(value)).removesuffix('.0')} {unit}".removesuffix(" 1")
 
 
 def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:

@@ -3,14 +3,15 @@
 import contextlib
 import hashlib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.document import OVERRIDE, Document, document_of, header_of, in_words
 from quickreturn.cases.errors import CaseError, as_written, together
-from quickreturn.cases.reading import case_of
+from quickreturn.cases.reading import case_of, in_si
+from quickreturn.reference_model.mechanism import Mechanism
 
 #: Largest number of characters of a name that `header_of` accepts.
 LONGEST_NAME: Final = 64
@@ -32,6 +33,30 @@ def changed(case: Case, overrides: Mapping[str, str]) -> Case:
     return replace(new, notes=(*kept, *doubted), source=case.source)
 
 
+def scenes(case: Case, source: str) -> Callable[[Mapping[str, Any]], Mechanism]:
+    """The scene of a case with other values by dotted key, texts of a case file, as a function of them.
+
+    All studies vary a machine by this function. The scene alone would not do: stiffness and mass of a follower given by its material follow
+    from its section, and the start of a crank without an initial speed follows from its torque.
+
+    Args:
+        case: all other values.
+        source: where the values come from, such as `--vary`, for messages.
+
+    Raises:
+        CaseError: the case, or the scene with its values (from the function), is none with a crank or cannot be; caused by an
+            `ImpossibleMechanism` if values contradict each other.
+    """
+    _ = case.mechanism
+    document = in_si(replace(written_document(case), overridden={}))
+
+    def scene_with(values: Mapping[str, Any]) -> Mechanism:
+        with reported_as(source):
+            return case_of(document.overridden_by(values)).mechanism
+
+    return scene_with
+
+
 def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -> Case:
     """`changed` under another name; without `name` its name consists of the case's name and the changes.
 
@@ -51,17 +76,24 @@ def copy_of(case: Case, overrides: Mapping[str, str], name: str | None = None) -
 
 @contextlib.contextmanager
 def reported_as_overrides(overrides: Any) -> Iterator[None]:
-    """Names "overrides" in place of `--set` as the source of mistakes, for calls from Python. CaseError: it is not a mapping."""
+    """`reported_as` "overrides", for calls from Python. CaseError: it is not a mapping."""
     if not isinstance(overrides, Mapping):
         raise CaseError("overrides", None, None, f"{as_written(overrides)} is not a dictionary", 'such as {"crank.length": "5 in"}')
+    with reported_as("overrides"):
+        yield
+
+
+@contextlib.contextmanager
+def reported_as(source: str) -> Iterator[None]:
+    """Names a source in place of `--set` for mistakes in changes that come from elsewhere, such as `--vary`."""
     try:
         yield
     except CaseError as wrong:
         mistakes = [
-            CaseError("overrides" if one.source == OVERRIDE else one.source, one.key, one.value, one.problem, one.accepted)
+            CaseError(source if one.source == OVERRIDE else one.source, one.key, one.value, one.problem, one.accepted)
             for one in (wrong, *wrong.further)
         ]
-        raise together(mistakes) from None
+        raise together(mistakes) from wrong.__cause__
 
 
 def written_document(case: Case) -> Document:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from quickreturn.cases.case import PATHS, SECTIONS, Case, dimension_of, value_at
@@ -39,10 +40,7 @@ def case_of(document: Document) -> Case:
     """
     mistakes = list(document.mistakes)
     header = attempted(mistakes, header_of, document)
-    values: dict[str, dict[str, Any]] = {
-        section: {key: attempted(mistakes, _quantity, document, f"{section}.{key}", written) for key, written in keys.items()}
-        for section, keys in document.values.items()
-    }
+    values = _values(document, mistakes)
     mistakes += _mistaken_keys(document)
     if header is None or mistakes:
         raise together(mistakes)
@@ -58,6 +56,15 @@ def case_of(document: Document) -> Case:
         raise together(mistakes)
     notes, title = tuple(doubts(scene)), with_changes(title, document.overridden)
     return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=notes, document=document, **times)
+
+
+def in_si(document: Document) -> Document:
+    """The document with numbers in SI in place of its texts, under the keys that it has. CaseError: all mistakes of single values."""
+    mistakes = list(document.mistakes)
+    values = _values(document, mistakes)
+    if mistakes:
+        raise together(mistakes)
+    return replace(document, values=values)
 
 
 def misfit(duration: float, output_step: float) -> tuple[str, str] | None:
@@ -106,6 +113,14 @@ def _missing(document: Document, keys: Sequence[str], accepted: str = "") -> Cas
         dimension = dimension_of(first)
         return document.error(first, f"this key {told}", accepted or f"write {dimension.name}, such as {dimension.example}")
     return document.error(first, f"this section {told}", accepted or f"its keys are {', '.join(SECTIONS[first.strip('[]')])}")
+
+
+def _values(document: Document, mistakes: list[CaseError]) -> dict[str, dict[str, Any]]:
+    """SI value, or tuple of SI values, by section and key; mistakes are added to `mistakes`."""
+    return {
+        section: {key: attempted(mistakes, _quantity, document, f"{section}.{key}", written) for key, written in keys.items()}
+        for section, keys in document.values.items()
+    }
 
 
 def _quantity(document: Document, path: str, written: Any) -> Any:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from quickreturn.cases.case import PATHS, Case, si_value
-from quickreturn.cases.document import document_of
+from quickreturn.cases.case import PATHS, Case, si_text, si_value
+from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.loads.peak import Peak, peak_of
@@ -28,7 +28,6 @@ from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.poincare import CycleBroken
 from quickreturn.reference_model.rigid import mean_crank_speed
-from quickreturn.reference_model.scene_values import replaced_by, scene_of
 
 Array = NDArray[np.float64]
 
@@ -101,7 +100,6 @@ class ResonanceCurve:
     The converged point is sought in the plane across the curve, so the claim also holds at folds.
     """
 
-    case: str  # its name
     range: Range  # what varies, and between which values
     prescribed: bool  # whether the crank's speed was prescribed in place of the case's own drive
     values: Array  # of the varied quantity, SI
@@ -146,28 +144,17 @@ def range_of(key: str, text: str, option: str = "--vary") -> Range:
     return Range(key, low, high, unit, si_value(key, f"1 {unit}", option) if unit else 1.0)
 
 
-def scene_with(case: Case, values: Mapping[str, float]) -> Mechanism:
-    """The scene of a case with other values (SI) by dotted key; keys that they replace are dropped.
-
-    Raises:
-        ImpossibleMechanism: the parts do not fit together.
-    """
-    scene = scene_of(document_of(case).changed({**dict.fromkeys(replaced_by(values)), **values}).values)
-    assert scene.crank is not None
-    return scene
-
-
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
     """The scene for each value of the varied quantity; arguments and errors as for `resonance_curve`, as far as known beforehand."""
     for name in measures:
         if name not in PEAKS:
             raise CaseError("--measure", name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
-    _ = case.mechanism  # CaseError for a follower alone
-    held = {} if speed is None else {SPEED: speed}
+    scene_with = scenes(case, "--vary")
+    held = {} if speed is None else {SPEED: si_text(SPEED, speed)}
 
     def scene_at(value: float) -> Mechanism:
         progress.tell(phase=f"following the motion at {value / varied.size:.4g} {varied.unit}")
-        return scene_with(case, held | {varied.key: value})
+        return scene_with(held | {varied.key: si_text(varied.key, value)})
 
     for value in (varied.low, varied.high):
         _check(scene_at(value))
@@ -194,10 +181,11 @@ def job(
     accuracy: float | None = None,
     claims: bool = True,
 ) -> Job[ResonanceCurve]:
-    """`resonance_curve` as a job. Raises errors that are known beforehand: CaseError, Refusal, ImpossibleMechanism."""
-    checked_scenes(case, varied, speed, measures)
+    """`resonance_curve` as a job. Raises errors that are known beforehand: CaseError, Refusal."""
+    scene_at = checked_scenes(case, varied, speed, measures)
     arguments = (case, varied, speed, tuple(measures), accuracy, claims)
-    inputs = (case.scene, *arguments[1:])
+    # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the range show it
+    inputs = (scene_at(varied.low), scene_at(varied.high), *arguments[1:])
     return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), CODE, inputs)
 
 
@@ -210,7 +198,7 @@ def resonance_curve(
     (relative; None: that of `reference`). `measures` are names of `PEAKS`; with `claims` the error of every point is estimated.
 
     Raises:
-        CaseError, Refusal, ImpossibleMechanism: an invalid argument, or a machine without such a curve.
+        CaseError, Refusal: an invalid argument, or a machine without such a curve.
         EngineFailure: no periodic motion was found anywhere in the range.
     """
     scene_at, engine = checked_scenes(case, varied, speed, measures), ReferenceEngine()
@@ -240,7 +228,6 @@ def resonance_curve(
             kind = "slider left" if ending.left else "lost"
             special.append(SpecialPoint(kind, ending.parameter, ending.tolerance, None, at, ending.reason))
     return ResonanceCurve(
-        case=case.name,
         range=varied,
         prescribed=case.mechanism.crank_is_free and not scene_at(varied.low).crank_is_free,
         values=np.array([each.parameter for each in points]),

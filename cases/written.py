@@ -9,9 +9,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.case import PATHS, SECTIONS, dimension_of
+from quickreturn.cases.case import PATHS, SECTIONS, dimension_of, si_text
 from quickreturn.cases.document import Document
-from quickreturn.reference_model.quantities import Quantity
 from quickreturn.reference_model.scene_values import ALTERNATIVES, DESCRIPTIONS, OPTIONAL_SECTIONS, SPIN_UP
 
 _WIDTH: Final = 110  # characters of a line of prose
@@ -93,7 +92,7 @@ def _default(path: str) -> str:
     wanted, dimension = PATHS[path], dimension_of(path)
     values = wanted.default if isinstance(wanted.default, tuple) else (wanted.default,) * (wanted.count or 1)
     if all(isinstance(value, float) and (math.isfinite(value) or (wanted.infinity and value == math.inf)) for value in values):
-        texts = [f'"{math.degrees(value):.9g} deg"' if wanted.unit == "rad" else _si(value, wanted) for value in values]
+        texts = [f'"{math.degrees(value):.9g} deg"' if wanted.unit == "rad" else f'"{si_text(path, value)}"' for value in values]
     else:
         texts = [f'"... {wanted.unit if wanted.unit in dimension.examples else dimension.examples[0]}"'] * (wanted.count or 1)
     return texts[0] if wanted.count is None else f"[{', '.join(texts)}]"
@@ -108,13 +107,7 @@ def _value(document: Document, path: str, value: Any) -> str:
     wanted = PATHS[path]
     if not math.isfinite(value) and not (wanted.infinity and value == math.inf):
         raise document.error(path, "cannot stand in a case file", "a finite number is needed", value=value)
-    return _si(value, wanted)
-
-
-def _si(value: float, wanted: Quantity) -> str:
-    """The shortest text that reads back as the same number."""
-    unit = "" if wanted.unit == "1" else f" {wanted.unit}"
-    return '"inf"' if math.isinf(value) else f'"{repr(float(value)).removesuffix(".0")}{unit}"'
+    return f'"{si_text(path, value)}"'
 
 
 def _toml(value: Any) -> str:

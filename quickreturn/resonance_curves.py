@@ -27,11 +27,12 @@ class Resonance(Shown):
     """The periodic motion of a machine over one of its quantities.
 
     Attributes:
+        case: name of the case.
         curve: points, special points and peaks, as `reference` computed them.
     """
 
-    def __init__(self, curve: ResonanceCurve) -> None:
-        self.curve = curve
+    def __init__(self, case: str, curve: ResonanceCurve) -> None:
+        self.case, self.curve = case, curve
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -78,7 +79,7 @@ class Resonance(Shown):
         from quickreturn.reports.drawing.style import new_figure
 
         figure = new_figure(0.9 + 1.4 * PANEL * len(self.curve.measures), WIDE)
-        draw(figure, self.curve, mark)
+        draw(figure, self.curve, self.case, mark)
         return figure
 
     def document(self) -> dict[str, Any]:
@@ -97,7 +98,7 @@ class Resonance(Shown):
         import xarray as xr
 
         whole = frame.assign(peak_order=frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
-        dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.curve.case)
+        dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.case)
         for name, unit in frame.attrs["units"].items():
             dataset[name].attrs["units"] = unit
         return dataset_file(dataset, ending)
@@ -112,7 +113,7 @@ class Resonance(Shown):
     def _parts(self) -> Iterator[Cell]:
         curve, unit = self.curve, self.curve.range.unit
         drive = ", the crank's speed prescribed in place of its drive" if curve.prescribed else ""
-        yield f"{curve.case}: {len(curve.values)} points along {curve.range.key}, {curve.kinds.count('')} of them stable{drive}"
+        yield f"{self.case}: {len(curve.values)} points along {curve.range.key}, {curve.kinds.count('')} of them stable{drive}"
         first = next(iter(curve.measures))
         rows = [
             (each.kind, f"{self._of_range(each.value)} {unit}", f"+- {self._of_range(each.error, '.2g')}", each.reason)
@@ -155,13 +156,13 @@ def resonance(
         quiet: whether messages on standard error are left out while code is compiled.
 
     Raises:
-        CaseError, Refusal, ImpossibleMechanism: an invalid argument, or a machine without such a curve.
+        CaseError, Refusal: an invalid argument, or a machine without such a curve.
         EngineFailure: no periodic motion was found in the range.
     """
     chosen = one_case(case)
     varied, held = range_of(key, range, "range"), speed_of(speed, "speed")
     with compilation_announced(quiet):
-        return Resonance(resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
+        return Resonance(chosen.name, resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
 
 
 def speed_of(text: str | None, option: str = "--speed") -> float | None:

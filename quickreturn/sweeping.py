@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 import numpy as np
 
 from quickreturn.accuracy import checked
-from quickreturn.cases.case import Case
+from quickreturn.cases.case import Case, si_text
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.reading import parse_case
-from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, si_text
+from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
 from quickreturn.cases.sweep.measures import MEASURES, Measure, measure
 from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import Path, Study, study
@@ -111,6 +111,8 @@ def computed(
 def _axis(key: str, values: str | Sequence[Any]) -> Axis:
     if isinstance(values, str):
         return axis(f"{key} = {values}")
+    if not all(isinstance(each, str) for each in values):
+        unit_of(key)
     return axis(f"{key} = {'; '.join(each if isinstance(each, str) else si_text(key, float(each)) for each in values)}")
 
 

@@ -41,12 +41,22 @@ APART: Final = 0.02
 ROWS: Final = 1000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curve:
-    """A piecewise polynomial of arc length; unlike scipy's it is compared by its content."""
+    """A piecewise polynomial of arc length; unlike scipy's it is compared by its content, to the last bit."""
 
     x: Array  # ends of the pieces, m, shape (n + 1,)
     c: Array  # coefficients of each piece, highest power first, shape (4, n)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Curve) and self._bytes == other._bytes
+
+    def __hash__(self) -> int:
+        return hash(self._bytes)
+
+    @property
+    def _bytes(self) -> tuple[bytes, bytes]:
+        return self.x.tobytes(), self.c.tobytes()
 
     def __call__(self, x: Array, nu: int = 0, /) -> Array:
         """Values of the `nu`-th derivative at `x` (m)."""

@@ -10,10 +10,9 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.case import PATHS, Case, si_value
-from quickreturn.cases.copies import written_document
+from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.reading import case_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import CODE as CODE_OF_RUNS
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
@@ -50,7 +49,7 @@ def axis(text: str) -> Axis:
         raise CaseError(_SOURCE, None, as_written(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
     if key in OF_START:
         raise CaseError(_SOURCE, key, None, "changes no steady motion", "vary another key")
-    unit, several = ("", True) if key == ENGINE else (_unit_of(key), PATHS[key].count is not None)
+    unit, several = ("", True) if key == ENGINE else (unit_of(key), PATHS[key].count is not None)
     texts = _ranged(key, values) if ".." in values and key != ENGINE else _listed(key, values)
     for name in texts if key == ENGINE else ():
         if name not in engine_names():
@@ -61,13 +60,8 @@ def axis(text: str) -> Axis:
     return Axis(key, texts, numbers, "" if several else unit)
 
 
-def si_text(key: str, value: float) -> str:
-    """The text of a case file that reads back as exactly this value in SI. CaseError: there is no such key."""
-    unit = _unit_of(key)
-    return "inf" if math.isinf(value) else f"{value!r} {unit}".removesuffix(" 1")
-
-
-def _unit_of(key: str) -> str:
+def unit_of(key: str) -> str:
+    """SI unit of a key. CaseError: there is no such key."""
     if key not in PATHS:
         raise CaseError(_SOURCE, key, None, "is an unknown key", nearest_or_all(key, (*PATHS, ENGINE)))
     return PATHS[key].unit
@@ -155,11 +149,11 @@ def keeps_shapes(key: str) -> bool:
 
 def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanism | Impossible]:
     """The scenes of a case with other values, as texts of a case file; for an impossible one the reason."""
-    document = written_document(case)
+    scene_with = scenes(case, _SOURCE)
 
     def scene(overrides: Mapping[str, str]) -> Mechanism | Impossible:
         try:
-            return case_of(document.overridden_by(overrides)).mechanism
+            return scene_with(overrides)
         except CaseError as wrong:
             impossible = wrong.__cause__  # why the parts do not fit together
             open_loop = isinstance(impossible, ImpossibleMechanism) and impossible.key == "crank.length"

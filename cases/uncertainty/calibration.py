@@ -15,9 +15,8 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.copies import written_document
+from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written
-from quickreturn.cases.reading import case_of
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.uncertainty.covariance import LOOSE, best_step, covariance, smooth_part, undetermined
 from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, FittedParameter
@@ -115,7 +114,7 @@ class _Search:
     """Fits the coordinates `at` of the free parameters, shape (p,), to longer and longer stretches of a table."""
 
     def __init__(self, case: Case, model: TableModel, frees: Sequence[Free]) -> None:
-        self.case, self.model, self.frees, self.document = case, model, frees, written_document(case)
+        self.case, self.model, self.frees, self.scene_with = case, model, frees, scenes(case, _SOURCE)
         self.bounds = tuple(np.transpose([each.bounds for each in frees]))
         self.simulations = 0
         engine, scene = model.engine, case.mechanism
@@ -144,7 +143,7 @@ class _Search:
     def _simulated(self, at: Array, settings: ReferenceSettings, rows: int) -> Array:
         self.simulations += 1
         values = {each.parameter: each.value(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)}
-        scene = case_of(self.document.overridden_by(overrides(self.case.mechanism, values))).mechanism
+        scene = self.scene_with(overrides(self.case.mechanism, values))
         return self.model.simulated(scene, settings, rows)
 
     def _fitted(self, begin: Array, rows: int, weights: Array) -> Array:

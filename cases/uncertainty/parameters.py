@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
-from quickreturn.cases.case import PATHS, si_value
+from quickreturn.cases.case import PATHS, si_text, si_value
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.units import plain_number
 from quickreturn.reference_model.mechanism import Mechanism
@@ -76,15 +76,15 @@ class Parameter:
 
 
 def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, Any]:
-    """Values (SI) as texts by dotted key for `Document.overridden_by`; other components of a vector keep the scene's values."""
+    """Values (SI) as texts of a case file by dotted key; other components of a vector keep the scene's values."""
     texts: dict[str, Any] = {}
     for parameter, value in values.items():
-        text = f"{float(value):.12g} {parameter.quantity.unit}".removesuffix(" 1")
+        text = si_text(parameter.path, value)
         if parameter.place is None:
             texts[parameter.path] = text
         else:
             parts = [Parameter(parameter.path, place) for place in range(parameter.quantity.count or 0)]
-            vector = texts.get(parameter.path) or tuple(f"{part.of(scene)!r} {parameter.quantity.unit}" for part in parts)
+            vector = texts.get(parameter.path) or tuple(si_text(part.path, part.of(scene)) for part in parts)
             texts[parameter.path] = tuple(text if part == parameter else other for part, other in zip(parts, vector, strict=True))
     return texts
 

@@ -66,7 +66,7 @@ def command(
         if file is not None:
             check_writable(Path(file), loaded.source, *endings)
     workshop = options.opened_workshop([loaded], ["reference"])
-    found = Resonance(value_of(workshop.outcomes([asked], "resonance curve")[0]))
+    found = Resonance(loaded.name, value_of(workshop.outcomes([asked], "resonance curve")[0]))
     for file in (each for each in (output, plot) if each is not None):
         ending = Path(file).suffix.lower()
         write_file(Path(file), picture(found.plot(), ending) if ending in PICTURES else found.written(ending))

@@ -8,12 +8,13 @@ from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, logarit
 from quickreturn.reports.looks import looks
 
 
-def draw(figure: Figure, curve: ResonanceCurve, mark: float | None = None) -> None:
+def draw(figure: Figure, curve: ResonanceCurve, case: str, mark: float | None = None) -> None:
     """Draw a panel for each measure over the varied quantity.
 
     Args:
         figure: an empty figure.
         curve: the curve.
+        case: name of its case.
         mark: value of the varied quantity (SI) at which the machine runs; None: no mark.
     """
     panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
@@ -36,4 +37,4 @@ def draw(figure: Figure, curve: ResonanceCurve, mark: float | None = None) -> No
         tidy(axes, f"{name} [{COLUMNS[PEAKS[name]].unit.replace('^2', '²')}]")
     panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
     panels[0].legend(fontsize=SMALL, frameon=False)
-    figure.suptitle(f"{curve.case}; at peaks the multiple of the crank's speed", fontsize=FONT_SIZE)
+    figure.suptitle(f"{case}; at peaks the multiple of the crank's speed", fontsize=FONT_SIZE)

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import quickreturn as qr
-from quickreturn.cases.resonance_curve import job_around, range_of, scene_with
+from quickreturn.cases.resonance_curve import checked_scenes, job_around, range_of
 from quickreturn.reports.drawing.style import picture
 from quickreturn.reports.findings.resonance import Around
 from tests.quickreturn.conftest import Call
@@ -111,7 +111,7 @@ def test_answers_to_mistakes(call: Call, typed: tuple[str, ...], words: tuple[st
 
 
 def test_other_values_replace_what_excludes_them() -> None:
-    held = scene_with(qr.case("thesis-24"), {"crank.prescribed_speed": 10.0, "tip.mass": 0.02})
+    held = checked_scenes(qr.case("thesis-24"), range_of("tip.mass", "0 g .. 25 g"), 10.0, ())(0.02)
     assert not held.crank_is_free
     assert held.crank.drive.initial_speed == 10.0
     assert held.tip_body.mass == 0.02

@@ -39,7 +39,6 @@ def made_up_around(name: str = "example") -> Around:
     heights = np.array([height(each) for each in u])
     unknown = np.full(u.shape, math.nan)
     curve = ResonanceCurve(
-        case=name,
         range=Range(SPEED, 0.85 * pace, 1.15 * pace, "rpm", RPM),
         prescribed=case.mechanism.crank_is_free,
         values=np.array([pace * speed(each) for each in u]),

@@ -75,6 +75,9 @@ def test_a_curve_is_the_spline_that_it_was_made_of_and_told_apart_by_its_content
     start = Start(1.0, 2.0, curve, curve)
     other = Start(1.0, 2.0, curve, Curve(spline.x, 1.0001 * spline.c))
     assert hash_of(start) == hash_of(dataclasses.replace(start)) != hash_of(other)
+    same = Start(1.0, 2.0, Curve(spline.x.copy(), spline.c.copy()), Curve(spline.x.copy(), spline.c.copy()))
+    assert start == same != other
+    assert len({start.deflection, same.deflection, other.deflection_rate}) == 2
 
 
 def test_engines_of_other_equations_begin_elsewhere() -> None:

@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from quickreturn.cases.case import si_text
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.library import library_case
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.sweep.grid import Grid, axis, scenes_of, si_text
+from quickreturn.cases.sweep.grid import Grid, axis, scenes_of
 from quickreturn.cases.sweep.rows import OPEN, Impossible
 from quickreturn.cases.units import LENGTH, parse_quantity
 

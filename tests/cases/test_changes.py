@@ -1,0 +1,145 @@
+"""Every way to give a machine another value leads to the same machine, also where a value follows from others of its file."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.case import PATHS, Case, si_text
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.jobs.key import key_of
+from quickreturn.cases.reading import parse_case
+from quickreturn.cases.resonance_curve import checked_scenes, job, range_of
+from quickreturn.cases.sweep.grid import OF_START, axis, scenes_of
+from quickreturn.cases.sweep.rows import MeasureRequest
+from quickreturn.cases.uncertainty.calibration import _Search, frees_of
+from quickreturn.cases.uncertainty.propagation import planned
+from quickreturn.engines.base import Refusal
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.scene_values import values_of
+from tests.cases.scene_texts import SCENE
+
+_STIFFNESS, _MASS = 'bending_stiffness = "2128.22 lbf*in^2"', 'mass_per_length = "4.75987e-5 lbf*s^2/in^2"'
+_RIGID_JOINT = SCENE.replace('joint_stiffness = "100 lbf/in"\njoint_damping = "0.1 lbf*s/in"\n', "")
+_NO_START = _RIGID_JOINT.replace('initial_speed = "16.617773 rad/s"\n', "")
+_OF_MATERIAL = _NO_START.replace(_STIFFNESS, 'elastic_modulus = "10.3e6 psi"').replace(_MASS, 'density = "2700 kg/m^3"')
+_TORQUE = 'torque = "10 lbf*in"\ndamping = "0.60176535 lbf*in*s/rad"\n'
+FILES = {
+    "stiffness": _RIGID_JOINT,
+    "material": _OF_MATERIAL,
+    "prescribed speed": _OF_MATERIAL.replace(_TORQUE, 'prescribed_speed = "165 rpm"\n'),
+}
+#: Keys that can vary continuously, and values where the scene has none of which a part could be taken.
+KEYS = [path for path, about in PATHS.items() if about.count is None and about.moves and path not in OF_START and "spin_up" not in path]
+VALUES = {"crank.prescribed_speed": 11.0, "follower.elastic_modulus": 6.9e10, "follower.density": 2500.0}
+
+
+def by_file(text: str, key: str, value: str) -> Mechanism:
+    return parse_case(text, "scene.toml", {key: value}).mechanism
+
+
+def by_copy(case: Case, key: str, value: str) -> Mechanism:
+    return case.with_({key: value}).mechanism
+
+
+def by_written_copy(case: Case, key: str, value: str) -> Mechanism:
+    return by_file(case.to_toml(), key, value)
+
+
+def by_sweep(case: Case, key: str, value: str) -> Mechanism:
+    (scene,) = scenes_of(case, [{key: axis(f"{key} = {value}").texts[0]}])
+    assert isinstance(scene, Mechanism)
+    return scene
+
+
+def by_resonance(case: Case, key: str, value: str) -> Mechanism:
+    varied = range_of(key, f"{value} .. {si_text(key, 1.01 * _si(key, value))}")
+    return checked_scenes(case, varied, None, ())(varied.low)
+
+
+def by_calibration(case: Case, key: str, value: str) -> Mechanism:
+    ends = " .. ".join(si_text(key, factor * _si(key, value)) for factor in (0.5, 1.5))
+    (free,) = frees_of([f"{key} = {ends}"], case)
+    scenes: list[Mechanism] = []
+
+    def simulated(scene: Mechanism, *_: object) -> np.ndarray:
+        scenes.append(scene)
+        return np.zeros((1, 1))
+
+    model = SimpleNamespace(engine=ReferenceEngine(), simulated=simulated)
+    search = _Search(case, model, [SimpleNamespace(parameter=free.parameter, bounds=free.bounds, value=lambda _: _si(key, value))])  # type: ignore[arg-type, list-item]
+    search._simulated(np.zeros(1), search.usual, 1)
+    return scenes[0]
+
+
+def by_uncertainty(case: Case, key: str, value: str) -> Mechanism:
+    ends = " .. ".join(si_text(key, factor * _si(key, value)) for factor in (0.99, 1.01))
+    points = planned(case, {key: f"uniform {ends}"}, MeasureRequest(measures=("multiplier",), engine="reference"), 8, "study.toml")
+    points.inputs[0, 0] = _si(key, value)
+    case_of_job, changes, _ = points.jobs[0].arguments
+    (scene,) = scenes_of(case_of_job, changes[:1])
+    assert isinstance(scene, Mechanism)
+    return scene
+
+
+WAYS = (by_copy, by_written_copy, by_sweep, by_resonance, by_calibration, by_uncertainty)
+
+
+def _si(key: str, value: str) -> float:
+    found = axis(f"{key} = {value}").values[0]
+    assert isinstance(found, float)
+    return found
+
+
+def _value(case: Case, key: str) -> str:
+    """A value a little off the one of the case."""
+    section, _, name = key.partition(".")
+    present = case.values.get(section, {}).get(name, VALUES.get(key, PATHS[key].default))
+    present = present if isinstance(present, float) and np.isfinite(present) and present else 0.3
+    return si_text(key, 0.97 * VALUES.get(key, present))
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_way_to_change_a_value_gives_the_same_machine(name: str) -> None:
+    case = parse_case(FILES[name], "scene.toml")
+    compared = dict.fromkeys((way.__name__ for way in WAYS), 0)
+    for key in KEYS:
+        value = _value(case, key)
+        try:
+            expected = by_file(FILES[name], key, value)
+        except CaseError:
+            for way in WAYS:
+                with pytest.raises((CaseError, AssertionError)):
+                    way(case, key, value)
+            continue
+        for way in WAYS:
+            try:
+                scene = way(case, key, value)
+            except Refusal:  # a resonance curve needs a joint that is rigid and frictionless
+                assert way is by_resonance
+                assert key.startswith("slider.")
+                continue
+            assert values_of(scene) == values_of(expected), (key, way)
+            compared[way.__name__] += 1
+    assert min(compared.values()) >= 20, compared
+
+
+def test_stored_curves_of_equal_scenes_differ_where_their_files_answer_a_change_differently() -> None:
+    of_material = parse_case(FILES["material"], "scene.toml")
+    of_numbers = replace(of_material, document=None)
+    thickness, tip = range_of("follower.thickness", "2 mm .. 3 mm"), range_of("tip.mass", "0 g .. 9 g")
+    assert key_of(job(of_material, tip)) == key_of(job(of_numbers, tip)) == key_of(job(replace(of_material, name="other"), tip))
+    assert key_of(job(of_material, thickness)) != key_of(job(of_numbers, thickness))
+
+
+@pytest.mark.parametrize("name", ["material", "prescribed speed"])
+def test_stiffness_and_mass_follow_the_section_of_a_given_material(name: str) -> None:
+    """EI = E w t³ / 12 and m = rho w t: half the thickness gives an eighth of EI and half of m."""
+    case = parse_case(FILES[name], "scene.toml")
+    whole, half = case.mechanism.follower, si_text("follower.thickness", 0.5 * case.mechanism.follower.thickness)
+    for way in WAYS:
+        follower = way(case, "follower.thickness", half).follower
+        assert follower.bending_stiffness == pytest.approx(whole.bending_stiffness / 8.0, rel=1e-12)
+        assert follower.mass_per_length == pytest.approx(whole.mass_per_length / 2.0, rel=1e-12)
