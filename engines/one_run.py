@@ -13,6 +13,7 @@ from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulati
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.errors import OF_THE_MACHINE
 from quickreturn.reference_model.mechanism import Scene
 
 #: Libraries below an engine: where a mistake of the engine surfaces in one, the message names the engine's line.
@@ -33,12 +34,12 @@ def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: flo
     Raises:
         Refusal, SettingError: as the engine raises them.
         EngineFailure: the run broke down; any other exception of the engine is reported as this too.
-        MemoryError, OSError: memory, disk or another resource is exhausted.
+        MemoryError, OSError, ImportError: memory, disk or another resource is exhausted, or a library is missing.
     """
     try:
         simulation = engine.prepare(scene, start, settings)
         trajectory = simulation.advance(duration, output_step)
-    except (Refusal, SettingError, EngineFailure, MemoryError, OSError):
+    except (Refusal, SettingError, EngineFailure, *OF_THE_MACHINE):
         raise
     except Exception as error:  # a third-party engine may raise anything
         raise EngineFailure(0.0, raised(error), "report this to the author of the engine") from error

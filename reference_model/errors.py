@@ -1,7 +1,11 @@
 """Exit codes of the program, and the errors that it reports in a sentence."""
 
 from enum import IntEnum
-from typing import ClassVar
+from typing import ClassVar, Final
+
+#: Exceptions that are due to the machine, not to what it computes: memory, disk or another resource is exhausted, a library is missing.
+#: They may not repeat, so they never become a result.
+OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
 
 
 class ExitCode(IntEnum):

@@ -5,15 +5,13 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
-from quickreturn.reference_model.errors import ToldError
+from quickreturn.reference_model.errors import OF_THE_MACHINE, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.engines.progress import Progress
 
 #: Failure of a job that is not stored if nothing is computed.
 MISSING: Final = "is not stored"
-#: Exceptions that are due to the machine, not to the job.
-_OF_THE_MACHINE: Final = (MemoryError, OSError, ImportError)
 
 T = TypeVar("T")
 V = TypeVar("V")
@@ -36,7 +34,7 @@ def default_limits() -> Limits:
 
 def would_repeat(outcome: "Outcome[Any]") -> bool:
     """Whether the outcome of a job would repeat: a result, or an exception of its own."""
-    return outcome.completed or (isinstance(outcome.error, Exception) and not isinstance(outcome.error, _OF_THE_MACHINE))
+    return outcome.completed or (isinstance(outcome.error, Exception) and not isinstance(outcome.error, OF_THE_MACHINE))
 
 
 @dataclass(frozen=True)

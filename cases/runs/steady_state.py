@@ -44,6 +44,7 @@ from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Columns
+from quickreturn.reference_model.errors import OF_THE_MACHINE
 
 #: Cycles after which a change of the settings no longer shows in a rattling motion. Runs of the thesis that begin off their cycle by two
 #: engines' errors settle in 4 to 9; what remains after five disappears in the mean over thirty.
@@ -58,7 +59,8 @@ def steady_state(request: RunRequest) -> Run:
     """Carry out a request. A failure of an engine becomes part of the run and is not raised.
 
     Raises:
-        MemoryError, OSError: lack of memory, disk or the like, which is due to the machine and not to the engine, and may not repeat.
+        MemoryError, OSError, ImportError: lack of memory, disk, a library or the like, which is due to the machine and not to the
+            engine, and may not repeat.
     """
     began = time.perf_counter()
     unfinished = _RunInProgress(engine_of_name(request.engine), request)
@@ -73,7 +75,7 @@ def steady_state(request: RunRequest) -> Run:
         partial = {} if failure.partial is None else dict(failure.partial.columns)
         about = {"cause": failure.cause, "advice": failure.advice, "failure_time": failure.time}
         unfinished.note(status=Ending.FAILED, remark=str(failure), cycle=partial, **about)
-    except (MemoryError, OSError):
+    except OF_THE_MACHINE:
         raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
         unfinished.note(status=Ending.FAILED, remark=raised(error), cause=raised(error), cycle={})
@@ -256,7 +258,7 @@ class _RunInProgress:
             comparisons = tuple(compared(pair, run) for pair in pairs)
         except EngineFailure as failure:
             return (), f"the run for their estimate {failure}"
-        except (MemoryError, OSError):
+        except OF_THE_MACHINE:
             raise
         except Exception as error:  # the delivered cycle stays good
             return (), f"the run for their estimate: {raised(error)}"
