@@ -14,9 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.crank_angle_steps import steps_to
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
-from quickreturn.reference_model.machine.compilation import compiled
-from quickreturn.reference_model.machine.pointers import call_equations
 from quickreturn.reference_model.model import BeamModel
 
 Array = NDArray[np.float64]
@@ -201,29 +200,4 @@ def turn_to(model: BeamModel, y: Array, angle: float, parts: int) -> float:
         The time (s) that passes; nan if a state on the way is impossible.
     """
     equations = model.equations
-    return float(_turn_to(equations.function, equations.parameters, equations.workspace, y, angle, parts, np.empty((5, len(y)))))
-
-
-@compiled
-def _turn_to(
-    function: int, parameters: int, workspace: int, y: NDArray[np.float64], angle: float, parts: int, K: NDArray[np.float64]
-) -> float:
-    size = len(y)
-    h = (angle - y[0]) / parts
-    elapsed = 0.0
-    trial = K[4]
-    for _ in range(parts):
-        for stage in range(4):
-            reach = 0.0 if stage == 0 else h if stage == 3 else 0.5 * h
-            for i in range(size):
-                trial[i] = y[i] + (reach * K[stage - 1, i] if stage > 0 else 0.0)
-            if call_equations(function, parameters, workspace, trial.ctypes.data, K[stage].ctypes.data, 0) == 0:
-                return math.nan
-            time_by_angle = 1.0 / K[stage, 0]
-            elapsed += h * time_by_angle * (1.0 if stage in (0, 3) else 2.0) / 6.0
-            for i in range(size):
-                K[stage, i] *= time_by_angle
-        for i in range(size):
-            y[i] += h * (K[0, i] + 2.0 * K[1, i] + 2.0 * K[2, i] + K[3, i]) / 6.0
-    y[0] = angle
-    return elapsed
+    return float(steps_to(equations.function, equations.parameters, equations.workspace, y, angle, parts, np.empty((5, len(y)))))

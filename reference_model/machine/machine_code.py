@@ -1,24 +1,30 @@
-"""Where compiled functions are kept on disk: one folder per state of the sources.
+"""Where compiled functions are kept on disk: one folder per state of their sources.
 
 Numba recompiles a cached function when the function's own file changes, but not when a file that it calls into does. With a folder
-named by the hash of all sources, code compiled from other sources is never taken. It is beside the sources; where these cannot be
-written it is in the user's cache, and where there is none in a temporary folder that is removed when the process ends.
+named by the hash of the sources that are compiled, and of all that these import, code compiled from other sources is never taken. It is
+beside the sources; where these cannot be written it is in the user's cache, and where there is none in a temporary folder that is removed
+when the process ends.
 """
 
 import atexit
 import hashlib
 import os
+import re
 import shutil
 import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Final
 
+from quickreturn.reference_model.imported_modules import imported_modules, modules_in, text_of
+
 VARIABLE: Final = "NUMBA_CACHE_DIR"
 _PACKAGE: Final = Path(__file__).resolve().parents[1]
 #: How the name of a cache folder of this package begins, and what follows the hash in that of a temporary one.
 _OURS: Final = "quickreturn-"
 _TEMPORARY: Final = "-temporary-"
+#: Imports of a module whose functions are compiled: of the compiler, or of this package's decorators for it.
+_COMPILES: Final = re.compile(rb"^(?:from|import) (?:numba\b|quickreturn\.reference_model\.machine\.compilation\b)", re.MULTILINE)
 
 
 def choose_cache_folder() -> None:
@@ -54,10 +60,18 @@ def _writable(folder: Path) -> bool:
 
 @cache
 def source_hash() -> str:
-    """Hash of the sources of this package and of the engines beside it, which compile code that calls into it."""
+    """Hash of the sources of compiled code, of this package and of the engines beside it."""
     digest = hashlib.sha256()
-    for folder in (_PACKAGE, _PACKAGE.parent / "engines"):
-        for file in sorted(folder.rglob("*.py")):
-            digest.update(file.relative_to(folder).as_posix().encode())
-            digest.update(file.read_bytes())
+    for module, file in compiled_sources().items():
+        digest.update(module.encode())
+        digest.update(text_of(file))
     return digest.hexdigest()[:16]
+
+
+def compiled_sources() -> dict[str, Path]:
+    """Modules that have functions compiled, and those that they import at their head, with their files.
+
+    The compiler takes what a function uses (constants, callees, types of tuples) from its module, which has it from there.
+    """
+    both = {**modules_in("quickreturn.reference_model"), **modules_in("quickreturn.engines")}
+    return imported_modules((module for module, file in both.items() if _COMPILES.search(text_of(file))), late=False, find=both.get)

@@ -1,14 +1,21 @@
-"""Where compiled code is kept: beside the sources, else in the user's cache, else for as long as the process lives."""
+"""Where compiled code is kept: beside the sources, else in the user's cache, else for as long as the process lives.
+
+And when: code of other sources is never taken, and what is not compiled has no say.
+"""
 
 import ctypes
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from quickreturn.reference_model.imported_modules import modules_in, names_imported
+from quickreturn.reference_model.machine.machine_code import compiled_sources
 from tests.package_copy import copied_package
 
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
@@ -83,6 +90,60 @@ def test_without_a_home_it_lives_as_long_as_the_process_and_that_is_said(install
     assert folder.parent == tmp_path
     assert "NUMBA_CACHE_DIR" in sentence
     assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "after", "same"),
+    [
+        ("engines/refusals.py", '"""', '"""Once more: ', True),
+        ("engines/own/beam_engine.py", '"""', '"""Once more: ', True),
+        ("engines/exudyn/joint.py", '"""', '"""Once more: ', True),
+        ("reference_model/dop853.py", "INTERPOLATED: Final = ", "INTERPOLATED: Final = 0 + ", False),
+        ("reference_model/joint.py", "import math", "import math  # other", False),
+        ("engines/mujoco/native.py", '"""', '"""Once more: ', False),
+        ("reference_model/small.py", "x + x", "2.0 * x", False),
+    ],
+)
+def test_code_is_compiled_anew_where_what_is_compiled_has_changed(installed: Path, file: str, before: str, after: str, same: bool) -> None:
+    source = installed / "quickreturn" / file
+    old = hash_in(installed)
+    assert before in source.read_text()
+    source.write_text(source.read_text().replace(before, after, 1))
+    assert (hash_in(installed) == old) is same
+
+
+def hash_in(installed: Path) -> str:
+    asked = "from quickreturn.reference_model.machine.machine_code import source_hash; print(source_hash())"
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(installed), "NUMBA_CACHE_DIR": "/tmp"}
+    return subprocess.run([sys.executable, "-P", "-c", asked], env=environment, capture_output=True, text=True, check=True).stdout
+
+
+def test_all_that_compiled_functions_call_is_among_the_sources_of_compiled_code() -> None:
+    """Told by the functions themselves: by the names that they use, once all modules are imported."""
+    sources = compiled_sources()
+    functions = 0
+    for module in {**modules_in("quickreturn.reference_model"), **modules_in("quickreturn.engines")}:
+        for member in vars(import_module(module)).values():
+            if (function := getattr(member, "py_func", None)) is None:
+                continue
+            functions += 1
+            used = [function, *(function.__globals__.get(name) for name in function.__code__.co_names)]
+            homes = {home for each in used if (home := home_of(each)).startswith("quickreturn.")}
+            assert homes <= set(sources), f"{module}: {member}"
+    assert functions > 50
+
+
+def home_of(value: Any) -> str:
+    """The module of a function, compiled or not, or the name of a module."""
+    return str(getattr(getattr(value, "py_func", value), "__module__", None) or getattr(value, "__name__", ""))
+
+
+def test_what_compiles_imports_at_its_head() -> None:
+    """Imports inside functions do not count for compiled code, so there are none but those of the second process."""
+    for module, file in compiled_sources().items():
+        text = file.read_text()
+        inside = set(names_imported(text)) - set(names_imported(text, late=False))
+        assert not inside & set(compiled_sources()) or module.rpartition(".")[2] in ("first_start", "integrate"), module
 
 
 def read_only(folder: Path) -> None:

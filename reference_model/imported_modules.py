@@ -1,0 +1,106 @@
+"""The modules of this package that a module imports, directly and through others, found in the text of the sources.
+
+Nothing is imported for it, so that the hash of the compiled code costs milliseconds at each start (`machine.machine_code`), and so that a
+stored result knows the code that it depends on.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+#: What holds `reference_model` and the packages beside it: the checkout, or the package `quickreturn` as installed.
+_HOME: Final = Path(__file__).resolve().parents[1]
+PACKAGE: Final = "quickreturn"
+
+_NAMES: Final = r"from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]+)"
+#: Import statements at the head of a module, and those anywhere in it.
+_AT_THE_HEAD: Final = re.compile(rf"^(?:{_NAMES})", re.MULTILINE)
+_ANYWHERE: Final = re.compile(rf"^[ \t]*(?:{_NAMES})", re.MULTILINE)
+#: Imports for the type checker alone: the line and the lines below that are indented further.
+_FOR_TYPES: Final = re.compile(r"^([ \t]*)if TYPE_CHECKING:\n(?:\1[ \t]+[^\n]*\n|[ \t]*\n)+", re.MULTILINE)
+#: A module, or one of its functions, by its name in quotes: imported when it is needed.
+_IN_QUOTES: Final = re.compile(rf"[\"']({PACKAGE}(?:\.\w+)+)(?::\w+)?[\"']")
+_COMMENT: Final = re.compile(r"#[^\n]*")
+
+Find = Callable[[str], Path | None]
+
+
+@cache
+def source_of(module: str) -> Path | None:
+    """The file of a module of this package, or None if there is no such module."""
+    first, *rest = module.split(".")
+    if first != PACKAGE:
+        return None
+    for home in (_HOME, _HOME / PACKAGE):  # in a checkout the public package is a folder beside the others
+        for place in (home.joinpath(*rest, "__init__.py"), home.joinpath(*rest).with_suffix(".py") if rest else None):
+            if place is not None and place.is_file():
+                return place
+    return None
+
+
+@cache
+def text_of(file: Path) -> bytes:
+    """The text of a source, read once."""
+    return file.read_bytes()
+
+
+def modules_in(package: str, find: Find = source_of) -> dict[str, Path]:
+    """All modules of a package, itself included, with their files. Empty if there is no such package."""
+    file = find(package)
+    if file is None or file.name != "__init__.py":
+        return {} if file is None else {package: file}
+    found = {}
+    for path in sorted(file.parent.rglob("*.py")):
+        parts = path.relative_to(file.parent).with_suffix("").parts
+        found[".".join((package, *(parts[:-1] if parts[-1] == "__init__" else parts)))] = path
+    return found
+
+
+def imported_modules(modules: Iterable[str], *, late: bool = True, find: Find = source_of) -> dict[str, Path]:
+    """Modules that are imported from some modules, directly and through others, themselves included, with their files, sorted by name.
+
+    The packages around a module count, for Python runs them first; the outermost one does not, for it only hands names on.
+
+    Args:
+        modules: full names, those of packages too. Those that do not exist here are left out.
+        late: whether imports inside functions count, and modules named in quotes. Those for the type checker alone never count.
+        find: finds the file of a module; None where it is not of this package.
+    """
+    found: dict[str, Path] = {}
+    waiting = list(modules)
+    while waiting:
+        module = waiting.pop()
+        if module in found or (file := find(module)) is None:
+            continue
+        found[module] = file
+        waiting += _imports(file, late)
+        parts = module.split(".")
+        waiting += (".".join(parts[:count]) for count in range(2, len(parts)))
+    return dict(sorted(found.items()))
+
+
+@cache
+def _imports(file: Path, late: bool) -> tuple[str, ...]:
+    """Names that may be modules, as a file imports them."""
+    return tuple(dict.fromkeys(names_imported(text_of(file).decode(), late=late)))
+
+
+def names_imported(text: str, *, late: bool = True) -> Iterator[str]:
+    """Names that a source imports and that may be modules: of `from a import b`, a and a.b.
+
+    Raises:
+        ValueError: an import is relative, which this project does not use.
+    """
+    if late:
+        text = _FOR_TYPES.sub("", text)
+        for quoted in _IN_QUOTES.finditer(text):
+            yield quoted[1]
+    for home, names, whole in (_ANYWHERE if late else _AT_THE_HEAD).findall(text):
+        listed = [name.split()[0] for name in _COMMENT.sub("", names or whole).strip("() \t\n").split(",") if name.strip()]
+        if home.startswith("."):
+            raise ValueError(f"relative import: from {home} import {', '.join(listed)}")
+        if home:
+            yield home
+        yield from (f"{home}.{name}" if home else name for name in listed)
