@@ -4,7 +4,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.loads.peak import Peak, peak_of
 from quickreturn.cases.loads.resonance import resonance
+from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.sweep.grid import OF_START
 from quickreturn.cases.units import in_si
 from quickreturn.engines import progress
@@ -28,6 +29,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.poincare import CycleBroken
 from quickreturn.reference_model.rigid import mean_crank_speed
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
@@ -59,6 +61,20 @@ CODE: Final = (
 )
 
 
+_OF_CURVES: Final = "tests/quickreturn/test_resonance.py"
+#: Difference over the range of the parameter.
+_FOLDS: Final = Witness(
+    "maps whose folds have a closed form",
+    4e-4,
+    "tests/reference_model/test_continuation.py::test_both_folds_of_a_cubic",
+)
+_MARCHES: Final = Witness(
+    "marches of `mujoco` and `exudyn` from a neighbouring speed",
+    0.02,
+    "tests/verification/test_resonance.py::test_a_march_from_a_neighbouring_speed_settles_on_the_curve",
+)
+
+
 @dataclass(frozen=True)
 class Range:
     """A quantity of a scene and the values between which it varies."""
@@ -81,6 +97,14 @@ class SpecialPoint:
     at: int  # number of the point on the curve
     reason: str = ""  # why the curve ends there (a clause); "" if it goes on
 
+    witnesses: ClassVar[Witnesses] = {
+        "value": _FOLDS,
+        "tolerance": _FOLDS,
+        "error": Witness(
+            "a model with more modes: errors beyond the claim", 0.0, f"{_OF_CURVES}::test_the_claims_hold_against_a_model_with_more_modes"
+        ),
+    }
+
 
 @dataclass(frozen=True)
 class ResonancePeak:
@@ -90,6 +114,8 @@ class ResonancePeak:
     height: float  # of the measure
     at: int  # number of the point on the curve
     order: int  # multiple of the crank's speed that is nearest to the mean first bending frequency there
+
+    witnesses: ClassVar[Witnesses] = dict.fromkeys(("value", "height"), _MARCHES)
 
 
 @dataclass(frozen=True)
@@ -112,6 +138,12 @@ class ResonanceCurve:
     special: tuple[SpecialPoint, ...]  # in order of arclength
     peaks: tuple[ResonancePeak, ...]  # likewise
     settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
+
+    witnesses: ClassVar[Witnesses] = {
+        **dict.fromkeys(("values", "arclength", "measures"), _MARCHES),
+        **dict.fromkeys(("errors", "value_errors"), SpecialPoint.witnesses["error"]),
+        "multipliers": PeriodicOrbit.witnesses["multipliers"],
+    }
 
     def kind_after(self, at: int) -> str:
         """How the motion is unstable between a point and the next one, "" if it is stable."""

@@ -5,7 +5,7 @@ Each is a job: it comes from the store if it is there, and is computed like all 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Columns, trajectory_type
 from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 #: Code on which answers depend besides the engines, and code on which loads depend.
 CODE: Final = ("quickreturn.cases.solving",)
@@ -127,6 +128,14 @@ class Frequencies:
     version: str  # of the engine
     settings: dict[str, Any]
     values: list[list[float]]
+
+    witnesses: ClassVar[Witnesses] = {
+        "values": Witness(
+            "roots of the transcendental determinant of the overhung beam",
+            1e-9,
+            "tests/reference_model/test_natural_modes.py::test_frequencies_are_roots_of_the_transcendental_determinant",
+        )
+    }
 
 
 def frequencies_job(

@@ -13,7 +13,7 @@ import gc
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import ClassVar, Final
 
 from quickreturn.engines import progress
 from quickreturn.engines.base import (
@@ -31,6 +31,7 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 #: Assumed time of the next run over that of the longest so far: half the step and twice the elements. It is not begun if less time is left.
 LONGER: Final = 4.0
@@ -76,6 +77,25 @@ class Assessment:
     compile_seconds: float
     estimate_seconds: float
     description: ModelDescription
+
+    witnesses: ClassVar[Witnesses] = {
+        **dict.fromkeys(
+            ("error_estimate", "error_estimates"),
+            Witness(
+                "solutions that another engine confirms: claims that do not hold",
+                0.05,
+                "tests/verification/test_accuracy_campaign.py::test_claims_hold",
+            ),
+        ),
+        **dict.fromkeys(
+            ("setup_seconds", "solve_seconds", "compile_seconds", "estimate_seconds"),
+            Witness(
+                "the clock of the caller: no part takes longer than the call",
+                0.0,
+                "tests/engines/test_accurate.py::test_no_part_of_a_call_takes_longer_than_the_call",
+            ),
+        ),
+    }
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,12 +13,15 @@ no mass here, only an inertia, so that its own weight is not in the force at P.
 """
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from quickreturn.reference_model.witnesses import Witness
 
 Array = NDArray[np.float64]
 #: Rows (k,) of `ROW`.
@@ -31,6 +34,7 @@ class Observable:
 
     unit: str  # SI
     meaning: str  # in words
+    witness: Witness  # confirms it
     required: bool = False  # whether every engine delivers it
     of_slider: bool = False  # whether it means nothing without crank and slider
     recorded: bool = True  # whether it is in the rows that compiled models fill
@@ -39,46 +43,89 @@ class Observable:
 #: Number of interior places of the centre line at which the deflection is given.
 PLACES: Final = 11
 
+#: The three engines have equations, coordinates and formulas of the columns of their own; the difference is relative to the RMS.
+_ENGINES: Final = partial(
+    Witness,
+    "`mujoco` and `exudyn` beside `reference` in four scenes",
+    test="tests/verification/test_witnesses.py::test_engines_with_files_of_their_own_confirm_every_column",
+)
+
 #: Name -> column, in the order of tables: those that every engine delivers first.
 COLUMNS: Final = MappingProxyType(
     {
-        "time": Observable("s", "since the start", required=True, recorded=False),
-        "crank_angle": Observable("rad", "q1, counter-clockwise from n1, continuous", required=True, of_slider=True),
-        "crank_speed": Observable("rad/s", "of the crank", required=True, of_slider=True),
-        "follower_angle": Observable("rad", "q2, tangent at the base, continuous, within 90 deg of 180 deg at the start", required=True),
-        "slider_position": Observable("m", "arc length s of the slider from P", required=True, of_slider=True),
-        "tip_x": Observable("m", "place of x = L from O along n1", required=True),
-        "tip_y": Observable("m", "place of x = L from O along n2", required=True),
-        "tip_deflection": Observable("m", "distance of x = L from the base tangent, along b2", required=True),
-        "tip_acceleration": Observable("m/s^2", "absolute acceleration of x = L along the beam's normal there", required=True),
-        "strain_1": Observable("1", "surface strain at the first gauge: curvature x thickness / 2, positive where W'' > 0", required=True),
-        "strain_2": Observable("1", "at the second gauge", required=True),
-        "strain_3": Observable("1", "at the third gauge", required=True),
-        "slider_force": Observable(
-            "N", "normal force on the follower at the slider, positive along the normal n = (-W', ...)", required=True, of_slider=True
+        "time": Observable(
+            "s",
+            "since the start",
+            Witness("the grid that is asked for", 0.0, "tests/properties/test_output.py::test_the_output_step_does_not_show"),
+            required=True,
+            recorded=False,
         ),
-        "crank_torque": Observable("N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", of_slider=True),
-        "kinetic_energy": Observable("J", "all bodies"),
-        "strain_energy": Observable("J", "follower (and joint spring)"),
-        "dissipated_energy": Observable("J", "by all dampings since the start"),
-        "constraint_gap": Observable("m", "distance of the slider from the centre line", of_slider=True),
-        "gravity_energy": Observable("J", "potential energy of gravity, all bodies, zero at the height of O"),
-        "drive_work": Observable("J", "work of the drive torque and of the force on the tip since the start"),
-        "base_torque": Observable("N m", "torque that turns the base as prescribed", recorded=False),
-        "axial_stretch": Observable("m", "length of the centre line less that of the undeformed follower", recorded=False),
+        "crank_angle": Observable("rad", "q1, counter-clockwise from n1, continuous", _ENGINES(5e-8), required=True, of_slider=True),
+        "crank_speed": Observable("rad/s", "of the crank", _ENGINES(2e-7), required=True, of_slider=True),
+        "follower_angle": Observable(
+            "rad", "q2, tangent at the base, continuous, within 90 deg of 180 deg at the start", _ENGINES(1e-6), required=True
+        ),
+        "slider_position": Observable("m", "arc length s of the slider from P", _ENGINES(2e-7), required=True, of_slider=True),
+        "tip_x": Observable("m", "place of x = L from O along n1", _ENGINES(1e-6), required=True),
+        "tip_y": Observable("m", "place of x = L from O along n2", _ENGINES(5e-6), required=True),
+        "tip_deflection": Observable("m", "distance of x = L from the base tangent, along b2", _ENGINES(1.5e-4), required=True),
+        "tip_acceleration": Observable(
+            "m/s^2", "absolute acceleration of x = L along the beam's normal there", _ENGINES(7e-3), required=True
+        ),
+        "strain_1": Observable(
+            "1", "surface strain at the first gauge: curvature x thickness / 2, positive where W'' > 0", _ENGINES(3e-4), required=True
+        ),
+        "strain_2": Observable("1", "at the second gauge", _ENGINES(2e-4), required=True),
+        "strain_3": Observable("1", "at the third gauge", _ENGINES(2e-4), required=True),
+        "slider_force": Observable(
+            "N",
+            "normal force on the follower at the slider, positive along the normal n = (-W', ...)",
+            _ENGINES(3e-3),
+            required=True,
+            of_slider=True,
+        ),
+        "crank_torque": Observable(
+            "N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", _ENGINES(5e-3), of_slider=True
+        ),
+        "kinetic_energy": Observable("J", "all bodies", _ENGINES(2e-7)),
+        "strain_energy": Observable("J", "follower (and joint spring)", _ENGINES(1.5e-4)),
+        "dissipated_energy": Observable("J", "by all dampings since the start", _ENGINES(1e-4)),
+        "constraint_gap": Observable("m", "distance of the slider from the centre line", _ENGINES(3e-4), of_slider=True),
+        "gravity_energy": Observable("J", "potential energy of gravity, all bodies, zero at the height of O", _ENGINES(3e-7)),
+        "drive_work": Observable("J", "work of the drive torque and of the force on the tip since the start", _ENGINES(2e-5)),
+        "base_torque": Observable(
+            "N m",
+            "torque that turns the base as prescribed",
+            Witness(
+                "deflections in cubic elements beside the tangent angle in modes",
+                1e-5,
+                "tests/reference_model/test_follower_alone.py::test_two_formulations_agree",
+            ),
+            recorded=False,
+        ),
+        "axial_stretch": Observable(
+            "m",
+            "length of the centre line less that of the undeformed follower",
+            Witness(
+                "the closed form of a spinning rod",
+                1e-3,
+                "tests/verification/test_literature.py::test_every_engine_meets_theory_and_print_in_the_manoeuvre",
+            ),
+            recorded=False,
+        ),
         **{
-            f"shape_{k:02d}": Observable("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2")
+            f"shape_{k:02d}": Observable("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2", _ENGINES(7e-3))
             for k in range(1, PLACES + 1)
         },
         **{
-            f"moment_{k:02d}": Observable("N m", f"bending moment at x = {k}/{PLACES + 1} L, positive where W'' > 0")
+            f"moment_{k:02d}": Observable("N m", f"bending moment at x = {k}/{PLACES + 1} L, positive where W'' > 0", _ENGINES(1e-3))
             for k in range(1, PLACES + 1)
         },
-        "moment_slider": Observable("N m", "bending moment at the slider, on its outboard side", of_slider=True),
-        "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1"),
-        "pivot_force_y": Observable("N", "the same along n2"),
-        "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", of_slider=True),
-        "crank_force_y": Observable("N", "the same along n2", of_slider=True),
+        "moment_slider": Observable("N m", "bending moment at the slider, on its outboard side", _ENGINES(3e-4), of_slider=True),
+        "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1", _ENGINES(2e-3)),
+        "pivot_force_y": Observable("N", "the same along n2", _ENGINES(6e-3)),
+        "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", _ENGINES(5e-5), of_slider=True),
+        "crank_force_y": Observable("N", "the same along n2", _ENGINES(1e-4), of_slider=True),
     }
 )
 SHAPE: Final = tuple(name for name in COLUMNS if name.startswith("shape_"))

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from quickreturn.cases.units import in_si
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 #: Number of crank angles in half a turn over which frequencies are averaged; the other half mirrors it. The mean of a smooth periodic
 #: function over so many even angles is exact to round-off in all scenes of the library but those whose crank nearly reaches P.
@@ -24,6 +25,11 @@ class Resonance:
     first_mode: float  # mean over the turn of the first frequency with the crank held, Hz
     lowest: float  # least of these frequencies, Hz
     crank: float  # turns of the crank per second, Hz
+
+    witnesses: ClassVar[Witnesses] = dict.fromkeys(
+        ("first_mode", "lowest", "crank"),
+        Witness("the textbook's pinned beam", 1e-6, "tests/cases/test_loads.py::test_resonance_of_a_uniform_beam_is_that_of_the_textbook"),
+    )
 
     @property
     def ratio(self) -> float:

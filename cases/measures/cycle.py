@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,27 @@ from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.measures.half_cycle import ChannelHalf, channel_half, half_cycle
 from quickreturn.cases.measures.second_mode import agreeing, second_mode_frequency
 from quickreturn.cases.measures.time_scale import TimeScale
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
 HALVES = ("pre", "post")
 NO_VIBRATION = (FirstMode("the model has no vibration in this channel"), None)
+_KNOWN: Final = "half cycles made of a known vibration"
+_ACCURACY: Final = "tests/verification/test_measures_accuracy.py::test_bias_spread_and_reach"
+#: Frequency and amplitude of the first mode; that of an amplitude is the spread.
+FREQUENCY: Final = Witness(
+    "the phase of a small free vibration about the motion, without a fit",
+    8e-3,
+    "tests/cases/test_measures_simulated.py::test_frequencies_of_steady_states_lie_within_their_claims",
+)
+AMPLITUDE: Final = Witness(_KNOWN, 0.03, _ACCURACY)
+#: Part of the errors that exceed twice what is claimed.
+CLAIMED: Final = Witness(f"{_KNOWN}: errors beyond twice the uncertainty", 0.05, _ACCURACY)
+_EXTREME: Final = Witness("a sine", 1e-6, "tests/cases/test_measures_cycle.py::test_extremes_belong_to_their_half")
+_CORNER: Final = Witness(
+    "corners between samples", 0.0, "tests/cases/test_measures_cycle.py::test_a_corner_between_samples_is_missed_by_no_more_than_is_said"
+)
 END_TOLERANCE = np.radians(5.0)  # largest distance, rad, of the first and last crank angle from that of the slider's farthest place
 
 
@@ -38,6 +55,18 @@ class Measure:
     maximum: float  # greatest value, likewise
     maximum_uncertainty: float
     reason: str  # why the first mode's frequency, its amplitude or both are not resolvable, empty if both are
+
+    witnesses: ClassVar[Witnesses] = {
+        "first_mode_frequency": FREQUENCY,
+        "first_mode_frequency_uncertainty": CLAIMED,
+        "first_mode_amplitude": AMPLITUDE,
+        "first_mode_amplitude_uncertainty": CLAIMED,
+        "second_mode_frequency": Witness(
+            _KNOWN, 0.01, "tests/cases/test_measures_cycle.py::test_strong_second_mode_is_found_where_channels_agree"
+        ),
+        **dict.fromkeys(("minimum", "maximum"), _EXTREME),
+        **dict.fromkeys(("minimum_uncertainty", "maximum_uncertainty"), _CORNER),
+    }
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 #: Code on which a run depends besides the simulation.
 CODE: Final = ("quickreturn.cases.measures", "quickreturn.cases.runs")
@@ -78,6 +79,19 @@ class PeriodicOrbit:
     multipliers: tuple[tuple[float, float], ...]  # Floquet's, real and imaginary part, largest modulus first
     stable: bool  # whether a disturbance dies away
     iterations: int  # of the search
+
+    witnesses: ClassVar[Witnesses] = {
+        "period": Witness(
+            "a march of `mujoco`",
+            2e-5,
+            "tests/verification/test_witnesses.py::test_plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn",
+        ),
+        "multipliers": Witness(
+            "the decay of disturbances in `mujoco`",
+            5e-5,
+            "tests/verification/test_witnesses.py::test_disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier",
+        ),
+    }
 
     @classmethod
     def of(cls, state: SteadyState) -> "PeriodicOrbit":

@@ -14,17 +14,30 @@ from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.loads import Claimed
 from quickreturn.cases.loads.peak import Peak, of_column, of_vector
 from quickreturn.cases.loads.stress import arm_stress
-from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import or_nan
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
+from quickreturn.engines.accurate import Assessment
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.witnesses import Witness
 
 #: Value and its error, in the measure's unit; nan where unavailable.
 Measured = tuple[float, float]
 NOTHING: Final[Measured] = (math.nan, math.nan)
+
+_TESTS: Final = "tests/verification/test_witnesses.py::test_"
+_NUMPY: Final = partial(
+    Witness, "plain numpy on rows of 0.1 ms of `mujoco`", test=f"{_TESTS}plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn"
+)
+_GAUGES: Final = partial(
+    Witness, "strain gauges of `mujoco` at the place", test=f"{_TESTS}gauges_of_a_link_chain_confirm_the_stress_along_the_arm"
+)
+_MARCHES: Final = partial(
+    Witness, "the decay of disturbances in `mujoco`", test=f"{_TESTS}disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier"
+)
 
 #: Part of the last step of the search for a periodic motion that is left as its error, see `ORBIT_TOLERANCE` of `reference`.
 LEFT_BY_SEARCH: Final = 0.1
@@ -52,6 +65,7 @@ class Measure:
     unit: str  # SI
     meaning: str  # in words
     of: Callable[[SettledMotion], Measured]  # computes it
+    witness: Witness  # confirms it
     columns: tuple[str, ...] = ()  # columns of the cycle that it needs
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
     multipliers: bool = False  # whether its error needs the finer run's own multiplier, which takes two or three turns
@@ -75,7 +89,7 @@ def of_columns(name: str, unit: str) -> Iterator[Measure]:
         ("rms", f"root mean square of {name} over a turn", _rms),
     )
     for kind, meaning, of in kinds:
-        yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), (name,))
+        yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), _NUMPY(5e-4), (name,))
 
 
 def _where_given(column: str, of: Callable[[str, SettledMotion], Measured], motion: SettledMotion) -> Measured:
@@ -153,6 +167,10 @@ def _period(motion: SettledMotion) -> Measured:
     return value, error + left * value
 
 
+def _solve_seconds(motion: SettledMotion) -> Measured:
+    return motion.run.solve_seconds or math.nan, math.nan
+
+
 def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -> Measured:
     """A value with its error, estimated from the orbit with finer settings."""
     if motion.finer is None:
@@ -166,33 +184,44 @@ def _declared() -> Iterator[Measure]:
         if name != "time":
             yield from of_columns(name, column.unit)
     for name, where in (("pivot_force", "P"), ("crank_force", "O")):
-        yield Measure(f"peak.{name}", "N", f"largest force of the bearing {where}", partial(_bearing, name), (f"{name}_x", f"{name}_y"))
+        yield Measure(
+            f"peak.{name}", "N", f"largest force of the bearing {where}", partial(_bearing, name), _NUMPY(5e-4), (f"{name}_x", f"{name}_y")
+        )
     for name, what, meaning in (
         ("peak", "largest", "largest bending stress along the arm"),
         ("amplitude", "amplitude", "half the range of the stress in a turn, where that is largest"),
     ):
-        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), tuple(COLUMNS))
+        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), _GAUGES(5e-4), tuple(COLUMNS))
     for half in HALVES:
         meaning = f"frequency of the first mode, {half}-return, over all channels"
-        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), CHANNELS, True)
+        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), FREQUENCY, CHANNELS, True)
         for channel in CHANNELS:
-            for what, unit, words in (("frequency", "Hz", "frequency"), ("amplitude", COLUMNS[channel].unit, "RMS of the envelope")):
+            for what, unit, words, witness in (
+                ("frequency", "Hz", "frequency", FREQUENCY),
+                ("amplitude", COLUMNS[channel].unit, "RMS of the envelope", AMPLITUDE),
+            ):
                 meaning = f"{words} of the first mode, {half}-return, in {channel}"
                 of = partial(_vibration, half, channel, f"first_mode_{what}")
-                yield Measure(f"{half}.{what}.{channel}", unit, meaning, of, CHANNELS, True)
+                yield Measure(f"{half}.{what}.{channel}", unit, meaning, of, witness, CHANNELS, True)
     for name, meaning, number in (
         ("multiplier", "largest modulus of the Floquet multipliers", lambda orbit: math.hypot(*orbit.multipliers[0])),
         ("multiplier.real", "real part of that multiplier", lambda orbit: orbit.multipliers[0][0]),
         ("multiplier.imag", "imaginary part of that multiplier", lambda orbit: orbit.multipliers[0][1]),
     ):
-        yield Measure(name, "1", meaning, partial(_of_orbit, number), multipliers=True)
-    yield Measure("period", "s", "time of a turn", _period)
+        yield Measure(name, "1", meaning, partial(_of_orbit, number), _MARCHES(5e-5), multipliers=True)
+    yield Measure("period", "s", "time of a turn", _period, _NUMPY(2e-5))
     for name, meaning in (
         ("drive_work", "work of the drive, and of a force on the tip, in a turn"),
         ("dissipated_energy", "energy dissipated in a turn"),
     ):
-        yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), (name,))
-    yield Measure("solve_seconds", "s", "wall time of the solve", lambda motion: (motion.run.solve_seconds or math.nan, math.nan))
+        yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), _NUMPY(2e-5), (name,))
+    yield Measure(
+        "solve_seconds",
+        "s",
+        "wall time of the solve",
+        lambda motion: (motion.run.solve_seconds or math.nan, math.nan),
+        Assessment.witnesses["solve_seconds"],
+    )
 
 
 #: Name -> measure, in the order in which they are listed.

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from scipy import stats
@@ -11,6 +11,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.copies import LONGEST_NAME
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.uncertainty.parameters import Parameter, overrides
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 PROBABILITY: Final = 0.95
 #: Smooth part of the squared residuals above which a note is printed.
@@ -30,6 +31,15 @@ class FittedParameter:
     simulation_error: float  # change of the value by the simulation's own error; not part of the interval
     determined: bool  # whether the table determines it
     at_end: bool  # whether it lies at the end of its range
+
+    witnesses: ClassVar[Witnesses] = dict.fromkeys(
+        ("value", "low", "high", "simulation_error"),
+        Witness(
+            "parameters with which another engine made the table: trials outside the 95 % region",
+            0.125,
+            "tests/cases/uncertainty/test_calibration.py::test_the_truth_lies_in_the_region_in_95_of_100_trials",
+        ),
+    )
 
     @property
     def shown(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from quickreturn.cases.sweep.measures import measure
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import computed, joined
 from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
@@ -53,6 +54,15 @@ class Quantile:
     value: float
     error: float
 
+    witnesses: ClassVar[Witnesses] = dict.fromkeys(
+        ("value", "error"),
+        Witness(
+            "the closed form of uniform numbers",
+            0.15,
+            "tests/cases/uncertainty/test_propagation.py::test_the_error_of_a_quantile_is_what_other_samples_show",
+        ),
+    )
+
 
 @dataclass(frozen=True)
 class Share:
@@ -63,6 +73,15 @@ class Share:
     first_error: float
     total: float
     total_error: float
+
+    witnesses: ClassVar[Witnesses] = dict.fromkeys(
+        ("first", "first_error", "total", "total_error"),
+        Witness(
+            "the closed form of a polynomial",
+            1e-9,
+            "tests/cases/uncertainty/test_propagation.py::test_the_shares_of_a_polynomial_are_those_of_its_closed_form",
+        ),
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -57,6 +57,15 @@ def test_estimate_is_the_known_error(step: float) -> None:
     assert result.error_estimates["slider_force"] is None, "zero throughout: no relative error"
 
 
+def test_no_part_of_a_call_takes_longer_than_the_call() -> None:
+    begin = time.perf_counter()
+    result = run(engine=ReferenceEngine())
+    call = time.perf_counter() - begin
+    parts = result.setup_seconds, result.solve_seconds, result.compile_seconds, result.estimate_seconds
+    assert min(parts) >= 0.0
+    assert 0.0 < max(parts) <= call  # a table from an earlier run keeps its seconds, so that the sum may be larger
+
+
 def test_linear_algebra_keeps_to_one_thread_and_gives_the_others_back() -> None:
     seen = []
 

@@ -1,0 +1,248 @@
+"""Outputs beside their witnesses: columns by three engines, measures by plain numpy, stress by dense gauges, multipliers by marching.
+
+Each declaration names the largest difference that was found (`Witness.largest`). A test fails if it finds a larger one, and also if the
+largest one that it finds is less than a fifth of that: then the declaration is older than the code.
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from functools import cache
+from typing import Final
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from quickreturn.cases.library import library_case
+from quickreturn.cases.loads import loads_of
+from quickreturn.cases.runs.orbit import Curve, Orbit, PeriodicStart, find_orbit
+from quickreturn.cases.sweep.measures import MEASURES
+from quickreturn.cases.sweep.rows import MeasureRequest, row
+from quickreturn.engines.base import Refusal
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.registry import usable_engine
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import Start, standard_start
+from quickreturn.engines.trajectory import Columns
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.witnesses import Witness
+from tests.engines.scenes import run_24
+
+Array = NDArray[np.float64]
+
+DURATION: Final = 0.5  # s
+#: Part of a declared difference that the test must find, or the declaration is out of date.
+FOUND_AGAIN: Final = 0.2
+OF_MEASURES: Final = {name: each.witness for name, each in MEASURES.items()}
+#: m, to which a rigid loop is closed, and J of what is zero but for rounding.
+NOTHING: Final = 1e-10
+
+FINE: Final[dict[str, Settings]] = {
+    "reference": ReferenceSettings(modes=11, tolerance=1e-9),
+    "mujoco": ChainSettings(links=48),
+    "exudyn": ExudynSettings(elements=32, step=5e-5, newton_tolerance=1e-7, axial_factor=4.0),
+}
+SCENES: Final = {
+    "run 24": run_24(),
+    "prescribed speed": run_24(crank={"drive": PrescribedSpeed(speed=16.6)}),
+    "soft joint": run_24(slider={"mass": 0.1, "joint_stiffness": 2e4, "joint_damping": 2.0}),
+    "gravity, friction and a force": run_24(
+        gravity=(1.0, -3.0),
+        slider={"mass": 0.3},
+        base={"friction_torque": 0.02},
+        tip={"center_of_mass": 0.0127, "force": (1.5, -2.0), "force_from": 0.5, "force_to": 2.5, "force_ramp": 0.3},
+        follower={"damping": 0.5},
+    ),
+}
+
+
+def motion(engine: str, scene: Mechanism, start: Start, settings: Settings, duration: float, step: float) -> Columns:
+    return usable_engine(engine).prepare(scene, start, settings).advance(duration, step).columns
+
+
+def rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+@cache
+def differences_of_columns() -> dict[str, dict[str, float]]:
+    """Column -> engine and scene -> RMS of the difference from `reference` over the RMS."""
+    found: dict[str, dict[str, float]] = {}
+    for name, scene in SCENES.items():
+        runs = {}
+        for engine, settings in FINE.items():
+            try:
+                runs[engine] = motion(engine, scene, standard_start(scene), settings, DURATION, 1e-3)
+            except Refusal:
+                assert engine == "exudyn", f"{engine} refuses {name}"
+        ours = runs.pop("reference")
+        for engine, theirs in runs.items():
+            for column in ours.keys() & theirs.keys():
+                size, apart = rms(ours[column]), rms(theirs[column] - ours[column])
+                if size > NOTHING:
+                    found.setdefault(column, {})[f"{engine}, {name}"] = apart / size
+                else:
+                    assert apart < NOTHING, (column, engine, name)
+    return found
+
+
+@pytest.mark.verify
+def test_engines_with_files_of_their_own_confirm_every_column() -> None:
+    witnesses = of_test("engines_with_files_of_their_own_confirm_every_column", {name: each.witness for name, each in COLUMNS.items()})
+    found = {column: max(differences_of_columns()[column].values()) for column in witnesses}
+    assert out_of_date(witnesses, found) == {}
+
+
+def of_test(name: str, witnesses: Mapping[str, Witness]) -> dict[str, Witness]:
+    """Those of a test of this file."""
+    return {output: each for output, each in witnesses.items() if each.test == f"tests/verification/test_witnesses.py::test_{name}"}
+
+
+def out_of_date(witnesses: Mapping[str, Witness], found: Mapping[str, float]) -> dict[str, float]:
+    """Outputs that differ by more than their witness declares, and those of whose witness far smaller differences were found."""
+    largest = {each: max(found[output] for output in found if witnesses[output] == each) for each in {witnesses[name] for name in found}}
+    return {
+        output: found[output]
+        for output in found
+        if found[output] > witnesses[output].largest or largest[witnesses[output]] < FOUND_AGAIN * witnesses[output].largest
+    }
+
+
+@cache
+def orbit_of_run_24() -> Orbit:
+    return find_orbit(library_case("thesis-24").mechanism)
+
+
+STEP: Final = 1e-4  # s, between rows whose largest is the peak, as no curve between them is asked
+TURNS: Final = 11  # after which a disturbance of the start has shrunk to a fifteenth
+
+
+@cache
+def turn_of_links() -> Columns:
+    """The last turn of a link chain that marched from the periodic state of `reference`."""
+    orbit = orbit_of_run_24()
+    assert orbit.begin is not None
+    scene = library_case("thesis-24").mechanism
+    columns = motion("mujoco", scene, orbit.begin, FINE["mujoco"], STEP * math.ceil((TURNS + 0.5) * orbit.period / STEP), STEP)
+    turned = (columns["crank_angle"] - columns["crank_angle"][0]) / math.tau
+    begin, end = np.interp([TURNS - 1.0, TURNS], turned, columns["time"])
+    time = np.concatenate([[begin], columns["time"][(columns["time"] > begin) & (columns["time"] < end)], [end]])
+    return {name: np.interp(time, columns["time"], values) for name, values in columns.items()}
+
+
+def plain(name: str, turn: Columns) -> tuple[float, float]:
+    """A measure of a turn by numpy alone, and the size that its difference is relative to."""
+    kind, _, column = name.partition(".")
+    time = turn["time"]
+    if kind == "period":
+        return float(np.ptp(time)), float(np.ptp(time))
+    if column in ("pivot_force", "crank_force"):
+        largest = float(np.hypot(turn[f"{column}_x"], turn[f"{column}_y"]).max())
+        return largest, largest
+    values = turn[column]
+    size = float(np.abs(values).max())
+    if kind == "turn":
+        return float(values[-1] - values[0]), abs(float(values[-1] - values[0]))
+    mean_square = float(np.trapezoid(values**2, time)) / float(np.ptp(time))
+    return {"peak": size, "min": float(values.min()), "max": float(values.max()), "rms": math.sqrt(mean_square)}[kind], size
+
+
+#: Columns that count from the start of a simulation, or are nothing in run 24.
+WITHOUT_A_TURN: Final = ("crank_angle", "dissipated_energy", "drive_work", "constraint_gap", "gravity_energy")
+
+
+@pytest.mark.verify
+def test_plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn() -> None:
+    turn = turn_of_links()
+    of_turn = of_test("plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn", OF_MEASURES)
+    names = tuple(
+        name
+        for name in of_turn
+        if {*MEASURES[name].columns} <= turn.keys() and (name.startswith("turn.") or name.partition(".")[2] not in WITHOUT_A_TURN)
+    )
+    values = row([library_case("thesis-24").mechanism], MeasureRequest(measures=names, accuracy=1e-4)).values[0]
+    found = {}
+    for name, value in zip(names, values, strict=True):
+        confirmed, size = plain(name, turn)
+        found[name] = abs(value - confirmed) / size
+    assert out_of_date(OF_MEASURES, found) == {}
+
+
+#: Disturbance of the start, as a part of the motion; turns that are left out and turns that are used after it. Earlier, faster disturbances
+#: remain; later, the difference is the integration's error. Three motions, one of the crank and a pair of the arm, last longer than a turn.
+DISTURBED: Final = 0.02
+FIRST, LAST, LASTING = 1, 6, 3
+SIGNALS: Final = ("crank_speed", "tip_deflection", "strain_1", "strain_2", "strain_3", "shape_06", "shape_03")
+
+
+def at_every_turn(start: Start, period: float) -> Array:
+    """Signals of a link chain, and rates of all but the first, each time when a turn is complete; shape (13, turns)."""
+    duration, step = (LAST + 0.5) * period, 5e-4
+    columns = motion("mujoco", library_case("thesis-24").mechanism, start, ChainSettings(links=24), step * math.ceil(duration / step), step)
+    angle, time = columns["crank_angle"], columns["time"]
+    crossings = CubicSpline(angle, time)(angle[0] + math.tau * np.arange(1, LAST + 1))
+    curves = [CubicSpline(time, columns[name]) for name in SIGNALS]
+    return np.array([*(curve(crossings) for curve in curves), *(curve(crossings, 1) for curve in curves[1:])])
+
+
+def disturbed(start: PeriodicStart, part: float) -> list[PeriodicStart]:
+    """The start with another speed, another deflection and other rates."""
+    bent, rates = (Curve(curve.x, (1.0 + part) * curve.c) for curve in (start.deflection, start.deflection_rate))
+    return [
+        dataclasses.replace(start, crank_speed=(1.0 + 0.3 * part) * start.crank_speed),
+        dataclasses.replace(start, deflection=bent),
+        dataclasses.replace(start, deflection_rate=rates),
+    ]
+
+
+@pytest.mark.verify
+def test_disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier() -> None:
+    """The linear map from turn to turn that fits the differences best (dynamic mode decomposition: Schmid, J. Fluid Mech. 656, 2010)."""
+    orbit = orbit_of_run_24()
+    assert orbit.begin is not None
+    pairs = zip(disturbed(orbit.begin, DISTURBED), disturbed(orbit.begin, -DISTURBED), strict=True)
+    differences = [at_every_turn(plus, orbit.period) - at_every_turn(minus, orbit.period) for plus, minus in pairs]
+    sizes = np.max([np.abs(each).max(axis=1) for each in differences], axis=0)[:, None]
+    before = np.hstack([each[:, FIRST : LAST - 1] / sizes for each in differences])
+    after = np.hstack([each[:, FIRST + 1 : LAST] / sizes for each in differences])
+    left, values, right = np.linalg.svd(before, full_matrices=False)
+    turn = left[:, :LASTING].T @ after @ right[:LASTING].T / values[:LASTING]
+    found = float(np.abs(np.linalg.eigvals(turn)).max())
+    name = "multiplier"
+    value = row([library_case("thesis-24").mechanism], MeasureRequest(measures=(name,), accuracy=1e-4)).values[0, 0]
+    assert out_of_date(OF_MEASURES, {name: abs(value - found)}) == {}
+
+
+@cache
+def differences_of_stress() -> dict[str, float]:
+    """Largest stress and its amplitude from moments along the arm, beside gauges of a link chain at the same places."""
+    found: dict[str, float] = {}
+    for name in ("thesis-24", "example", "shaper-cutting"):
+        scene = library_case(name).mechanism
+        length, modulus = scene.follower.length, scene.follower.elastic_modulus
+        columns = motion("reference", scene, standard_start(scene), ReferenceSettings(modes=9, tolerance=1e-9), DURATION, 1e-3)
+        stress = loads_of(scene, columns, lambda column, angle: 0.0).stress
+        assert stress is not None
+        assert stress.largest.place is not None
+        assert stress.amplitude.place is not None
+        places = sorted({stress.largest.place, stress.amplitude.place, 0.111 * length, 0.222 * length})[-3:]
+        gauged = dataclasses.replace(scene, follower=dataclasses.replace(scene.follower, strain_gauges=tuple(places)))
+        gauges = motion("mujoco", gauged, standard_start(scene), ChainSettings(links=48), DURATION, 2e-4)
+        for what, peak, of in (
+            ("peak.stress", stress.largest, lambda strain: np.abs(strain).max()),
+            ("amplitude.stress", stress.amplitude, lambda strain: np.ptp(strain) / 2.0),
+        ):
+            there = modulus * float(of(gauges[f"strain_{1 + places.index(peak.place)}"]))
+            found[what] = max(found.get(what, 0.0), abs(peak.value - there) / there - peak.uncertainty / there)
+    return found
+
+
+@pytest.mark.verify
+def test_gauges_of_a_link_chain_confirm_the_stress_along_the_arm() -> None:
+    found = differences_of_stress()
+    assert out_of_date(OF_MEASURES, found) == {}
