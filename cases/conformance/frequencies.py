@@ -125,7 +125,7 @@ def _cause(scene: Mechanism, degrees: float, given: Array, expected: Array) -> t
     ]
     usual = [Hypothesis(words, advice, np.log(values)) for words, advice, values in tried if len(values) == n]
     words, root = f"they are {ratio[0]:.4g} times those of reference", "look for such a factor, or its square in stiffness or mass"
-    factor = Hypothesis(words, root, np.log(ratio[0] * expected), fitted=True)
+    factor = Hypothesis(words, root, np.log(ratio[0] * expected), fitted=1)
     if explained := explain(np.log(given), np.log(expected), [*usual, factor]):
         return explained.words, explained.advice
     return f"with the crank at {degrees:g} deg they are {np.round(given, 3)} Hz where reference has {np.round(expected, 3)}", (

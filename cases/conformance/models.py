@@ -147,4 +147,4 @@ def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Ite
                     break
                 slope = (there - before) / step
             words = f"{_key(path)} {factor:.4g} times as large"
-            yield Hypothesis(words, _advice(words), there, fitted=True)
+            yield Hypothesis(words, _advice(words), there, fitted=1)

@@ -172,7 +172,7 @@ def _mistake(
         tried += [Hypothesis(words, "", effect.between(right[0], columns, among)) for words, columns in scenes]
         if share is not None and among is None:
             words = f"{change.name} acts {share:.3g} times as strongly as it should"
-            tried.append(Hypothesis(words, "", share * due, fitted=True))
+            tried.append(Hypothesis(words, "", share * due, fitted=1))
         if explained := explain(shown, due, tried, coarse=among is None):
             return explained.words
     return ""

@@ -61,8 +61,8 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
             sentences[name], remainders[name] = noise, 0.0
             continue
         lag = _lag(mine, its)
-        shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(its, lag), fitted=True)
-        finding = diagnose(name, mine, its, NEAR * rms(its), right, case.mechanism, [shifted])
+        shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(its, lag), fitted=1)
+        finding = diagnose(name, mine, its, NEAR * max(rms(its), rms(mine)), right, case.mechanism, [shifted])
         if finding is not None and finding.remainder is not None:
             sentences[name], remainders[name] = f"{finding.cause}; {finding.advice}", finding.remainder
             if finding.advice == _SHIFTED:

@@ -56,7 +56,7 @@ def test_of_two_that_are_the_same_the_first_is_named() -> None:
 
 
 def test_a_fitted_number_is_named_only_where_no_mistake_without_one_explains_it() -> None:
-    fitted = Hypothesis("times -1", "", -EXPECTED, fitted=True)
+    fitted = Hypothesis("times -1", "", -EXPECTED, fitted=1)
     assert named(explain(-EXPECTED, EXPECTED, (fitted, TURNED))) == "turned"
     assert named(explain(-EXPECTED, EXPECTED, (fitted,))) == "times -1"
 
