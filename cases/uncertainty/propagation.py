@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import combinations_with_replacement
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -208,6 +208,12 @@ def quantiles(values: Array, probabilities: Sequence[float] = PROBABILITIES) -> 
     return [Quantile(*numbers) for numbers in zip(probabilities, best.tolist(), errors.tolist(), strict=True)]
 
 
+def powers_up_to(degree: int, count: int) -> NDArray[np.int64]:
+    """The powers of all monomials in `count` variables up to a total degree, shape (binomial(degree + count, count), count)."""
+    chosen = (each for total in range(degree + 1) for each in combinations_with_replacement(range(count), total))
+    return np.array([np.bincount(np.array(each, dtype=np.int64), minlength=count) for each in chosen])
+
+
 @dataclass(frozen=True, eq=False)
 class Surrogate:
     """A polynomial chaos: orthonormal polynomials of the parameters, fitted by least squares."""
@@ -229,9 +235,10 @@ class Surrogate:
         count = len(distributions)
         if math.comb(degree + count, count) * PER_TERM > len(values) or not np.ptp(values) > 0.0:
             return cls(degree, np.zeros((1, count), dtype=np.int64), np.ones((len(values), 1)), values, math.nan)
-        powers = np.array([each for each in product(range(degree + 1), repeat=count) if sum(each) <= degree])
-        tables = [each.polynomials(inputs[:, place], degree) for place, each in enumerate(distributions)]
-        matrix = np.prod([table[:, powers[:, place]] for place, table in enumerate(tables)], axis=0)
+        powers = powers_up_to(degree, count)
+        matrix = np.ones((len(values), len(powers)))
+        for place, each in enumerate(distributions):
+            matrix *= each.polynomials(inputs[:, place], degree)[:, powers[:, place]]
         leverage = np.sum(np.linalg.qr(matrix)[0] ** 2, axis=1)
         left = values - matrix @ np.linalg.lstsq(matrix, values, rcond=None)[0]
         alone = left / np.maximum(1.0 - leverage, 1e-9)  # error at each point of the fit to all others

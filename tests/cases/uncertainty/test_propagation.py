@@ -1,12 +1,15 @@
 """Quantiles and shares of variance against closed forms; the engines are not asked."""
 
+import math
+from itertools import product
+
 import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.sweep.rows import MeasureRequest
-from quickreturn.cases.uncertainty.propagation import Points, Scatter, planned, quantiles
+from quickreturn.cases.uncertainty.propagation import Points, Scatter, planned, powers_up_to, quantiles
 
 ASKED = MeasureRequest(measures=("peak.strain_2",), claims=False)
 UNCERTAIN = {"slider.mass": "uniform 1 kg .. 3 kg", "tip.center_of_mass": "uniform 0 in .. 0.5 in"}
@@ -32,6 +35,19 @@ def test_the_shares_of_a_polynomial_are_those_of_its_closed_form() -> None:
     assert (one.first, one.total) == pytest.approx((12.0 / 16.0, 13.0 / 16.0), abs=1e-9)
     assert (other.first, other.total) == pytest.approx((3.0 / 16.0, 4.0 / 16.0), abs=1e-9)
     assert scatter.simulation_error("peak.strain_2") == 0.01
+
+
+@pytest.mark.parametrize(("degree", "count"), [(1, 1), (4, 1), (2, 3), (4, 4)])
+def test_the_terms_of_a_surrogate_are_all_monomials_up_to_its_degree(degree: int, count: int) -> None:
+    expected = {each for each in product(range(degree + 1), repeat=count) if sum(each) <= degree}
+    terms = [tuple(each) for each in powers_up_to(degree, count).tolist()]
+    assert len(terms) == len(expected)
+    assert set(terms) == expected
+
+
+def test_forty_parameters_have_a_surrogate() -> None:
+    """861 terms; a search among all 3^40 combinations would not end."""
+    assert powers_up_to(2, 40).shape == (math.comb(42, 2), 40)
 
 
 def test_numbers_that_do_not_depend_on_the_parameters_give_no_shares() -> None:
