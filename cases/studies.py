@@ -10,7 +10,7 @@ from quickreturn.cases.benchmark.methods import Method
 from quickreturn.cases.benchmark.truth import CONFIRMING, TRUTH, Confirmation, Converged, confirmation_of, converged, errors_of, truth_of
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job, Outcome
+from quickreturn.cases.jobs.job import MISSING, Job, Outcome
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.steady_state import on_common_grid, relative_change
 from quickreturn.cases.runs.campaign import Work, carry_out
@@ -86,9 +86,9 @@ class Studies:
     failures: Sequence[str]  # a sentence on each part that could not be computed
 
 
-def work() -> Work:
-    """Jobs of the studies, for computing them together with other runs; `run_studies` then finds their results in the store."""
-    return Work(_run_requests(), _jobs())
+def work(engines: Sequence[str] = MAIN) -> Work:
+    """What `run_studies` would compute, for computing it together with other runs; it then finds the results in the store."""
+    return _of(_wanted(engines), _jobs())
 
 
 def confirming(workshop: Workshop) -> list[Confirmation]:
@@ -104,15 +104,24 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
     return [outcome.value for outcome in workshop.outcomes(jobs, "confirmation") if outcome.value and outcome.value.differences]
 
 
-def run_studies(workshop: Workshop) -> Studies:
-    """All studies; stored results are not computed again. KeyboardInterrupt: Ctrl-C; finished results are stored."""
-    case, (defaults, models) = load_case(ACCURACY_CASE), _trajectory_requests()
-    outcomes = workshop.outcomes(_jobs(), "studies")
+def run_studies(workshop: Workshop, engines: Sequence[str] = MAIN) -> Studies:
+    """All studies; stored results are not computed again.
+
+    Parts on engines that are not asked for are not computed. The studies of all main engines include the models that require a prescribed
+    crank speed.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; finished results are stored.
+    """
+    case, (defaults, models), jobs = load_case(ACCURACY_CASE), _trajectory_requests(), _jobs()
+    planned = _of(_wanted(engines), jobs)
+    computed = dict(zip(map(id, planned.jobs), workshop.outcomes(planned.jobs, "studies"), strict=True))
+    outcomes = [computed.get(id(job)) or Outcome[Any](job, failure=MISSING) for job in jobs]
     true, convergence, at_speed, *runs = outcomes
-    failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not outcome.completed]
+    failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not (outcome.completed or outcome.missing)]
     accuracy = _studied(defaults, runs[: len(defaults)], true.value, failures)
     of_models = _studied(models, runs[len(defaults) :], at_speed.value, failures)
-    results = carry_out(_run_requests(), workshop, "another start")
+    results = carry_out(planned.requests, workshop, "another start")
     return Studies(
         accuracy=accuracy,
         converged=converged(case, true.value) if true.value else None,
@@ -128,6 +137,17 @@ def run_studies(workshop: Workshop) -> Studies:
 CODE: Final = ("quickreturn.cases.studies", "quickreturn.cases.benchmark")
 
 Name = tuple[str, ...]
+
+
+def _wanted(engines: Sequence[str]) -> set[str]:
+    """The engines whose parts of the studies belong to a report on some engines."""
+    return {*engines, PRESCRIBED[0]} if set(MAIN).issubset(engines) else {*engines}
+
+
+def _of(engines: set[str], jobs: Sequence[Job[Any]]) -> Work:
+    """The part of all requests, and of `jobs`, that needs no other engines."""
+    requests = {name: request for name, request in _run_requests().items() if request.engine in engines}
+    return Work(requests, [job for job in jobs if engines.issuperset(job.engines)])
 
 
 def _jobs() -> list[Job[Any]]:
@@ -218,7 +238,7 @@ def _run_requests() -> dict[Name, RunRequest]:
 
 def _both_starts(results: Mapping[Name, Run], failures: list[str]) -> list[BothStarts]:
     pairs: list[BothStarts] = []
-    for name in PACKAGES:
+    for name in dict.fromkeys(name for name, _ in results):
         orbit, straight = results[name, "orbit"], results[name, "straight"]
         if not (orbit.usable and straight.usable) or orbit.settings != straight.settings:
             reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other run has"

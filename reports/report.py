@@ -95,12 +95,12 @@ def write_report(
     for table in content_type.recordings():
         recorded.setdefault(table.declared["case"], []).append(table)
     own_cases = cases if content_type.is_own else []
-    other_jobs = work() if _studied(cases) else Work(jobs=[job for job in jobs_around(own_cases).values() if isinstance(job, Job)])
+    other_jobs = work(engines) if _studied(cases) else Work(jobs=[job for job in jobs_around(own_cases).values() if isinstance(job, Job)])
     results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, other_jobs)
     further, missing = content_type.further(results, workshop)
     content = content_type(
         results=results,
-        **_studies(cases, workshop),
+        **_studies(cases, workshop, engines),
         **further,
         verification=stored_verification(workshop.store.folder),
         conformance=_conformance(engines, workshop),
@@ -143,7 +143,7 @@ def _studied(cases: Sequence[Case]) -> bool:
     return ACCURACY_CASE in {case.name for case in cases if case.source == "library"}
 
 
-def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
+def _studies(cases: Sequence[Case], workshop: Workshop, engines: Sequence[str]) -> dict[str, Any]:
     """The studies as fields of `Content`: the user's own results, or the recorded ones where the user has none.
 
     A report without the case of the studies has only the stored benchmarks of its own cases.
@@ -151,7 +151,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop) -> dict[str, Any]:
     if not _studied(cases):
         return {"benchmarks": [table for case in cases if (table := stored(case, workshop))]}
     scenes = [load_case(entry.name) for entry in catalogue(TAG)]
-    studies, matrix = run_studies(workshop), judge_scenes(scenes, workshop.as_it_is)
+    studies, matrix = run_studies(workshop, engines), judge_scenes(scenes, workshop.as_it_is)
     own_benchmarks, recorded_benchmarks = {name: stored(load_case(name), workshop) for name in SCENES}, long_studies.benchmarks()
     of_record = {
         "confirmation": not studies.confirming,

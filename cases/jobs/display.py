@@ -36,7 +36,7 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
         yield from executor.run(jobs)
         return
     _say_what_is_forgotten()
-    tally = Tally(sum(job.points for job in jobs), executor.at_once)
+    tally = Tally(jobs, executor.at_once)
     shown = _in_place if sys.stderr.isatty() else _in_lines
     with shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
         for outcome in running:
@@ -55,12 +55,13 @@ def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outc
 class Tally:
     """Number of finished jobs, jobs at work, and the remaining time."""
 
-    def __init__(self, total: int, at_once: int) -> None:
-        """`total`: points of all jobs; `at_once`: how many jobs are computed at a time."""
-        self.total, self.done, self._at_once = total, 0, at_once
+    def __init__(self, jobs: Sequence[Job[Any]], at_once: int) -> None:
+        """`at_once`: how many jobs are computed at a time."""
+        self.total, self.done, self._at_once = sum(job.points for job in jobs), 0, at_once
+        self._unfinished = {id(job): job for job in jobs}
         self._began = time.monotonic()
         self._at_work: dict[int, tuple[Job[Any], Progress | None, float]] = {}
-        self._seconds = 0.0  # that the ended jobs took
+        self._spent: dict[_Sort, tuple[float, int]] = {}  # seconds and points of the ended jobs of a sort
         self._rows = False  # whether a job has several points
         self._lock = threading.Lock()
 
@@ -74,8 +75,10 @@ class Tally:
         """Note that a job has ended, successfully or not."""
         with self._lock:
             self._at_work.pop(id(outcome.job), None)
+            self._unfinished.pop(id(outcome.job), None)
             self.done += outcome.job.points
-            self._seconds += outcome.seconds
+            seconds, points = self._spent.get(_sort(outcome.job), (0.0, 0))
+            self._spent[_sort(outcome.job)] = seconds + outcome.seconds, points + outcome.job.points
             self._rows |= outcome.job.points > 1
 
     @property
@@ -85,14 +88,20 @@ class Tally:
 
     @property
     def left(self) -> float | None:
-        """Remaining time, s, from the average so far; None before there is a result."""
+        """Remaining time, s, from the averages so far; None while there is a sort of job of which none has ended.
+
+        A job that takes longer than the average of its sort is assumed to take as long again as it has until now.
+        """
         with self._lock:
-            if not self.done:
+            if not all(_sort(job) in self._spent for job in self._unfinished.values()):
                 return None
-            mean, now = self._seconds / self.done, time.monotonic()
-            begun = sum(max(0.0, mean * job.points - (now - began)) for job, _, began in self._at_work.values())
-            ahead = self.total - self.done - sum(job.points for job, _, _ in self._at_work.values())
-            return (begun + mean * ahead) / self._at_once
+            now, each = time.monotonic(), list[float]()
+            for key, job in self._unfinished.items():
+                seconds, points = self._spent[_sort(job)]
+                taken = now - self._at_work[key][2] if key in self._at_work else 0.0
+                usual = job.points * seconds / points
+                each.append(usual - taken if taken < usual else taken)
+            return max(sum(each) / self._at_once, max(each, default=0.0))
 
     def at_work(self) -> list[str]:
         """A line for each job that is being computed."""
@@ -104,6 +113,14 @@ class Tally:
         ahead = f", about {span(left)} left" if left and left >= 0.5 else ""
         rate = f", {self.done / (time.monotonic() - self._began):.3g} a second" if self._rows else ""
         return f"{self.done} of {self.total} done{rate}{ahead}"
+
+
+#: Kind, function and engines of a job; the time that it takes depends on them.
+_Sort = tuple[str, str, tuple[str, ...]]
+
+
+def _sort(job: Job[Any]) -> _Sort:
+    return job.kind, getattr(job.function, "__qualname__", ""), job.engines
 
 
 def _line(job: Job[Any], progress: "Progress | None") -> str:

@@ -1,16 +1,19 @@
 """Studies beside the 24 runs."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from quickreturn.cases.benchmark.methods import Method
 from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.here import Nobody
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.studies import convergence, run_studies
+from quickreturn.cases.studies import convergence, run_studies, work
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.registry import MAIN
 
 
 def test_errors_fall_towards_the_finest_settings() -> None:
@@ -21,6 +24,16 @@ def test_errors_fall_towards_the_finest_settings() -> None:
         errors = [point.error(channel) or 0.0 for point in found]
         assert errors[-1] == 0.0
         assert errors[1] > errors[3] > 0.0  # the tighter tolerance
+
+
+@pytest.mark.parametrize("engines", [(name,) for name in MAIN] + [("reference", "mujoco"), ("fixed-shapes",), MAIN])
+def test_studies_of_some_engines_ask_no_others(tmp_path: Path, engines: tuple[str, ...]) -> None:
+    """Of all main engines they are whole, with the models that need a prescribed speed."""
+    planned, further = work(engines), ("moving-boundaries",) if engines == MAIN else ()
+    asked = {name for job in planned.jobs for name in job.engines} | {request.engine for request in planned.requests.values()}
+    assert asked == {*engines, *further} - {"fixed-shapes"}
+    without = run_studies(Workshop(Store(tmp_path), Nobody()), engines)  # nothing is computed: each failure is of a part that was asked for
+    assert len(without.failures) == len(planned.requests) / 2
 
 
 @pytest.mark.verify

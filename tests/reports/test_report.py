@@ -4,6 +4,7 @@ import csv
 import dataclasses
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     content = content_of(results=results, studies=studies(), benchmarks=benchmarks, **told)  # type: ignore[arg-type]
     write(content, place)
     return place
+
+
+@pytest.mark.parametrize("absent", ["converged", "prescribed", "both_starts", "convergence", "accuracy", "all"])
+def test_a_page_without_parts_of_the_studies_has_the_others(absent: str) -> None:
+    """They belong to engines that were not asked for."""
+    empty = {"converged": None, "prescribed": None, "both_starts": (), "convergence": (), "accuracy": (), "confirming": ()}
+    lacking = replace(studies(), **(empty if absent == "all" else {absent: empty[absent]}))
+    content = content_of(results=[reported_result("thesis-24")], studies=lacking, facts=machine_facts())
+    chapters = [chapter for chapter in chapters_of(content) if chapter.id == "accuracy"]
+    page = report_page(content, chapters)
+    assert ("confirm each other" in page) == (absent not in ("converged", "all"))
+    assert ("changes run 24" in page) == (absent not in ("converged", "prescribed", "all"))
 
 
 @pytest.fixture(scope="module")

@@ -42,9 +42,8 @@ def accuracy(content: Content) -> dict[str, Any] | None:
             "confirmation": tables.confirmation(studies.converged, studies.confirming),
             "convergence": tables.convergence(studies.convergence),
             "both_starts": both_starts(studies.both_starts),
+            "prescribed": studies.prescribed and studies.converged and tables.prescribed(studies.prescribed, studies.converged),
         }
-        if studies.prescribed and studies.converged:
-            facts["prescribed"] = tables.prescribed(studies.prescribed, studies.converged)
     return facts
 
 

@@ -71,7 +71,8 @@ def job(name: str) -> Job[Any]:
 
 
 def test_what_is_at_work_is_told_with_engine_phase_rung_and_cycle() -> None:
-    tally, one, two = Tally(3, 2), job("thesis-24 mujoco"), job("thesis-23")
+    one, two = job("thesis-24 mujoco"), job("thesis-23")
+    tally = Tally([one, two], 2)
     tally.watch(one, None)
     tally.watch(two, Progress("exudyn", "estimating the error", rung=2))
     assert tally.at_work() == ["thesis-24 mujoco: beginning", "thesis-23: exudyn, estimating the error at rung 2"]
@@ -80,7 +81,8 @@ def test_what_is_at_work_is_told_with_engine_phase_rung_and_cycle() -> None:
 
 
 def test_the_time_left_follows_from_what_was_done() -> None:
-    tally, jobs = Tally(5, 2), [job(str(number)) for number in range(5)]
+    jobs = [job(str(number)) for number in range(5)]
+    tally = Tally(jobs, 2)
     assert tally.left is None
     for number in (0, 1):
         tally.ended(Outcome(jobs[number], seconds=10.0))
@@ -88,6 +90,30 @@ def test_the_time_left_follows_from_what_was_done() -> None:
     tally.watch(jobs[2], None)
     assert tally.left == pytest.approx(15.0, abs=1.0)
     assert str(tally) == "2 of 5 done, about 15 s left"
+
+
+def test_no_time_is_told_from_jobs_of_another_sort() -> None:
+    """Quick runs of one engine say nothing of the slow ones of another, nor of another kind of work."""
+    quick, slow, other = job("quick"), replace(job("slow"), engines=("slow",)), replace(job("other"), kind="other")
+    tally = Tally([quick, slow, other], 2)
+    tally.ended(Outcome(quick, seconds=1.0))
+    tally.ended(Outcome(other, seconds=1.0))
+    assert tally.left is None
+    assert str(tally) == "2 of 3 done"
+
+
+def test_what_takes_longer_than_usual_is_not_about_to_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After 30 s in place of the usual 5 it is as likely to take another 30 as to end before."""
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    jobs = [job(str(number)) for number in range(3)]
+    tally = Tally(jobs, 2)
+    tally.watch(jobs[1], None)
+    tally.ended(Outcome(jobs[0], seconds=5.0))
+    now[0] += 2.0
+    assert tally.left == pytest.approx(5.0)  # 3 s of the one at work, and 5 s of the one that begins beside it
+    now[0] += 28.0
+    assert tally.left == pytest.approx(30.0)
 
 
 @pytest.mark.parametrize(("seconds", "text"), [(0.2, "0 s"), (59.4, "59 s"), (61.0, "1 min 1 s"), (4800.0, "1 h 20 min")])
@@ -100,7 +126,7 @@ def test_jobs_of_several_points_are_counted_by_their_points(monkeypatch: pytest.
     now = [100.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     long = replace(job("long"), points=30)
-    tally = Tally(40, 1)
+    tally = Tally([long, replace(job("short"), points=10)], 1)
     tally.watch(long, None)
     now[0] += 3.0
     tally.ended(Outcome(long, 0, seconds=3.0))
