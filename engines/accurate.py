@@ -56,7 +56,8 @@ class Assessment:
         further_run_skipped: whether a still finer run, which checks how fast the error falls, was not needed (`Comparison.alike`).
         hurried: whether the time limit prevented a run, so that a faster machine would give a better answer.
         reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
-        remark: why not reached or not estimated (a sentence), "" if all is well.
+        remark: why not reached, not estimated, or estimated without the run that shows how fast the error falls (a sentence); "" if all is
+            well.
         setup_seconds: building the model of the delivered run.
         solve_seconds: solving the delivered run.
         compile_seconds: compiling or loading machine code before anything was timed.
@@ -250,7 +251,7 @@ class _Runs:
         made = self.run(settings)
         progress.tell(phase="estimating the error", rung=self._rung)
         try:
-            parts, skipped = self._parts(settings, made.trajectory)
+            parts, skipped, unchecked = self._parts(settings, made.trajectory)
         except (_NoEstimate, EngineFailure) as reason:
             if isinstance(reason, _NoTime) and self._has_estimate:  # a coarser rung with an estimate is worth more than this one
                 raise
@@ -259,14 +260,15 @@ class _Runs:
         self._has_estimate = True
         names = (*ESTIMATED, *(name for name in LOADS if name in made.trajectory.columns))
         columns = {name: _sum([part.get(name) for _, part in parts]) for name in names}
-        return _Judged(settings, made, tuple(tip for tip, _ in parts), columns, further_run_skipped=skipped)
+        remark = f"the estimate assumes the slowest convergence: the run that would show how fast the error falls {unchecked}"
+        return _Judged(settings, made, tuple(tip for tip, _ in parts), columns, remark if unchecked else "", skipped)
 
-    def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[tuple[float, dict[str, float | None]]], bool]:
-        """The parts of the error (see `estimated_part`), and whether a `Comparison.before` was not needed for one of them."""
+    def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[tuple[float, dict[str, float | None]]], bool, str]:
+        """The parts of the error (see `estimated_part`); whether a `Comparison.before` was not needed; why one is missing, else ""."""
         pairs, follower = self.engine.comparisons(settings, self.scene, self._run[-1]), self.scene.follower
         if any(pair.run == pair.other for pair in pairs):
             raise _NoEstimate("these settings leave no others to compare with")
-        parts, skipped = [], False
+        parts, skipped, unchecked = [], False, ""
         for pair in pairs:
             trusted = pair.before is not None and pair.alike > 0.0 and self._converge_alike(pair)
             skipped |= trusted
@@ -274,7 +276,8 @@ class _Runs:
             if not follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
                 raise _NoEstimate("the run to compare with is the same to the last digit")
             parts.append(estimated_part(trajectory, runs, follower.length))
-        return parts, skipped
+            unchecked = unchecked or runs.unchecked
+        return parts, skipped, unchecked
 
     def _converge_alike(self, pair: Comparison) -> bool:
         """Whether the differences between the two runs are within what `Comparison.alike` allows."""

@@ -42,6 +42,8 @@ class Compared(Generic[R]):
     factor: float  # error of `other` over that of `run`, not 1
     # the run that `other` is compared with in turn, and the error of that over the one of `other`; None where there is none
     before: tuple[R, float] | None = None
+    # why the run that would have checked `factor` is missing, a clause; `factor` is then the least favourable one. "" if none is missing
+    unchecked: str = ""
 
     def part(self, difference: Callable[[R, R], float]) -> float:
         """The part of the error that the runs show; `difference` gives the size of the difference of two results."""
@@ -55,11 +57,13 @@ class Compared(Generic[R]):
     def mapped(self, compute: Callable[[R], Q]) -> "Compared[Q]":
         """The comparison of what `compute` makes of each result."""
         before = None if self.before is None else (compute(self.before[0]), self.before[1])
-        return Compared(compute(self.run), compute(self.other), self.factor, before)
+        return Compared(compute(self.run), compute(self.other), self.factor, before, self.unchecked)
 
 
 def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
     """The results of a comparison's runs; `run` makes one from settings. If one breaks down, those of the comparison's `instead`.
+
+    Without the run that checks the factor nothing shows how fast the error falls, and the least favourable factor counts.
 
     Raises:
         EngineFailure: a run broke down, and there is no `instead`.
@@ -74,8 +78,8 @@ def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
         return Compared(first, second, pair.factor)
     try:
         return Compared(first, second, pair.factor, (run(pair.before.other), pair.before.factor))
-    except EngineFailure:
-        return Compared(first, second, min(pair.factor, LEAST_FACTOR))
+    except EngineFailure as failure:
+        return Compared(first, second, least_favourable(pair.factor), unchecked=str(failure))
 
 
 def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: float) -> tuple[float, dict[str, float | None]]:
@@ -101,8 +105,13 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
     return deflection, parts
 
 
+def least_favourable(factor: float) -> float:
+    """The factor nearest to 1 that differences may support in place of `factor`, which gives the largest estimate."""
+    return max(factor, LARGEST_REST) if factor < 1.0 else min(factor, LEAST_FACTOR)
+
+
 def shown_factor(factor: float, factor_before: float, difference: float, difference_before: float) -> float:
-    """The factor that two successive differences support: from `LEAST_FACTOR` to `factor`, or if that is below 1, to `LARGEST_REST`.
+    """The factor that two successive differences support: from `factor` to `least_favourable(factor)`.
 
     Runs whose errors are e, f e and f' f e, with f = `factor` and f' = `factor_before`, differ by (f - 1) e and (f' - 1) f e. The less
     the second difference exceeds the first, the less the error falls from run to run. It does not fall where a fast motion is not
@@ -110,9 +119,8 @@ def shown_factor(factor: float, factor_before: float, difference: float, differe
     """
     expected = factor * (factor_before - 1.0) / (factor - 1.0)
     shown = math.inf if difference == 0.0 else factor * difference_before / (difference * expected)
-    if factor < 1.0:
-        return min(max(factor, shown), max(factor, LARGEST_REST))
-    return max(min(factor, shown), min(factor, LEAST_FACTOR))
+    least = least_favourable(factor)
+    return min(max(factor, shown), least) if factor < 1.0 else max(min(factor, shown), least)
 
 
 def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDArray[np.float64]]) -> bool:

@@ -98,12 +98,12 @@ class Solution(Shown):
 
     @property
     def reached(self) -> bool:
-        """Whether the estimate is within the accuracy; `remark` says why not."""
+        """Whether the estimate is within the accuracy; if not, `remark` says why."""
         return self.result.reached
 
     @property
     def remark(self) -> str:
-        """A sentence if the run missed the accuracy or failed, otherwise empty."""
+        """A sentence if the run missed the accuracy or failed, or if a run for its estimate is missing; otherwise empty."""
         return self.result.remark
 
     def __getitem__(self, column: str) -> "pd.Series[float]":

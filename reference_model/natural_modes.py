@@ -157,12 +157,52 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
     if mechanism.follower.is_rigid:
         shapes = 4
         return FrozenModes(np.empty(0), length, spans, tuple(np.empty((shapes, 0)) for _ in spans), slider_position)
+    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES)
+    frequencies, full = _lowest(M, K, held, numbering[-1][2], count)
+    return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
 
-    numbering = _numbering(len(spans), count + SPARE_SHAPES)
+
+def modes_and_base_shape(mechanism: Mechanism, slider_position: float, count: int) -> FrozenModes:
+    """The `count` - 1 lowest of `supported_modes` of a flexible follower, and a shape for a moment at the base (equation 2.11).
+
+    That shape is mass-normalised, too, and last; its frequency is Rayleigh's quotient, above that of the modes.
+
+    Args:
+        mechanism: the scene; its slider has a rigid joint and no inertia.
+        slider_position: m, above 0, less than L.
+        count: at least 2.
+    """
+    s, length, stiffness = slider_position, mechanism.follower.length, mechanism.follower.bending_stiffness
+    spans = _spans(s, length)
+    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES)
+    frequencies, modes = _lowest(M, K, held, numbering[-1][2], count - 1)
+    shape = np.zeros(len(M))
+    # slopes at P and slider, deflection and slope at the end; the cubic in between has no interior shapes
+    shape[[1, 3, 4, 5]] = np.array([2.0, -1.0, s - length, -1.0]) * s / (6.0 * stiffness)
+    shape -= modes @ (modes[1] / (2.0 * np.pi * frequencies) ** 2)
+    shape /= math.sqrt(shape @ M @ shape)
+    frequencies = np.append(frequencies, math.sqrt(shape @ K @ shape) / (2.0 * np.pi))
+    full = np.column_stack([modes, shape])
+    return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), s)
+
+
+def compliance_beyond(mechanism: Mechanism, slider_position: float, count: int) -> float:
+    """Angle of the base per static moment there (rad/(N m)) that the `count` lowest of `supported_modes` leave out."""
+    modes = supported_modes(mechanism, slider_position, count)
+    slopes = modes.deflection(np.zeros(1), 1)[:, 0]
+    modal = float(np.sum((slopes / (2.0 * np.pi * modes.frequencies)) ** 2))
+    return slider_position / (3.0 * mechanism.follower.bending_stiffness) - modal
+
+
+def _assembled(
+    mechanism: Mechanism, spans: tuple[tuple[float, float], ...], interior: int
+) -> tuple[Array, Array, list[int], tuple[NDArray[np.intp], ...]]:
+    """Mass and stiffness matrix, the coordinates that are held, and the numbering of each span's shapes."""
+    stiffness, numbering = mechanism.slider.closed_stiffness, _numbering(len(spans), interior)
     size = 1 + max(int(numbers.max()) for numbers in numbering)
     M, K = np.zeros((size, size)), np.zeros((size, size))
     for span, numbers in zip(spans, numbering, strict=True):
-        mass, bending = _element(span, count + SPARE_SHAPES)
+        mass, bending = _element(span, interior)
         block = numbers[:, None], numbers
         M[block] += mechanism.follower.mass_per_length * mass
         K[block] += mechanism.follower.bending_stiffness * bending
@@ -172,9 +212,7 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
     if math.isfinite(stiffness):
         K[deflection_at_slider, deflection_at_slider] += stiffness
     _add_tip(M, mechanism.tip, numbering)
-    held = [0] if math.isfinite(stiffness) else [0, 2]  # deflection at the base, and at a rigid slider
-    frequencies, full = _lowest(M, K, held, numbering[-1][2], count)
-    return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
+    return M, K, [0] if math.isfinite(stiffness) else [0, 2], numbering  # deflection at the base, and at a rigid slider
 
 
 def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[Array, Array]:

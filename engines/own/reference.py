@@ -18,6 +18,7 @@ from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_o
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint
+from quickreturn.reference_model.base_moment import needs_base_shape
 from quickreturn.reference_model.constants import unslowed
 from quickreturn.reference_model.joint import friction_in_words, joint_in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider, changed
@@ -163,8 +164,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return line + friction_in_words(slider)
 
     def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
-        """Number of modes from the measured table; fewer for a stiffer follower than run 24's, more where rollers strike it."""
-        ladder = AS_THEY_ARE if scene.crank is None or 0.0 < stiffness_ratio(scene) < SOFT_FOLLOWER else SLOWED
+        """Number of modes from the measured table; fewer for a stiffer follower than run 24's, more where rollers strike it.
+
+        None is slowed where a shape carries the moment at the base: with an added inertia it would carry a sudden one too late.
+        """
+        slowed = scene.crank is not None and not 0.0 < stiffness_ratio(scene) < SOFT_FOLLOWER and not needs_base_shape(scene)
+        ladder = SLOWED if slowed else AS_THEY_ARE
         if not scene.slider.has_corners:
             return fitted(ladder, accuracy, scene)
         if blow(scene) <= HIT:

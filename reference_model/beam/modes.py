@@ -14,7 +14,7 @@ from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.mechanism import Mechanism, Slider
-from quickreturn.reference_model.natural_modes import supported_modes
+from quickreturn.reference_model.natural_modes import modes_and_base_shape, supported_modes
 
 Array = NDArray[np.float64]
 
@@ -100,8 +100,8 @@ class ModeFamily:
         return np.tensordot(chebyshev.chebvander(scaled, len(series) - 1), series, axes=1)
 
 
-def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms: int) -> ModeFamily:
-    """The first `modes` modes for low <= s <= high (m), interpolated at `terms` Chebyshev points.
+def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms: int, base_shape: bool = False) -> ModeFamily:
+    """The first `modes` modes for low <= s <= high (m), interpolated at `terms` Chebyshev points; the last is a `base_shape` if asked for.
 
     A mode keeps its sign from one point to the next. The slider has no inertia and a rigid joint, so that the curvature is continuous
     there.
@@ -109,7 +109,8 @@ def mode_family(mechanism: Mechanism, modes: int, low: float, high: float, terms
     bare = dataclasses.replace(mechanism, slider=Slider())
     nodes = chebyshev.chebpts1(terms)
     places = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-    modes_at_places = [supported_modes(bare, float(s), modes) for s in places]
+    found = modes_and_base_shape if base_shape else supported_modes
+    modes_at_places = [found(bare, float(s), modes) for s in places]
     angles = []
     for modes_at_place in modes_at_places:
         series = np.stack(modes_at_place.slope_series())

@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.base_moment import needs_base_shape
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
 from quickreturn.reference_model.machine.memory import on_lines
@@ -86,21 +87,26 @@ class Following(NamedTuple):
     seconds: float
 
 
-def following(mechanism: Mechanism, modes: int) -> Following:
-    """The first `modes` modes. Those of the last few mechanisms are kept: a run, its error estimate and its settled cycles share them."""
+def following(mechanism: Mechanism, modes: int, *, natural: bool = False) -> Following:
+    """The first `modes` modes; the last of two or more is a shape for a moment at the base where that `needs_base_shape`, unless `natural`.
+
+    Those of the last few mechanisms are kept: a run, its error estimate and its settled cycles share them.
+    """
+    base_shape = not natural and modes > 1 and needs_base_shape(mechanism)
     tip, crank = mechanism.tip, mechanism.crank
     tip = None if tip is None else Tip(mass=tip.mass, inertia=tip.inertia, center_of_mass=tip.center_of_mass)
     at_rest = Crank(length=crank.length, drive=PrescribedSpeed(speed=0.0))
     began = time.perf_counter()
-    kept = _following(replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0)), modes)
+    kept = _following(replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0)), modes, base_shape)
     return kept._replace(seconds=max(0.0, kept.seconds - (time.perf_counter() - began)))
 
 
 @lru_cache(maxsize=16)
-def _following(bare: Mechanism, modes: int) -> Following:
+def _following(bare: Mechanism, modes: int, base_shape: bool) -> Following:
     """The modes of a mechanism `bare` of everything on which they do not depend; `seconds` is the wall time of making them."""
     reach, high = _reach(bare), slider_range(bare)[1]
-    shared, seconds = _family(bare, max(modes, _SHARED))
+    # the shape for a moment at the base differs with the number of modes
+    shared, seconds = _family(bare, modes if base_shape else max(modes, _SHARED), base_shape)
     began, family = time.perf_counter(), shared.first(modes)
     tables = span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1))
     seconds += time.perf_counter() - began
@@ -108,10 +114,10 @@ def _following(bare: Mechanism, modes: int) -> Following:
 
 
 @lru_cache(maxsize=8)
-def _family(bare: Mechanism, modes: int) -> tuple[ModeFamily, float]:
+def _family(bare: Mechanism, modes: int, base_shape: bool) -> tuple[ModeFamily, float]:
     """The modes as functions, and the wall time (s) that making them took."""
     began = time.perf_counter()
-    family = mode_family(bare, modes, *slider_range(bare), _reach(bare).terms * (21 + 7 * modes))
+    family = mode_family(bare, modes, *slider_range(bare), _reach(bare).terms * (21 + 7 * modes), base_shape)
     return family, time.perf_counter() - began
 
 

@@ -56,7 +56,7 @@ def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
     """Modes of the beam supported at l (equation 2.2) and their integrals, for every l that the crank reaches."""
     if mechanism.follower.is_rigid:
         return Shapes(None, 0.0, mechanism.follower.length, np.zeros((1, 1, 0)), mechanism.follower.length, 0.0)
-    tables, reach, family, seconds = following(mechanism, modes)
+    tables, reach, family, seconds = following(mechanism, modes, natural=True)
     edges = np.linspace(family.low, family.high, len(tables.coefficients) // COARSER + 1)
     u = 0.5 * (1.0 + chebyshev.chebpts1(DEGREE + 1))
     places = edges[:-1, None] + np.diff(edges)[:, None] * u

@@ -21,7 +21,7 @@ from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
-from tests.engines.fake_engine import FakeEngine, FakeSettings, error_of
+from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation, error_of
 from tests.engines.scenes import run_24
 
 DURATION = 2.0 * math.pi * 0.999  # s: close to a whole period, so that sine and cosine have nearly the same RMS
@@ -238,6 +238,51 @@ def test_finer_run_serves_where_the_coarser_one_fails() -> None:
     assert result.remark == ""
 
 
+class Slow(FakeEngine):
+    """Every run takes 10 s of a clock of its own, so that 40 s must be left for another."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.seconds = 0.0
+        monkeypatch.setattr("quickreturn.engines.accurate.time.perf_counter", lambda: self.seconds)
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> FakeSimulation:
+        self.seconds += 10.0
+        return super().prepare(mechanism, start, settings)
+
+    def within(self, time_limit: float, settings: dict[str, str] | None, accuracy: float | None) -> Result:
+        scene, self.seconds = run_24(), 0.0
+        return simulate(self, scene, standard_start(scene), DURATION, STEP, settings, accuracy, time_limit=time_limit)
+
+
+@pytest.mark.parametrize("ratio", [1.2, 2.0])
+@pytest.mark.parametrize("finer", [True, False])
+def test_claims_hold_whatever_the_time_limit(monkeypatch: pytest.MonkeyPatch, ratio: float, finer: bool) -> None:
+    """Errors fall by the square of `ratio` from run to run where the engine states a factor of four: with 1.2 far more slowly."""
+
+    class Compares(Slow):
+        def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+            assert isinstance(settings, FakeSettings)
+            by, factor = (1.0 / ratio, 0.25) if finer else (ratio, 4.0)
+            other, further = (settings.replaced(step=settings.step * by**power) for power in (1, 2))
+            return (Comparison(settings, other, factor, Comparison(other, further, factor)),)
+
+    # to coarser runs that hardly differ no more than the least factor is credited, with a time limit or without
+    least = 0.6 if not finer and ratio == 1.2 else 0.98
+    engine, found = Compares(monkeypatch), dict[bool, Result]()
+    for seconds in (50.0, 56.0, 60.0, 67.0, 80.0, 1000.0):
+        result = engine.within(seconds, {"step": "0.1"}, None)
+        if result.error_estimate is None:
+            assert f"could take longer than is left of the time limit of {seconds:g} s" in result.remark
+            continue
+        found[result.hurried] = result
+        assert result.error_estimate >= least * error_of(0.1)
+    assert set(found) == {True, False}
+    sentence = "the estimate assumes the slowest convergence: the run that would show how fast the error falls could take longer"
+    assert sentence in found[True].remark
+    assert found[False].remark == ""
+    assert found[True].error_estimate >= found[False].error_estimate  # type: ignore[operator]
+
+
 @pytest.mark.parametrize(("before", "counted"), [(0.2, 4.0), (0.1, LEAST_FACTOR), (None, LEAST_FACTOR)])
 def test_differences_that_do_not_fall_as_they_should_count_for_more(before: float | None, counted: float) -> None:
     """The runs with steps of 0.05 and 0.1 are compared; before them 0.2, the very 0.1, or one that breaks down."""
@@ -362,18 +407,10 @@ def test_a_further_run_is_made_only_where_columns_do_not_converge_alike(worse: f
 
 
 def test_what_would_not_be_done_in_time_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every run takes 10 s of a clock of its own, so that 40 s must be left for another."""
-    clock = [0.0]
-    monkeypatch.setattr("quickreturn.engines.accurate.time.perf_counter", lambda: clock[0])
-
-    class Slow(FakeEngine):
-        def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
-            clock[0] += 10.0
-            return super().prepare(mechanism, start, settings)
+    engine = Slow(monkeypatch)
 
     def within(seconds: float) -> Result:
-        scene, clock[0] = run_24(), 0.0
-        return simulate(Slow(), scene, standard_start(scene), DURATION, STEP, accuracy=1e-3, time_limit=seconds)
+        return engine.within(seconds, None, 1e-3)
 
     alone, first, all_rungs = within(55.0), within(60.0), within(1000.0)
     assert (alone.error_estimate, alone.reached) == (None, False)
