@@ -13,7 +13,7 @@ from quickreturn.cases.jobs.key import code_fingerprint
 
 FILE: Final = "verification.json"
 #: The code that the verification depends on.
-PARTS: Final = ("reference_model", "engines", "cases")
+PARTS: Final = ("quickreturn.reference_model", "quickreturn.engines", "quickreturn.cases")
 
 
 @dataclass(frozen=True)

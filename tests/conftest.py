@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,13 @@ import pytest
 # A shell that starts the tests in the background has them ignore Ctrl-C, and so would every program that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Workers take over this path, and some are asked to run what stands in the tests.
-sys.path.insert(0, str(Path(__file__).parents[1]))
+# Workers take over this path, and some are asked to run what stands in the tests. They find the tests there and nothing else of the
+# checkout, whose folders at the top are no packages for a user (`import cases` fails).
+TESTS_ALONE = Path(__file__).resolve().parents[1] / "build/tests-alone"
+TESTS_ALONE.mkdir(parents=True, exist_ok=True)
+with suppress(FileExistsError):
+    (TESTS_ALONE / "tests").symlink_to(Path(__file__).resolve().parent)
+sys.path.insert(0, str(TESTS_ALONE))
 
 hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
 hypothesis.settings.load_profile("quickreturn")

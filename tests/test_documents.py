@@ -34,6 +34,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.command_line import COMMANDS, main
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.long_studies import benchmarks
+from tests.quickreturn.program import TESTS_ALONE
 
 ROOT = Path(__file__).resolve().parents[1]
 BIN = Path(sys.executable).parent
@@ -127,7 +128,7 @@ def test_blocks_run(
     monkeypatch.chdir(folder)
     monkeypatch.setenv("QUICKRETURN_STORE", str(folder / "store"))
     monkeypatch.setenv("PATH", f"{BIN}{os.pathsep}{os.environ['PATH']}")
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.setenv("PYTHONPATH", str(TESTS_ALONE))
     if block.kind == "python":
         before = [each for each in blocks_of(block.document) if each.kind == "python" and not each.about and each.line < block.line]
         for each in (*(each for each in before if each not in DONE), block):

@@ -1,6 +1,8 @@
 """Which parts of the product import which."""
 
 import ast
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -58,3 +60,9 @@ def test_commands_import_no_commands() -> None:
 def test_one_folder_draws() -> None:
     drawing = [file for file in FILES if any(name.split(".")[0] == "matplotlib" for name in imported(file))]
     assert {file.parent.relative_to(ROOT).as_posix() for file in drawing} == {"reports/drawing"}
+
+
+def test_the_tests_see_what_a_user_sees() -> None:
+    """The folders at the top of the checkout are no packages: a name that only works there would fail at the user's."""
+    assert [name for name in FLOORS if find_spec(name) is not None] == []
+    assert str(ROOT) not in sys.path

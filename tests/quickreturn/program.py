@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 PROGRAM = Path(sys.executable).with_name("quickreturn")
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).resolve().parents[2]
+#: A folder that holds the tests and nothing else (`tests.conftest`).
+TESTS_ALONE = ROOT / "build/tests-alone"
 
 
 def started(*arguments: str, folder: Path, variables: dict[str, str] | None = None, **more: Any) -> "subprocess.Popen[str]":
     """Start the program in a folder; packages in its folder `packages` are installed, and so is this project with its tests."""
-    paths = [str(folder / "packages"), str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    paths = [str(folder / "packages"), str(TESTS_ALONE), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(variables or {})}
     pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen([PROGRAM, *arguments], cwd=folder, env=environment, **(pipes | more))

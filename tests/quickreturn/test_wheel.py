@@ -1,9 +1,10 @@
 """The package as others get it: a wheel, in an environment of its own, far from the checkout."""
 
+import json
 import os
+import shutil
 import subprocess
 import sys
-import venv
 import zipfile
 from pathlib import Path
 
@@ -58,6 +59,18 @@ assert_type(shown, str)
 """
 
 
+#: Puts a verification into the store, as `make verify` does.
+VERIFICATION = """
+import json
+from quickreturn.cases.jobs.key import code_fingerprint
+from quickreturn.cases.jobs.store import Store, write_atomically
+from quickreturn.reports.verification import FILE, PARTS
+chapter = {"title": "Faults", "text": "All of it survived.", "columns": ["fault", "share"], "rows": [["disk full", 0.5]]}
+document = {"code": code_fingerprint(PARTS), "date": "today", "chapters": [chapter]}
+write_atomically(Store().folder / FILE, json.dumps(document).encode())
+"""
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Built from what git knows: nothing that lies about by accident."""
@@ -90,27 +103,61 @@ def test_the_wheel_holds_every_package_with_its_data_and_no_tests(wheel: Path) -
     assert here <= set(names)
 
 
+def pythons() -> list[str]:
+    """The Python of the tests, and the newest: the last of `PYTHONS`, or the newest python3.N on the path; itself where none is newer."""
+    given = os.environ.get("PYTHONS", "").split()
+    newer = given or [found for minor in range(sys.version_info.minor + 1, 30) if (found := shutil.which(f"python3.{minor}"))]
+    good = [each for each in newer if subprocess.run([each, "--version"], capture_output=True, check=False).returncode == 0]
+    return [sys.executable, (good or [sys.executable])[-1]]
+
+
+@pytest.fixture(scope="module", params=[0, 1], ids=["this Python", "the newest Python"])
+def installed(request: pytest.FixtureRequest, wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The programs of an environment that holds the wheel and what it needs, and nothing else."""
+    if request.param == 1 and len(set(pythons())) == 1:
+        pytest.skip("no newer Python is on the path; name one by the variable PYTHONS")
+    folder = tmp_path_factory.mktemp("user")
+    subprocess.run([pythons()[request.param], "-m", "venv", folder / "venv"], check=True, cwd=folder, env=clean())
+    pip = [folder / "venv/bin/python", "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt", wheel]
+    found = subprocess.run(pip, cwd=folder, env=clean(), capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+    return folder / "venv/bin"
+
+
+def clean() -> dict[str, str]:
+    """Variables of a user, who has set none of this project."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "QUICKRETURN", "NUMBA"))}
+
+
+def answer(folder: Path, *command: str | Path) -> str:
+    """What a program prints that runs in a folder and ends well."""
+    found = subprocess.run(command, cwd=folder, env=clean(), capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+    return found.stdout
+
+
 @pytest.mark.verify
-def test_three_lines_of_python_and_the_program_run_far_from_the_checkout(wheel: Path, tmp_path: Path) -> None:
-    venv.create(tmp_path / "venv", with_pip=True)
-    python = tmp_path / "venv/bin/python"
-    install = [python, "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt", wheel]
-    subprocess.run(install, check=True, cwd=tmp_path, capture_output=True)
-    work = tmp_path / "work"
-    work.mkdir()
-    (work / "script.py").write_text(SCRIPT)
-    clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "QUICKRETURN", "NUMBA"))}
+def test_three_lines_of_python_and_the_program_run_far_from_the_checkout(installed: Path, tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(SCRIPT)
+    (tmp_path / "typed.py").write_text(TYPED)
+    python, program = installed / "python", installed / "quickreturn"
+    typed = [sys.executable, "-m", "mypy", "--strict", "--python-executable", python, "typed.py"]
+    subprocess.run(typed, cwd=tmp_path, check=True)
+    assert answer(tmp_path, python, "script.py").count("begun") == 1
+    assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG")
+    assert answer(tmp_path, program, "--version").startswith("quickreturn ")
+    answer(tmp_path, program, "simulate", "thesis-24", "--engine", "mujoco", "--duration", "0.1", "--output", "out.csv")
+    assert len((tmp_path / "out.csv").read_text().splitlines()) == 102
 
-    def run(*command: str | Path) -> str:
-        found = subprocess.run(command, cwd=work, env=clean, capture_output=True, text=True, check=False)
-        assert found.returncode == 0, found.stderr
-        return found.stdout
 
-    (work / "typed.py").write_text(TYPED)
-    subprocess.run([sys.executable, "-m", "mypy", "--strict", "--python-executable", python, "typed.py"], cwd=work, check=True)
-    assert run(python, "script.py").count("begun") == 1
-    assert (work / "plot.png").read_bytes().startswith(b"\x89PNG")
-    program = tmp_path / "venv/bin/quickreturn"
-    assert run(program, "--version").startswith("quickreturn ")
-    run(program, "simulate", "thesis-24", "--engine", "mujoco", "--duration", "0.1", "--output", "out.csv")
-    assert len((work / "out.csv").read_text().splitlines()) == 102
+@pytest.mark.verify
+def test_a_report_shows_a_stored_verification_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
+    """Written by the names of the installed packages, and shown by the installed command, from a folder that holds nothing."""
+    python, safe = installed / "python", [installed / "python", "-P", installed / "quickreturn"]
+    answer(tmp_path, python, "-P", "-c", VERIFICATION)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".quickreturn"]
+    answer(tmp_path, *safe, "--quiet", "report", "thesis-24", "--engine", "thesis", "--output", "page")
+    assert "All of it survived." in (tmp_path / "page/index.html").read_text("utf-8")
+    told = json.loads(answer(tmp_path, *safe, "modes", "thesis-24", "--engine", "reference", "--crank-angle", "180", "--json"))
+    assert told["frequencies"][0] > 0.0
+    answer(tmp_path, *safe, "run", "thesis-24", "--engine", "thesis", "--json")

@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-FOLDER = Path(__file__).parents[3] / "examples" / "derive"
+FOLDER = Path(__file__).resolve().parents[3] / "examples" / "derive"
 
 
 @cache
