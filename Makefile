@@ -14,7 +14,7 @@ TYPED := build/typed/quickreturn
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test verify record lint docs compile clean
+.PHONY: report test verify verify-status record lint docs compile clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -26,9 +26,18 @@ test: $(TEST)
 	$(BIN)/pytest -n $(PARALLEL) --dist loadfile --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
+# SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`).
 verify: $(VERIFY)
+ifdef SLICE
+	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --slice $(SLICE) $(if $(MINUTES),--begin-within $(MINUTES))
+else
 	$(BIN)/quickreturn benchmark
-	$(BIN)/pytest -n $(PARALLEL) -m verify --keep-outcome
+	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --keep-outcome --keep-ledger
+endif
+
+# Files of long tests whose code has changed since they last ran.
+verify-status: $(VERIFY)
+	$(BIN)/python -m tests.ledger
 
 # For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
 record: $(READY)

@@ -26,6 +26,9 @@ with suppress(FileExistsError):
     (TESTS_ALONE / "tests").symlink_to(Path(__file__).resolve().parent)
 sys.path.insert(0, str(TESTS_ALONE))
 
+from tests.ledger import Ledger, keeps  # noqa: E402 - found by the path above
+from tests.slices import Portion, Slices, add_options, slice_of  # noqa: E402 - found by the path above
+
 hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
 hypothesis.settings.load_profile("quickreturn")
 
@@ -56,13 +59,26 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    add_options(parser)
+    parser.addoption("--keep-ledger", action="store_true", help="enter in tests/verify_ledger.csv each file whose long tests ran")
     parser.addoption("--keep-outcome", action="store_true", help="write the outcome to the store's folder, where the report finds it")
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(Slices(config), "slices")
     # with several processes the first one hears of all tests; the others must not write
-    if config.getoption("--keep-outcome") and not hasattr(config, "workerinput"):
-        config.pluginmanager.register(_Outcome(), "kept outcome")
+    if not hasattr(config, "workerinput"):
+        if config.getoption("--keep-outcome"):
+            config.pluginmanager.register(_Outcome(), "kept outcome")
+        if keeps(config):
+            config.pluginmanager.register(Ledger(), "kept ledger")
+
+
+@pytest.fixture
+def portion(request: pytest.FixtureRequest) -> Portion:
+    """Chooses what a test computes: everything, or in a slice so many of it, drawn by the slice's number."""
+    chosen = slice_of(request.config)
+    return lambda everything, count: list(everything) if chosen is None else chosen.drawn(everything, count)
 
 
 class _Outcome:

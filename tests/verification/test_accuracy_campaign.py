@@ -18,6 +18,7 @@ from quickreturn.cases.library import case_names
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
+from tests.slices import Portion
 from tests.verification.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
 from tests.verification.claims import deliveries, judged, left_out, summary
 from tests.verification.random_scenes import (
@@ -31,15 +32,20 @@ from tests.verification.random_scenes import (
 )
 from tests.verification.row import chapter
 
+#: Scenes that a slice of the long tests computes.
+DRAWN = 3
 #: Others whose claims hold.
 VERIFIED = ("fixed-shapes", "multiplier", "stiff-spring", "derived")
 
 
-def check(table: pd.DataFrame) -> None:
-    """95 % of an engine's claims hold, all within 1.5 times; who has not reached what was asked, or claims nothing, says why."""
+def check(table: pd.DataFrame, whole: bool = True) -> None:
+    """95 % of an engine's claims hold, all within 1.5 times; who has not reached what was asked, or claims nothing, says why.
+
+    The share is judged in the whole campaign: the claims of one scene are exceeded together.
+    """
     for name, group in judged(table).groupby("engine"):
         outside = group[group["ratio"] > 1.0]
-        assert len(outside) <= 0.05 * len(group), f"{name}:\n{outside.to_string()}"
+        assert not whole or len(outside) <= 0.05 * len(group), f"{name}:\n{outside.to_string()}"
         assert (group["ratio"] <= 1.5).all(), f"{name}:\n{outside.to_string()}"
     assert (table[~table["reached"] | table["claim"].isna()]["remark"] != "").all()
     assert not (table["claim"].isna() & table["reached"] & (table["asked"] != "default")).any()
@@ -83,8 +89,10 @@ def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.verify
-def test_claims_hold(record_property: Callable[[str, object], None]) -> None:
-    table, broken = campaign(_full(), Workshop(Store()))
+def test_claims_hold(record_property: Callable[[str, object], None], portion: Portion) -> None:
+    scenes = portion(_full(), DRAWN)
+    whole = len(scenes) > DRAWN
+    table, broken = campaign(scenes, Workshop(Store()))
     found, delivered, unknown = summary(table), deliveries(table), left_out(table)
     text = (
         "Errors over what the engines claim, column by column; truth, scenes and what is judged: accuracy_campaign.py and claims.py in"
@@ -95,22 +103,24 @@ def test_claims_hold(record_property: Callable[[str, object], None]) -> None:
     text = "Violent scenes, and truths not known well enough."
     record_property("chapter", chapter(unknown, "Columns that cannot be judged", text, digits=3))
     assert not broken
-    check(table)
-    assert set(found["engine"]) == set(ENGINES)
-    assert (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
-    # what could be judged is most of it
-    assert len(judged(table)) > 0.7 * len(table)
+    check(table, whole)
+    if whole:  # shares of a few scenes say nothing
+        assert set(found["engine"]) == set(ENGINES)
+        assert (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
+        # what could be judged is most of it
+        assert len(judged(table)) > 0.7 * len(table)
 
 
 @pytest.mark.verify
-def test_claims_of_others_hold() -> None:
+def test_claims_of_others_hold(portion: Portion) -> None:
     """Every fourth scene of the library and ten machines; all scenes: `--engine NAME` for each."""
-    scenes = [*itertools.islice(library_scenes(), 0, None, 4), *itertools.islice(sensible_machines(SEED), 10)]
+    every = [*itertools.islice(library_scenes(), 0, None, 4), *itertools.islice(sensible_machines(SEED), 10)]
+    scenes = portion(every, DRAWN)
     table, broken = campaign([(scene, tuple(itertools.product(VERIFIED, ACCURACIES))) for scene in scenes], Workshop(Store()))
     assert not broken
-    check(table)
+    check(table, whole=len(scenes) > DRAWN)
     delivered = deliveries(table)
-    assert (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
+    assert len(scenes) <= DRAWN or (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
 
 
 def _full() -> list[tuple[Scene, tuple[tuple[str, float | None], ...]]]:

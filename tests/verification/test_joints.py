@@ -22,6 +22,7 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis.runs import run_name
 from quickreturn.engines.registry import engine
 from quickreturn.reference_model.mechanism import Mechanism, changed
+from tests.slices import Portion
 from tests.verification.random_scenes import sensible_machines
 from tests.verification.test_sensible_machines import SEED, case_of
 
@@ -39,6 +40,8 @@ JOINTS: Final[Mapping[str, Mapping[str, float]]] = {
 HOLD: Final = 0.95
 WORST: Final = 1.5
 MACHINES: Final = 40
+#: Runs, or machines, that a slice of the long tests computes; one of these may be among those that do not settle.
+DRAWN: Final = 4
 #: Wall time in which an engine has to answer, s; a machine on which one does not is named, not judged, and no more than a fifth may be.
 #: A chain of links needs minutes where it vibrates a thousand times as fast as the crank turns: up to 690 s on an idle core.
 ANSWER: Final = 300.0
@@ -131,15 +134,15 @@ def check(results: Sequence[CaseResult], record_property: Any) -> None:
     record_property("worst", max(ratios.items(), key=lambda item: item[1]))
     record_property("means over cycles", sum(run.averaged_cycles > 1 for run in states.values()))
     record_property("not settled", bad)
-    assert len(bad) <= (1.0 - HOLD) * len(states), bad
+    assert len(bad) <= max(1.0, (1.0 - HOLD) * len(states)), bad
     assert np.mean([each <= 1.0 for each in ratios.values()]) >= HOLD
     assert max(ratios.values()) <= WORST
 
 
 @pytest.mark.verify
 @pytest.mark.parametrize("joint", JOINTS)
-def test_engines_agree_on_the_thesis_runs(joint: str, record_property: Any) -> None:
-    check(compared(thesis_runs(joint), Workshop(Store())), record_property)
+def test_engines_agree_on_the_thesis_runs(joint: str, record_property: Any, portion: Portion) -> None:
+    check(compared(portion(thesis_runs(joint), DRAWN), Workshop(Store())), record_property)
 
 
 @pytest.mark.verify
@@ -149,9 +152,9 @@ def test_exudyn_agrees_on_a_thesis_run(joint: str, record_property: Any) -> None
 
 
 @pytest.mark.verify
-def test_engines_agree_on_forty_machines(record_property: Any) -> None:
+def test_engines_agree_on_forty_machines(record_property: Any, portion: Portion) -> None:
     hurried = LocalProcesses(limits=replace(default_limits(), seconds=ANSWER))
-    results = compared(machines(MACHINES), Workshop(Store(), hurried))
+    results = compared(portion(machines(MACHINES), DRAWN), Workshop(Store(), hurried))
     late = {result.case.name: names for result in results if (names := [name for name, run in result.runs.items() if is_late(run)])}
     record_property("no answer in time", late)
     check([result for result in results if result.case.name not in late], record_property)

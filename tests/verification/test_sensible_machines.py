@@ -18,6 +18,7 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
+from tests.slices import Portion
 from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, OUTPUT_STEP, Scene, sensible_machines
 
 ENGINES = ("reference", "mujoco")
@@ -26,6 +27,8 @@ SEED = 603
 SURELY_SETTLING = 0.85
 #: Part of the machines that may be too violent, and are listed.
 TOO_VIOLENT = 0.05
+#: Machines that a slice of the long tests computes.
+DRAWN = 10
 #: Three of the two hundred that are quick to compute: driven and prescribed, with a tip body and without, 7, 19 and 255 times as fast in
 #: bending as the crank turns, keeping 0 to 0.7 of a disturbance in a cycle.
 QUICK = (28, 41, 53)
@@ -77,7 +80,8 @@ def check(results: Sequence[CaseResult], record_property: Any) -> None:
     wrong = {result.case.name: found for result in results if (found := verdict(result))}
     record_property("settled", sum(all(run.status == "settled" for run in result.runs.values()) for result in results))
     record_property("too violent", wrong)
-    assert len(wrong) <= TOO_VIOLENT * len(results), wrong
+    # of a few machines one may be among the violent ones
+    assert len(wrong) <= max(1, TOO_VIOLENT * len(results)), wrong
 
 
 def test_machines_are_the_same_each_time() -> None:
@@ -92,5 +96,5 @@ def test_three_quick_machines_settle_and_engines_agree(record_property: Any, tmp
 
 
 @pytest.mark.verify
-def test_two_hundred_machines_settle_and_engines_agree(record_property: Any) -> None:
-    check(cross_validate(machines(200), Workshop(Store()), ENGINES), record_property)
+def test_two_hundred_machines_settle_and_engines_agree(record_property: Any, portion: Portion) -> None:
+    check(cross_validate(portion(machines(200), DRAWN), Workshop(Store()), ENGINES), record_property)
