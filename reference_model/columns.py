@@ -3,9 +3,10 @@
 Meanings and signs are the same in every model and engine. The deflections `shape_01` to `shape_11` at the interior twelfths of the length
 are for drawing: with the base and the tip they are thirteen places of the centre line.
 
-Bending moments have the sign of the strains. Where a slider with rotary inertia makes the moment jump, the moment at the slider is the one
-on its outboard side. A rigid follower has moments too, those that Newton and Euler require of it, but an engine that knows moments by
-curvature alone leaves the columns out for it.
+Bending moments have the sign of the strains. Where a slider with rotary inertia, or friction off the centre line, makes the moment jump,
+`moment_slider` is on its outboard side, `moment_inboard` on the other. Those at the ends are what the bodies there require: a model takes
+them from the accelerations that it integrates, so that they do not depend on the spacing of rows. A rigid follower has moments too, those
+that Newton and Euler require of it, but an engine that knows moments by curvature alone leaves the columns out for it.
 
 Bearing forces are those that the ground exerts on the body. The torque of the drive, the bearings' friction and the damping of the beam
 against its base are couples or internal forces: no bearing force contains them, except by the motion that they cause. The base block has
@@ -122,6 +123,9 @@ COLUMNS: Final = MappingProxyType(
             for k in range(1, PLACES + 1)
         },
         "moment_slider": Observable("N m", "bending moment at the slider, on its outboard side", _ENGINES(3e-4), of_slider=True),
+        "moment_inboard": Observable("N m", "the same on its inboard side", _ENGINES(3e-4), of_slider=True),
+        "moment_base": Observable("N m", "bending moment at the base, x = 0", _ENGINES(3e-2)),
+        "moment_tip": Observable("N m", "bending moment at the flexible end, x = L", _ENGINES(3e-2)),
         "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1", _ENGINES(2e-3)),
         "pivot_force_y": Observable("N", "the same along n2", _ENGINES(6e-3)),
         "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", _ENGINES(5e-5), of_slider=True),
@@ -130,9 +134,9 @@ COLUMNS: Final = MappingProxyType(
 )
 SHAPE: Final = tuple(name for name in COLUMNS if name.startswith("shape_"))
 #: Bending moments at the places of `SHAPE`.
-MOMENTS: Final = tuple(name for name in COLUMNS if name.startswith("moment_") and name != "moment_slider")
+MOMENTS: Final = tuple(f"moment_{name.removeprefix('shape_')}" for name in SHAPE)
 #: All bending moments: what an engine leaves out for a rigid follower if it knows moments by curvature alone.
-BENDING: Final = (*MOMENTS, "moment_slider")
+BENDING: Final = (*MOMENTS, "moment_slider", "moment_inboard", "moment_base", "moment_tip")
 BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")
 
 #: Columns that the compiled models record.

@@ -1,12 +1,14 @@
 """The bending moment along the whole arm, from the columns of a trajectory, and the error of its interpolation.
 
-An engine gives the moment at the interior twelfths of the length and at the slider. At the ends moment and slope follow from Newton's and
-Euler's laws for the bodies there, with q2 the angle of the base, theta that of the flexible end, n the normal, a the acceleration of the
-flexible end along it, e the tip body's centre of mass beyond the end, R the force of the bearing, M2 the torque of its damping and friction
-(DERIVATION, 4.7), f the force on the tip, c the damping of the beam, which acts between it and the base:
+An engine gives the moment at the interior twelfths of the length, at both ends, and at either side of the slider. Those at the ends are
+what the bodies there require by the engine's own accelerations. They are not made of other columns here: the angle of the end follows from
+the moments, the moment at the end from that angle's second derivative, and this circle diverges for rows closer than the period of the last
+twelfth with the tip body on it. The slopes at the ends follow from Newton's law, with n the normal, a the acceleration of the flexible end
+along it, theta the angle of the end, e the tip body's centre of mass beyond the end, R the force of the bearing, f the force on the tip, c
+the damping of the beam, which acts between it and the base:
 
-    base   M(0) = J_b q2'' + M2 - turning torque - integral of c x dW/dt over x,  dM(0)/dx = R n + integral of c dW/dt over x
-    tip    M(L) = -J theta'' - m e (a + e theta'' - g n),                              dM(L)/dx = m (a + e theta'' - g n) - f n
+    base   dM(0)/dx = R n + integral of c dW/dt over x
+    tip    dM(L)/dx = m (a + e theta'' - g n) - f n,   M(L) = -J theta'' - m e (a + e theta'' - g n)
 
 On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
 rotary inertia. Each side is interpolated separately, by polynomials through the nearest known places. Their error is estimated by leaving
@@ -22,7 +24,6 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
-from quickreturn.reference_model.rigid import pivot_torque
 from quickreturn.reference_model.splines import CubicSpline
 from quickreturn.reference_model.tip_force import tip_force
 
@@ -30,13 +31,12 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]
 
 TWELFTHS: Final = PLACES + 1
-#: Columns without which there is no moment along the arm.
+#: Columns without which there is no moment along the arm; see also `missing`.
 NEEDED: Final = frozenset((*MOMENTS, "time", "follower_angle", "tip_acceleration"))
+#: The moments from the base to the tip, a twelfth of the length apart.
+ALONG: Final = ("moment_base", *MOMENTS, "moment_tip")
 #: Number of places in each twelfth of the length at which the moment is computed.
 IN_A_TWELFTH: Final = 10
-#: Relative error of the angle at the tip because the curvature is summed from twelfth to twelfth: the rule's error is a twelfth of the
-#: square of the spacing times the jump of the slope at the slider, 0.6 % of the sum where the slider bends the arm.
-ANGLE_ERROR: Final = 0.01
 #: Number of known places that the interpolating polynomial passes through, if a side has as many.
 THROUGH: Final = 6
 #: Twelfths that are nearer to the slider than this part of a twelfth are left out: the slope between two such places would be noise.
@@ -62,7 +62,6 @@ class KnownMoments:
     outboard: Array  # on its outer side, likewise
     base_slope: Array | None  # N, shape (rows,); None where it is not known
     tip_slope: Array | None  # likewise
-    ends_open: tuple[Array, Array]  # errors of the moments at base and tip, N m, shape (rows,) each
 
     @property
     def spacing(self) -> float:
@@ -83,53 +82,48 @@ class KnownMoments:
     def every(self, step: int) -> "KnownMoments":
         """These moments in every `step`-th row."""
         of_rows: dict[str, Any] = {name: value[::step] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
-        base, tip = self.ends_open
-        return replace(self, **of_rows, ends_open=(base[::step], tip[::step]))
+        return replace(self, **of_rows)
+
+
+def missing(scene: Scene, columns: Mapping[str, Array]) -> str:
+    """Why there is no moment along the arm (a clause), because an engine or a table lacks columns; "" where nothing lacks.
+
+    Without its column the moment at an end is known only where no body there asks for one: then it is zero. That at the slider's inboard
+    side is known without one where the slider passes no moment.
+    """
+    if lacking := sorted(NEEDED - set(columns)):
+        return f"column {lacking[0]} is missing"
+    base, tip, slider, damping = scene.base, scene.tip_body, scene.slider, scene.follower.damping
+    at_base = base.inertia > 0.0 or base.damping > 0.0 or base.friction_torque > 0.0 or damping > 0.0 or scene.crank is None
+    passes = slider.inertia > 0.0 or (not slider.is_rigid and (slider.friction > 0.0 or slider.friction_force > 0.0))
+    asked = {
+        "moment_base": (at_base, "inertia, damping or torque of the base make a moment there"),
+        "moment_tip": (tip.inertia > 0.0 or tip.mass * tip.center_of_mass != 0.0, "the tip body makes a moment there"),
+        "moment_inboard": ("moment_slider" in columns and passes, "the moment jumps at the slider"),
+    }
+    lacks = (f"column {name} is missing, and {why}" for name, (needed, why) in asked.items() if needed and name not in columns)
+    return next(lacks, "")
 
 
 def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
-    """The known moments along the arm, from the columns and the bodies at slider, base and tip.
+    """The known moments along the arm.
 
     Args:
         scene: gives the bodies.
-        columns: those of a trajectory or of a cycle, each of shape (rows,), all of `NEEDED` among them.
+        columns: those of a trajectory or of a cycle, each of shape (rows,), of which none is `missing`.
     """
-    time, tip = columns["time"], scene.tip_body
-    base, base_open = _at_base(scene, columns)
-    nothing = np.zeros(time.size)
-    has_slider = "moment_slider" in columns
-    outboard = columns["moment_slider"] if has_slider else nothing
+    nothing = np.zeros(columns["time"].size)
+    outboard = columns.get("moment_slider", nothing)
     known = KnownMoments(
         length=scene.follower.length,
-        twelfths=np.column_stack([base, *(columns[name] for name in MOMENTS), nothing]),
-        slider=columns["slider_position"] if has_slider else np.full(time.size, np.inf),
-        inboard=outboard,
+        twelfths=np.column_stack([columns.get(name, nothing) for name in ALONG]),
+        slider=columns["slider_position"] if "moment_slider" in columns else np.full(nothing.size, np.inf),
+        inboard=columns.get("moment_inboard", outboard),
         outboard=outboard,
         base_slope=_base_slope(scene, columns),
         tip_slope=None,
-        ends_open=(base_open, nothing),
     )
-    end, at_slider = _angles(scene, columns, known)
-    if scene.slider.inertia > 0.0:
-        known = replace(known, inboard=outboard - scene.slider.inertia * _second_derivative(time, at_slider)[0])
-        end, _ = _angles(scene, columns, known)
-    acceleration = nothing, nothing
-    if tip.inertia > 0.0 or tip.center_of_mass != 0.0:
-        for _ in range(2):  # the moment at the end bends the last twelfth, which turns the end
-            acceleration = _second_derivative(time, end)
-            known.twelfths[:, -1], tip_open = _at_tip(scene, columns, end, acceleration)
-            end, _ = _angles(scene, columns, known)
-        known = replace(known, ends_open=(base_open, tip_open))
-    return replace(known, tip_slope=_tip_slope(scene, columns, end, acceleration[0]))
-
-
-def _at_base(scene: Scene, columns: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Moment at the base, N m, and its error from the spacing of rows; shape (rows,) each."""
-    base, time, angle = scene.base, columns["time"], columns["follower_angle"]
-    turning = columns.get("base_torque", np.zeros(time.size))
-    acceleration, error = _second_derivative(time, angle)
-    moment = base.inertia * acceleration + pivot_torque(base, CubicSpline(time, angle)(time, 1)) - turning
-    return moment - _damping(scene, columns, power=1), base.inertia * error
+    return replace(known, tip_slope=_tip_slope(scene, columns, known))
 
 
 def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
@@ -157,29 +151,21 @@ def _across(vector: Array, angle: Array) -> Array:
     return np.asarray(vector[1] * np.cos(angle) - vector[0] * np.sin(angle))
 
 
-def _at_tip(scene: Scene, columns: Mapping[str, Array], angle: Array, acceleration: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Moment at the flexible end, N m, and its error from the spacing of rows, shape (rows,) each.
-
-    `angle`: of the end, rad; `acceleration`: its second derivative and the error of this, rad/s^2.
-    """
-    tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
-    about_end = tip.inertia + tip.mass * tip.center_of_mass**2
-    rotary, linear = -about_end * acceleration[0], tip.mass * tip.center_of_mass * (columns["tip_acceleration"] - weight)
-    return rotary - linear, about_end * acceleration[1] + ANGLE_ERROR * np.abs(rotary)
-
-
-def _tip_slope(scene: Scene, columns: Mapping[str, Array], angle: Array, acceleration: Array) -> Array:
-    """Slope of the moment at the flexible end, N, shape (rows,); from the end's angle, rad, and its second derivative, rad/s^2."""
-    tip, weight = scene.tip_body, _across(np.array(scene.gravity)[:, None], angle)
+def _tip_slope(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> Array:
+    """Slope of the moment at the flexible end, N, shape (rows,)."""
+    tip, angle = scene.tip_body, _end_angle(scene, columns, known)
+    across = columns["tip_acceleration"] - _across(np.array(scene.gravity)[:, None], angle)
+    lever, about_end = tip.mass * tip.center_of_mass, tip.inertia + tip.mass * tip.center_of_mass**2
+    turning = -(known.twelfths[:, -1] + lever * across) / about_end if about_end > 0.0 else 0.0
     force = _across(tip_force(tip, columns["crank_angle"]), angle) if tip.is_forced else 0.0
-    return np.asarray(tip.mass * (columns["tip_acceleration"] + tip.center_of_mass * acceleration - weight) - force)
+    return np.asarray(tip.mass * across + lever * turning - force)
 
 
-def _angles(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> tuple[Array, Array]:
-    """Angle of the centre line in the fixed frame at the flexible end and at the slider, rad, shape (rows,) each.
+def _end_angle(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> Array:
+    """Angle of the centre line in the fixed frame at the flexible end, rad, shape (rows,).
 
-    It is the angle of the base plus the curvature summed by the trapezoidal rule between known places. The rule's error, the part
-    `ANGLE_ERROR` of the sum, is smooth in time, as second derivatives need it.
+    It is the angle of the base plus the curvature summed by the trapezoidal rule between known places: good to a percent of the sum, and
+    only the directions of gravity and of the force on the tip depend on it.
     """
     rows, numbers = known.slider.size, np.arange(TWELFTHS + 1.0)
     slider = np.minimum(known.slider / known.spacing, TWELFTHS)
@@ -188,15 +174,7 @@ def _angles(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> 
     order = np.argsort(places, axis=1, kind="stable")
     places, inner, outer = (np.take_along_axis(each, order, axis=1) for each in (places, inner, outer))
     steps = known.spacing * np.diff(places) * (outer[:, :-1] + inner[:, 1:]) / (2.0 * scene.follower.bending_stiffness)
-    angles = columns["follower_angle"][:, None] + np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1)
-    return angles[:, -1], np.take_along_axis(angles, np.argmax(order, axis=1)[:, None], axis=1)[:, 0]
-
-
-def _second_derivative(time: Array, values: Array) -> tuple[Array, Array]:
-    """Second derivative of the cubic spline through a signal, and its difference from that of the spline through every other sample."""
-    second = CubicSpline(time, values)(time, 2)
-    fewer = np.append(np.arange(0, time.size - 1, 2), time.size - 1)
-    return second, np.abs(CubicSpline(time[fewer], values[fewer])(time, 2) - second)
+    return np.asarray(columns["follower_angle"] + steps.sum(axis=1))
 
 
 def interpolated(x: Array, known: KnownMoments, parity: int | None = None) -> Array:
@@ -274,9 +252,9 @@ def left_out(known: KnownMoments) -> Array:
 def between(x: Array, missed: Array, known: KnownMoments) -> Array:
     """Interpolation error of the moment at each place, N m, shape (rows, m).
 
-    It is the largest `missed` of the four nearest twelfths, smaller near a known place, and no less than the error at an end.
+    It is the largest `missed` of the four nearest twelfths, smaller near a known place.
     """
-    twelfth, (base, tip) = known.spacing, known.ends_open
+    twelfth = known.spacing
     cell = np.minimum((x / twelfth).astype(int), TWELFTHS - 1)
     near = [np.clip(cell + step, 0, TWELFTHS) for step in (-1, 0, 1, 2)]
     worst = REMAINING_ERROR * np.max([missed[:, numbers] for numbers in near], axis=0)
@@ -284,5 +262,4 @@ def between(x: Array, missed: Array, known: KnownMoments) -> Array:
     for end in (cell, cell + 1):
         used = np.abs(end * twelfth - known.slider[:, None]) > TOO_NEAR * twelfth
         distance = np.where(used, np.minimum(distance, np.abs(x - end * twelfth)), distance)
-    at_base, at_tip = (np.maximum(0.0, 1.0 - away / twelfth) for away in (x, known.length - x))
-    return np.maximum(worst * np.minimum(1.0, 2.0 * distance / twelfth), base[:, None] * at_base + tip[:, None] * at_tip)
+    return np.asarray(worst * np.minimum(1.0, 2.0 * distance / twelfth))

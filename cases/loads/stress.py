@@ -9,17 +9,16 @@ Nisbett, Shigley's Mechanical Engineering Design, 10th edition, sections 6-7 and
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.loads.arm import NEEDED, KnownMoments, between, interpolated, known_moments, left_out
+from quickreturn.cases.loads.arm import ALONG, KnownMoments, between, interpolated, known_moments, left_out, missing
 from quickreturn.cases.loads.peak import ErrorAt, Peak, peak_of
 from quickreturn.cases.measures.extremes import extremes
-from quickreturn.reference_model.columns import MOMENTS
 from quickreturn.reference_model.mechanism import Follower, Scene
 
 Array = NDArray[np.float64]
@@ -54,14 +53,14 @@ def section_modulus(follower: Follower) -> float:
 
 
 def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> ArmStress | None:
-    """Stress along the arm; None where the engine does not give the moments.
+    """Stress along the arm; None where the engine does not give the moments (`arm.missing`).
 
     Args:
         scene: gives section and bodies.
         columns: of a cycle or a trajectory.
         claim: error of a column at a crank angle, by the engine's own estimate.
     """
-    if not set(columns) >= NEEDED:
+    if missing(scene, columns):
         return None
     known, unit = known_moments(scene, columns), 1.0 / section_modulus(scene.follower)
     field = _Field.of(known, max(1, columns["time"].size // SEARCHED))
@@ -126,7 +125,7 @@ def _amplitude(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> t
 
 def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: ErrorAt) -> Peak:
     place = float(field.known.places[at])
-    return peak_of(field.series(at), columns, _Nearest(place / field.known.spacing, claim), place)
+    return peak_of(field.series(at), columns, _Nearest(place / field.known.spacing, claim, columns), place)
 
 
 @dataclass(frozen=True)
@@ -135,9 +134,10 @@ class _Nearest:
 
     twelfth: float  # number of twelfths of the length from P to the place
     claim: ErrorAt  # of a column
+    given: Collection[str]  # columns of the engine; the moment at an end without one is zero
 
     def __call__(self, angle: float) -> float | None:
-        numbers = {min(max(number, 1), len(MOMENTS)) for number in (math.floor(self.twelfth), math.ceil(self.twelfth))}
-        errors = [self.claim(MOMENTS[number - 1], angle) for number in numbers]
+        numbers = {math.floor(self.twelfth), math.ceil(self.twelfth)}
+        errors = [self.claim(ALONG[number], angle) for number in numbers if ALONG[number] in self.given]
         claimed = [error for error in errors if error is not None]
-        return max(claimed) if len(claimed) == len(errors) else None
+        return max(claimed, default=0.0) if len(claimed) == len(errors) else None

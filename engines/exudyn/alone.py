@@ -63,7 +63,7 @@ class FollowerModel(CableModel):
         return {
             "time": record.time,
             "follower_angle": angle,
-            **self._follower_columns(record, line, frame),
+            **self._follower_columns(record, line, frame, held=torque),
             "base_torque": torque,
             "axial_stretch": self._cable.stretch(line[0]),
             **self._stored(line, frame),

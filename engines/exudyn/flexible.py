@@ -28,7 +28,7 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.exudyn.slider import add_slider
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import FollowerState, StartState
-from quickreturn.reference_model.columns import BENDING, PLACES
+from quickreturn.reference_model.columns import MOMENTS, PLACES
 from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
 from quickreturn.reference_model.tip_force import tip_force
 
@@ -189,7 +189,13 @@ class CableModel(Model):
         return record.coordinates[:, places], record.rates[:, places], record.accelerations[:, places]
 
     def _follower_columns(
-        self, record: Record, line: Kinematics, frame: Kinematics, kink: Kink | None = None, pushed: Array | float = 0.0
+        self,
+        record: Record,
+        line: Kinematics,
+        frame: Kinematics,
+        kink: Kink | None = None,
+        pushed: Array | float = 0.0,
+        held: Array | float = 0.0,
     ) -> dict[str, Array]:
         """Place, bend and acceleration of the follower, and the force that holds its base.
 
@@ -199,6 +205,7 @@ class CableModel(Model):
             frame: see the class.
             kink: at the slider.
             pushed: force (N) of slider and tool on the follower, shape (rows, 2).
+            held: torque (N m) that turns the base as prescribed, shape (rows,).
         """
         cable, follower, (q, rates, accelerations) = self._cable, self.assembly.scene.follower, line
         across, (tip_tangent, _, _) = turned(frame[0]), direction(*(values[:, -1, 2:] for values in line))
@@ -216,9 +223,31 @@ class CableModel(Model):
             "tip_acceleration": dot(turned(tip_tangent), accelerations[:, -1, :2]),
             **{f"strain_{i}": follower.thickness / 2.0 * strain for i, strain in enumerate(strains, start=1)},
             **shape_columns(cable, q, across),
-            **{name: cable.bending_stiffness * moment for name, moment in zip(BENDING, moments, strict=False)},
+            **{name: cable.bending_stiffness * moment for name, moment in zip((*MOMENTS, "moment_slider"), moments, strict=False)},
+            **({} if kink is None else {"moment_inboard": cable.bending_stiffness * moments[-1]}),  # no moment acts at the slider
+            "moment_base": self._moment_at_base(line, frame, held),
+            "moment_tip": self._moment_at_tip(line),
             **bearing_columns("pivot", self._pivot_force(record, line, frame, pushed)),
         }
+
+    def _moment_at_base(self, line: Kinematics, frame: Kinematics, held: Array | float) -> Array:
+        """Bending moment at the base, N m, (rows,), by Euler's law for the base body, to which the follower's damping is a reaction."""
+        base, (_, turn, turn_rate) = self.assembly.scene.base, frame
+        radius, relative = self._relative(line, frame)
+        damped = np.sum(turned(radius) * relative, axis=2) @ self._damper_weights
+        return np.asarray(base.inertia * turn_rate + base.damping * turn - held - damped)
+
+    def _moment_at_tip(self, line: Kinematics) -> Array:
+        """Bending moment at the flexible end, N m, (rows,), by Newton's and Euler's laws for the tip body clamped there."""
+        tip, gravity = self.assembly.scene.tip_body, np.array(self.assembly.scene.gravity)
+        along, _, turning = direction(*(values[:, -1, 2:] for values in line))
+        across = dot(turned(along), line[2][:, -1, :2] - gravity) + tip.center_of_mass * turning
+        return np.asarray(-tip.inertia * turning - tip.mass * tip.center_of_mass * across)
+
+    def _relative(self, line: Kinematics, frame: Kinematics) -> tuple[Array, Array]:
+        """Places of the nodes from P (m) and their velocities relative to the base (m/s), shape (rows, nodes, 2) each."""
+        radius = line[0][:, :, :2] - np.array([self.assembly.scene.pivot_distance, 0.0])
+        return radius, line[1][:, :, :2] - frame[1][:, None, None] * turned(radius)
 
     def _pivot_force(self, record: Record, line: Kinematics, frame: Kinematics, pushed: Array | float) -> Array:
         """Force of the ground on the base, N, shape (rows, 2): across the follower the pin's multipliers, along it Newton's law.
@@ -266,9 +295,8 @@ class CableModel(Model):
     ) -> tuple[Array, Array]:
         """Power of all dampers but the slider's, and its derivative; `crank`: power of the crank's, `crank_change`: half its derivative."""
         damping, (q, rates, accelerations), (_, turn, turn_rate) = self.assembly.scene.base.damping, line, frame
-        radius = q[:, :, :2] - np.array([self.assembly.scene.pivot_distance, 0.0])
+        radius, relative = self._relative(line, frame)
         across, across_rate = turned(radius), turned(rates[:, :, :2])
-        relative = rates[:, :, :2] - turn[:, None, None] * across
         relative_rate = accelerations[:, :, :2] - turn_rate[:, None, None] * across - turn[:, None, None] * across_rate
         power = crank + damping * turn**2 + np.sum(relative**2, axis=2) @ self._damper_weights
         change = 2.0 * (crank_change + damping * turn * turn_rate)

@@ -31,6 +31,7 @@ CONTEXT = np.dtype(
         ("half_thickness", "f8"),
         ("beam_damping", "f8"),  # N s/m^2
         ("material_damping", "f8"),  # s
+        ("base_inertia", "f8"),  # kg m^2
         ("base_damping", "f8"),  # N m s/rad
         ("base_friction", "f8"),  # N m
         ("pivot_distance", "f8"),
@@ -47,6 +48,7 @@ CONTEXT = np.dtype(
         ("crank_moment", "f8"),  # kg m, first moment of that mass about O
         ("mass_per_length", "f8"),  # kg/m
         ("tip_mass", "f8"),
+        ("tip_inertia", "f8"),  # kg m^2, about its centre
         ("tip_offset", "f8"),  # of its centre beyond the end
         ("gravity", "c16"),  # m/s^2, along n1 + i n2
         ("tip_force", "c16"),  # N

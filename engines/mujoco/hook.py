@@ -66,11 +66,17 @@ def _power_lost_in_hinges(ctx: Context, qvel: Array) -> float:
 
 
 @compiled
+def pivot_friction(ctx: Context, rate: float) -> float:
+    """Friction of the pivot against the base's rate (rad/s), N m."""
+    return ctx.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE) if ctx.base_friction > 0.0 else 0.0
+
+
+@compiled
 def _rub_pivot(ctx: Context, rate: float, force: Array) -> float:
     """Add the friction of the pivot to the base's entry in `force`; returns the power dissipated, W."""
     if ctx.base_friction == 0.0:
         return 0.0
-    moment = ctx.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
+    moment = pivot_friction(ctx, rate)
     force[ctx.coordinates - ctx.hinges - 1] -= moment
     return moment * rate
 

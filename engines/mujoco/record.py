@@ -7,7 +7,7 @@ import numpy as np
 
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients, crank_of, link_directions, link_rates
 from quickreturn.engines.mujoco.context import TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
-from quickreturn.engines.mujoco.hook import force_on_tip
+from quickreturn.engines.mujoco.hook import force_on_tip, pivot_friction
 from quickreturn.engines.mujoco.native import mj_energy_position, mj_energy_velocity, mj_forward, mj_get_state
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.columns import PLACES
@@ -65,6 +65,40 @@ def _moment(ctx: Context, smooth: Array, x: float) -> float:
         return 0.0
     jump = ctx.slider_couple / ctx.bending_stiffness if x < ctx.slider_position else 0.0
     return _at_place(ctx, smooth, x) + ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x) + jump
+
+
+@compiled
+def _damping_about_pivot(ctx: Context, e: Points, rates: Array) -> float:
+    """Moment about P of the beam's damping on the links, N m; see `hook.damp_beam`."""
+    n, h, at_hinge, velocity, moment = ctx.hinges, ctx.link_length, 0j, 0j, 0.0
+    for i in range(n + 1):
+        length, turning = h if 0 < i < n else 0.5 * h, 1j * (rates[i] - rates[0]) * e[i]
+        moment -= length * dot(1j * (at_hinge + 0.5 * length * e[i]), velocity + 0.5 * length * turning)
+        at_hinge, velocity = at_hinge + length * e[i], velocity + length * turning
+    return ctx.beam_damping * moment
+
+
+@compiled
+def _moment_at_base(ctx: Context, e: Points, rates: Array, accelerations: Array) -> float:
+    """Bending moment at the base, N m, by Euler's law for the base block, to which the beam's damping is a reaction."""
+    moment = ctx.base_inertia * accelerations[0] + ctx.base_damping * rates[0] + pivot_friction(ctx, rates[0])
+    if ctx.base_is_prescribed:
+        moment -= ctx.drive_torque
+    return moment + _damping_about_pivot(ctx, e, rates)
+
+
+@compiled
+def _moment_at_tip(ctx: Context, along: complex, turning: float, acceleration: complex) -> float:
+    """Bending moment at the flexible end, N m, by Newton's and Euler's laws for the tip body.
+
+    Args:
+        ctx: the simulation.
+        along: direction of the last link.
+        turning: its angular acceleration, rad/s^2.
+        acceleration: of the flexible end, m/s^2; along the last link it does not count.
+    """
+    across = dot(1j * along, acceleration - ctx.gravity) + ctx.tip_offset * turning
+    return -ctx.tip_inertia * turning - ctx.tip_mass * ctx.tip_offset * across
 
 
 @compiled
@@ -140,6 +174,9 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
         row.shapes[place - 1] = dot(across, (line * e).sum())
         row.moments[place - 1] = ctx.bending_stiffness * _moment(ctx, smooth, x)
     row.moment_slider = ctx.bending_stiffness * _moment(ctx, smooth, ctx.slider_position)
+    row.moment_inboard = row.moment_slider + ctx.slider_couple
+    row.moment_base = _moment_at_base(ctx, e, rates, accelerations)
+    row.moment_tip = _moment_at_tip(ctx, e[hinges], accelerations[hinges], tip_acceleration)
     row.tip_acceleration = dot(1j * e[hinges], tip_acceleration)
     for gauge in range(3):
         curvature = _moment(ctx, smooth, gauges[gauge])

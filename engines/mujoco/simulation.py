@@ -187,10 +187,12 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "half_thickness": follower.thickness / 2.0,
         "beam_damping": follower.damping,
         "material_damping": follower.material_damping,
+        "base_inertia": scene.base.inertia,
         "base_damping": scene.base.damping,
         "base_friction": scene.base.friction_torque,
         "mass_per_length": follower.mass_per_length,
         "tip_mass": scene.tip_body.mass,
+        "tip_inertia": scene.tip_body.inertia,
         "tip_offset": scene.tip_body.center_of_mass,
         "gravity": complex(*scene.gravity),
     }

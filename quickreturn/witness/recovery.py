@@ -79,7 +79,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     body = -scene.tip_body.mass * (vector("tip_center_acceleration") - gravity)
     end_force = body + vector("tool")
     end_moment = _cross(center, body) + _cross(tip, vector("tool")) - scene.tip_body.inertia * shown["tip_turning"]
-    moments, at_slider = [np.empty(0)] * cells, np.empty(0)
+    moments, at_slider, at_tip_body = [np.empty(0)] * cells, np.empty(0), end_moment - _cross(tip, end_force)
     for k in reversed(range(cells)):
         span, f, z = spans[k], force[:, parts[k]], place[:, parts[k]]
         turning = _cross(z, f)
@@ -136,7 +136,8 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     strains = 0.5 * beam.thickness * _along(spans, bent, np.array(beam.strain_gauges))
     table |= {f"strain_{k + 1}": strains[:, k] for k in range(3)}
     table |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths).T, strict=True))
-    of_moments = np.column_stack([_along(spans, moments, twelfths), at_slider])
+    # what is outboard of the base is everything
+    of_moments = np.column_stack([_along(spans, moments, twelfths), at_slider, at_slider + shown["slider_moment"], end_moment, at_tip_body])
     return table | dict(zip(BENDING, of_moments.T, strict=True))
 
 

@@ -41,7 +41,7 @@ def observe(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> bool:
         row.joint_power = joint_power(p, w, y)
     _energies(p, t, w, y, slider_point, row)
     _bearing_forces(p, t, w, y, row)
-    _bending_moment(p, t, w, slider_point)
+    _bending_moment(p, t, w, slider_point, row)
     return _recover(p, t, w, y, slider_point, row)
 
 
@@ -95,8 +95,8 @@ def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) 
 
 
 @stage
-def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
-    """To `moment`: moment of the outboard forces at the points, N m (equations 6.5 and 6.6)."""
+def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int, row: Any) -> None:
+    """To `moment`: moment of the outboard forces at the points, N m (equations 6.5 and 6.6). To the row: at slider, base and tip."""
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
     force, moment = w.load, w.load_moment
@@ -115,10 +115,15 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int) -
     about_pivot = cross(tip + f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN] + w.inboard_moment[end] + cross(tip, f.tip_force)
     for j in range(N):
         w.moment[j] = about_pivot - w.inboard_moment[j] - cross(point(w.z, j, N), outboard - point(w.inboard_force, j, N))
+    row.moment_base = about_pivot
     if p.constraint != BASE:
+        row.moment_base += cross(point(w.z, slider_point, N), f.slider_force) + f.slider_moment
         # at the slider the moment jumps by the slider's moment, and the outboard side counts
         for j in range(slider_point if f.slider_moment != 0.0 else slider_point + 1):
             w.moment[j] += cross(point(w.z, slider_point, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
+    row.moment_slider = w.moment[slider_point]
+    row.moment_inboard = row.moment_slider + f.slider_moment
+    row.moment_tip = cross(f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN]
 
 
 @stage
@@ -137,7 +142,6 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int
     if not directions(w.recovered_angle[:N], w.recovered_e):
         return False
     cumulate(t, w.length, w.recovered_e, w.recovered_place)
-    row.moment_slider = w.moment[slider_point]
     for place in range(PLACES):
         x = (place + 1) * p.L / (PLACES + 1)
         row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)

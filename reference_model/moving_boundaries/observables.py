@@ -6,7 +6,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
+from quickreturn.reference_model.columns import BENDING, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.moving_boundaries import tables as t
 from quickreturn.reference_model.moving_boundaries.equations import ACCELERATION, FORCE, KINETIC, RATE, STRAIN, TORQUE, VALUE
@@ -43,7 +43,7 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     end, mass = from_pivot(L, t.PULLED, t.END), from_pivot(moment, t.HANGING, t.WEIGHT)
     place, base = mechanism.pivot_distance + unit * end[:, 0], signals[:, t.BASE, VALUE]
     places = L * np.arange(1, PLACES + 1) / (PLACES + 1)
-    shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L], (len(q1), 1))])
+    shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L, 0.0], (len(q1), 1))])
     across_base, slope, bend = _fields(shapes, distance, L, states[:, 1 : n + 1], shown)
     across, slope = across_base + base[:, None] * shown, slope + base[:, None]
 
@@ -61,7 +61,7 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "tip_x": place.real,
         "tip_y": place.imag,
         "tip_deflection": (np.exp(-1j * base) * end[:, 0]).imag,
-        "tip_acceleration": (np.exp(-1j * slope[:, -1]) * _acceleration(line, end)).imag,
+        "tip_acceleration": (np.exp(-1j * slope[:, -2]) * _acceleration(line, end)).imag,
         **{f"strain_{k}": 0.5 * follower.thickness * bend[:, k] for k in (1, 2, 3)},
         "slider_force": facts[:, FORCE],
         "crank_torque": facts[:, TORQUE],
@@ -75,11 +75,11 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "pivot_force_y": at_pivot.imag,
         "crank_force_x": at_crank.real,
         "crank_force_y": at_crank.imag,
-        **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 4:-1] - np.sin(base)[:, None] * places).T, strict=True)),
+        **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 4:-2] - np.sin(base)[:, None] * places).T, strict=True)),
     }
     if n:
         moments = follower.bending_stiffness * bend
-        columns |= {**dict(zip(MOMENTS, moments[:, 4:-1].T, strict=True)), "moment_slider": moments[:, 0]}
+        columns |= dict(zip(BENDING, moments[:, [*range(4, 4 + PLACES), 0, 0, -1, -2]].T, strict=True))  # no moment acts at the slider
     return {name: np.ascontiguousarray(values) for name, values in columns.items()}
 
 

@@ -34,7 +34,7 @@ def assemble(
         w.Q[a] = w.tool[a]
         for b in range(p.n + 2):
             w.M[a, b] = 0.0
-    gravity_1, gravity_2 = _gravity_in_b(p, c.q2)
+    gravity_1, gravity_2 = gravity_in_b(p, c.q2)
     _add_beam(p, k.q2_rate, gravity_1, gravity_2, eta, eta_rate, w)
     if p.tip_mass > 0.0 or p.tip_inertia > 0.0:
         _add_tip(p, k.q2_rate, gravity_1, gravity_2, eta_rate, w)
@@ -50,7 +50,7 @@ def assemble(
 
 
 @stage
-def _gravity_in_b(p: Parameters, q2: float) -> tuple[float, float]:
+def gravity_in_b(p: Parameters, q2: float) -> tuple[float, float]:
     """Gravity in frame B, m/s^2."""
     if not p.has_gravity:
         return 0.0, 0.0

@@ -78,7 +78,9 @@ def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array,
     rate[2 * n + 2] = dissipation(p, 0.0, turn, eta_rate, w)
     rate[2 * n + 3] = torque * turn
     if len(row):
-        observe(p, c, k, w, y, 0.0, torque, row.view(ROW)[0])
+        found = row.view(ROW)[0]
+        observe(p, c, k, w, y, 0.0, torque, found)
+        found.moment_base -= torque
     return True
 
 

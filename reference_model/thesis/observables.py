@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.thesis.dynamics import gravity_in_b
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
 from quickreturn.reference_model.thesis.tables import find_cell
@@ -45,7 +46,9 @@ def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[n
         for i in range(n):
             curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
         row.strains[gauge] = 0.5 * p.thickness * curvature
+    end_moments(p, place, k, w, y[n + 2 : 2 * n + 2], row)
     row.moment_slider = p.EI * place.curvature
+    row.moment_inboard = row.moment_slider - p.slider_inertia * _turning_of_slider(p, k, w)
     for point in range(PLACES):
         deflection = moment = 0.0
         for i in range(n):
@@ -110,18 +113,41 @@ def _slider_on_follower(p: Parameters, place: Slider, k: Contact, w: Workspace, 
     """The slider's force on the follower in frame B, N: along n, and with rotary inertia along t (equation 6.9)."""
     along = 0.0
     if p.slider_inertia > 0.0:
+        bend = tangent_angle(place.slope, p.exact_geometry)[1] * place.curvature
+        along = p.slider_inertia * _turning_of_slider(p, k, w) * bend / k.normal**2
+    across = force / k.normal
+    return along * place.t1 - across * place.slope, along * place.slope + across * place.t1
+
+
+@inlined
+def _turning_of_slider(p: Parameters, k: Contact, w: Workspace) -> float:
+    """Angular acceleration of the slider, rad/s^2 (equation 3.9); 0 without rotary inertia."""
+    turning = 0.0
+    if p.slider_inertia > 0.0:
         turning = k.d0
         for a in range(p.n + 2):
             turning += w.D[a] * w.acceleration[a]
-        along = p.slider_inertia * turning * tangent_angle(place.slope, p.exact_geometry)[1] * place.curvature / k.normal**2
-    across = force / k.normal
-    return along * place.t1 - across * place.slope, along * place.slope + across * place.t1
+    return turning
+
+
+@stage
+def end_moments(p: Parameters, place: Slider, k: Contact, w: Workspace, eta_rate: NDArray[np.float64], row: Any) -> None:
+    """To the row: bending moments that base block and tip body require (equations 6.12 and 6.13), without a torque on the base."""
+    q2_acceleration, damped = w.acceleration[1], 0.0
+    for point in range(len(p.tables.x)):
+        x = p.tables.x[point] - w.F[point]
+        damped += p.tables.weights[point] * (x * w.W_rate[point] + w.W[point] * w.F_rate[point])
+    row.moment_base = p.base_inertia * q2_acceleration + p.base_damping * k.q2_rate - p.beam_damping * damped
+    ec, es, a1, a2, turning = _tip_body(p, k, w, eta_rate)
+    gravity_1, gravity_2 = gravity_in_b(p, place.q2)
+    lever = ec * (a2 - gravity_2) - es * (a1 - gravity_1)
+    row.moment_tip = -p.tip_inertia * (q2_acceleration + turning) - p.tip_mass * lever
 
 
 @stage
 def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> tuple[float, float]:
     """Rate of momentum of beam and tip body in frame B, N: integrals of (4.3) and (4.8), with the accelerations and without gravity."""
-    t, n, end, e, q2_acceleration = p.tables, p.n, len(p.tables.edges) - 1, p.tip_offset, w.acceleration[1]
+    t, n, q2_acceleration = p.tables, p.n, w.acceleration[1]
     total_1 = total_2 = 0.0
     for point in range(len(t.x)):
         x, W = t.x[point] - w.F[point], w.W[point]
@@ -132,6 +158,18 @@ def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray
             a2 += t.phi[point, i] * w.acceleration[i + 2]
         total_1 += p.rhoA * t.weights[point] * a1
         total_2 += p.rhoA * t.weights[point] * a2
+    _, _, a1, a2, _ = _tip_body(p, k, w, eta_rate)
+    return total_1 + p.tip_mass * a1, total_2 + p.tip_mass * a2
+
+
+@stage
+def _tip_body(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> tuple[float, float, float, float, float]:
+    """The tip body in frame B (equations 4.7 and 4.8, with the accelerations and without gravity).
+
+    Returns:
+        Its centre from x = L (m), the centre's acceleration (m/s^2), and its angular acceleration relative to the base (rad/s^2).
+    """
+    t, n, end, e, q2_acceleration = p.tables, p.n, len(p.tables.edges) - 1, p.tip_offset, w.acceleration[1]
     angle, angle_1, angle_2 = tangent_angle(w.end[0], p.exact_geometry)
     ec, es = e * math.cos(angle), e * math.sin(angle)
     slope_rate = slope_acceleration = W_rate = F_rate = W_acceleration = F_acceleration = 0.0
@@ -148,7 +186,7 @@ def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray
     a2 = W_acceleration + ec * turning - es * turn**2
     a1 -= 2.0 * k.q2_rate * y_rate + k.q2_rate**2 * x + q2_acceleration * y
     a2 += 2.0 * k.q2_rate * x_rate - k.q2_rate**2 * y + q2_acceleration * x
-    return total_1 + p.tip_mass * a1, total_2 + p.tip_mass * a2
+    return ec, es, a1, a2, turning
 
 
 @stage

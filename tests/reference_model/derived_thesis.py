@@ -37,14 +37,21 @@ class DerivedThesis:
             return built[-1]
 
         system = described("quick_return").quick_return(keeps)
-        ((beam, _, _, tangent),) = built
+        ((beam, _, slider_angle, tangent),) = built
         p = {name: symbol for name, (symbol, _, _) in system.parameters.items()}
         (slider,) = (loop.force for loop in system.loops)
         of_beam, of_crank, of_slider, of_tip = (_lacking(system, points) for points in system.points)
+        turn, turning_of_slider = beam.end_slope(), system.rate(system.rate(slider_angle))
+        masses, x, y, _, _ = system.points[0]
+        damped = ca.dot(masses, x * system.rate(y) - y * system.rate(x)) / p["mass_per_length"] * p["beam_damping"]
+        at_base = p["base_inertia"] * system.rate(system.rate(beam.angle)) + p["base_damping"] * system.rate(beam.angle) - damped
+        center = turned(turn, p["tip_center_of_mass"])
+        at_tip = -p["tip_inertia"] * system.rate(system.rate(turn)) - center[0] * of_tip[1] + center[1] * of_tip[0]
         pivot = of_beam + of_tip - vector(p["force_1"], p["force_2"]) - slider
         results = {
             "slider_force": (ca.dot(slider, vector(-tangent[1], tangent[0])), "N"),
             "bearings": (column(pivot, of_crank + of_slider + slider), "N"),
+            "end_moments": (column(-p["slider_inertia"] * turning_of_slider, at_base, at_tip), "N*m"),
             "strain_energy": (sum(system.energies, ca.SX(0)), "J"),
             "gravity_energy": (-sum((ca.dot(system.gravity, _first_moment(points)) for points in system.points), ca.SX(0)), "J"),
             "tip_position": (beam.end(), "m"),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BEARINGS, BENDING, ROW, SHAPE, recorded_columns
+from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, recorded_columns
 from quickreturn.reference_model.machine.compilation import compiled
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
@@ -155,7 +155,8 @@ def computed(equations: Equations, p: Parameters, y: Array) -> Values:
     values |= {
         "shape": np.array([column[name] for name in SHAPE]),
         "bearings": np.array([column[name] for name in BEARINGS]),
-        "moments": np.array([column[name] for name in BENDING]),
+        "moments": np.array([column[name] for name in (*MOMENTS, "moment_slider")]),
+        "end_moments": np.array([column["moment_inboard"] - column["moment_slider"], column["moment_base"], column["moment_tip"]]),
         "state_rate": np.r_[rate[: n + 1], rate[n + 1 + (not p.crank_is_free) : 2 * n + 2]],
         "dissipated_power": rate[2 * n + 2 : 2 * n + 3],
         "drive_power": rate[2 * n + 3 :],

@@ -120,6 +120,11 @@ def test_a_rigid_follower_has_the_closed_forms(model_of: Any, mechanism: Mechani
     for number, name in enumerate(MOMENTS, 1):
         expected = rigid_bending_moment(mechanism, number / (PLACES + 1) * mechanism.follower.length, *motion)
         np.testing.assert_allclose(columns[name], expected, atol=1e-6 * np.max(np.abs(expected)), err_msg=name)
+    s = rigid_motion(mechanism, *motion).slider_position
+    for name, x in (("slider", s + 1e-9), ("inboard", s - 1e-9), ("base", 0.0), ("tip", mechanism.follower.length)):
+        expected = rigid_bending_moment(mechanism, x, *motion)  # type: ignore[arg-type]  # arrays of places do as well
+        # at the ends it is small: rounding is measured by the largest moment along the arm
+        np.testing.assert_allclose(columns[f"moment_{name}"], expected, atol=1e-6 * np.max(np.abs(columns["moment_06"])), err_msg=name)
 
 
 @pytest.mark.parametrize("tip_force_acts", [False, True], ids=["weight", "weight and force"])
@@ -137,7 +142,7 @@ def test_a_standing_follower_bears_what_statics_says(tip_force_acts: bool) -> No
     s, L, load, weight = mechanism.pivot_distance + crank.length, beam.length, beam.mass_per_length * g, tip_body.mass * g
     reaction = (0.5 * load * L**2 + weight * (L + 0.01) + pull * L) / s
     largest = 0.5 * load * (L - s) ** 2 + weight * (L + 0.01 - s) + pull * (L - s)
-    places = [*(L * k / (PLACES + 1) for k in range(1, PLACES + 1)), s]
+    places = [*(L * k / (PLACES + 1) for k in range(1, PLACES + 1)), s, s, 0.0, L]
     for name, x in zip(BENDING, places, strict=True):
         moment = -0.5 * load * (L - x) ** 2 - weight * (L + 0.01 - x) - pull * (L - x) + reaction * max(0.0, s - x)
         # the deflection, some thousandths of the length, shortens the levers by its square

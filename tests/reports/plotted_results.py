@@ -86,9 +86,9 @@ def made_up_run(case: Case, engine: str, status: str = Ending.SETTLED, seed: int
 def _bending(mechanism: Mechanism, angle: np.ndarray, speed: float, motion: RigidMotion) -> dict[str, np.ndarray]:
     """Moments and bearing forces of the rigid mechanism."""
     pivot, crank = rigid_bearing_forces(mechanism, angle, speed)
-    places = {name: (k + 1) * mechanism.follower.length / 12.0 for k, name in enumerate(MOMENTS)} | {
-        "moment_slider": motion.slider_position
-    }
+    length = mechanism.follower.length
+    places = {name: (k + 1) * length / 12.0 for k, name in enumerate(MOMENTS)} | {"moment_base": 0.0, "moment_tip": length}
+    places |= dict.fromkeys(("moment_slider", "moment_inboard"), motion.slider_position)
     moments = {name: rigid_bending_moment(mechanism, at, angle, speed) for name, at in places.items()}  # type: ignore[arg-type]
     return moments | {
         f"{name}_force_{axis}": force
