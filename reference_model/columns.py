@@ -51,6 +51,13 @@ _ENGINES: Final = partial(
     test="tests/verification/test_witnesses.py::test_engines_with_files_of_their_own_confirm_every_column",
 )
 
+#: The same where base and tip are heavy. In run 24 they ask for a thousandth of the arm's moment, which ringing of Exudyn's cable hides.
+_HEAVY_ENDS: Final = Witness(
+    "`mujoco` and `exudyn` beside `reference` with a heavy base and a heavy tip",
+    3e-3,
+    "tests/engines/test_end_moments.py::test_three_engines_ask_for_the_same_moments_at_the_ends",
+)
+
 #: Name -> column, in the order of tables: those that every engine delivers first.
 COLUMNS: Final = MappingProxyType(
     {
@@ -124,8 +131,8 @@ COLUMNS: Final = MappingProxyType(
         },
         "moment_slider": Observable("N m", "bending moment at the slider, on its outboard side", _ENGINES(3e-4), of_slider=True),
         "moment_inboard": Observable("N m", "the same on its inboard side", _ENGINES(3e-4), of_slider=True),
-        "moment_base": Observable("N m", "bending moment at the base, x = 0", _ENGINES(3e-2)),
-        "moment_tip": Observable("N m", "bending moment at the flexible end, x = L", _ENGINES(3e-2)),
+        "moment_base": Observable("N m", "bending moment at the base, x = 0", _HEAVY_ENDS),
+        "moment_tip": Observable("N m", "bending moment at the flexible end, x = L", _HEAVY_ENDS),
         "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1", _ENGINES(2e-3)),
         "pivot_force_y": Observable("N", "the same along n2", _ENGINES(6e-3)),
         "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", _ENGINES(5e-5), of_slider=True),
