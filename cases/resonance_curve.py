@@ -52,13 +52,6 @@ FOLD_TOLERANCE: Final = 1e-6
 MULTIPLIER_TOLERANCE: Final = 1e-3
 #: Half width of the default range of speeds, as a part of the machine's own speed.
 NEAR: Final = 0.15
-#: Modules on which a stored curve depends, besides those of the simulation.
-CODE: Final = (
-    "quickreturn.cases.resonance_curve",
-    "quickreturn.cases.loads",
-    "quickreturn.cases.measures.extremes",
-    "quickreturn.cases.document",
-)
 
 
 _OF_CURVES: Final = "tests/quickreturn/test_resonance.py"
@@ -218,7 +211,7 @@ def job(
     arguments = (case, varied, speed, tuple(measures), accuracy, claims)
     # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the range show it
     inputs = (scene_at(varied.low), scene_at(varied.high), *arguments[1:])
-    return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), CODE, inputs)
+    return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), inputs)
 
 
 def resonance_curve(

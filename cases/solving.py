@@ -5,11 +5,10 @@ Each is a job: it comes from the store if it is there, and is computed like all 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.records import can_be_stored
 from quickreturn.cases.loads import Loads, loads_of
@@ -23,9 +22,9 @@ from quickreturn.engines.trajectory import Columns, trajectory_type
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
-#: Code on which answers depend besides the engines, and code on which loads depend.
-CODE: Final = ("quickreturn.cases.solving",)
-CODE_OF_LOADS: Final = (*CODE, "quickreturn.cases.loads", "quickreturn.cases.measures")
+if TYPE_CHECKING:
+    from quickreturn.cases.case import Case
+
 _GAUGES: Final = ("strain_1", "strain_2", "strain_3")
 
 
@@ -44,12 +43,12 @@ class TrajectoryRequest:
 
     def job(self, name: str) -> "Job[Answer]":
         """The request as a job; its failures are results."""
-        return Job(name, answer_to, (self,), "trajectory", code=CODE, inputs=self, **_kept(self.engine))
+        return Job(name, answer_to, (self,), "trajectory", inputs=self, **_kept(self.engine))
 
     def loads_job(self, result: Result) -> Job[Loads]:
         """The loads on the parts in the trajectory, as a job; estimates are those of the columns, at their peaks."""
         arguments = self.scene, result.trajectory.columns, result.error_estimates
-        return Job("loads", _loads, arguments, "loads of a trajectory", code=CODE_OF_LOADS, inputs=self, **_kept(self.engine))
+        return Job("loads", _loads, arguments, "loads of a trajectory", inputs=self, **_kept(self.engine))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +74,7 @@ class Answer:
         return Result(**vars(self.assessment), trajectory=trajectory, settings=engine.settings_type(**self.settings))
 
 
-def inputs_of(case: Case) -> tuple[Mechanism, float, float]:
+def inputs_of(case: "Case") -> tuple[Mechanism, float, float]:
     """Everything in a case that determines its trajectories: mechanism, duration (s) and output step (s)."""
     return case.mechanism, case.duration, case.output_step
 
@@ -143,7 +142,7 @@ def frequencies_job(
 ) -> Job[Frequencies]:
     """The job for at most `count` frequencies at each crank angle (rad)."""
     arguments = mechanism, engine, tuple(crank_angles), count, dict(settings)
-    return Job(name, frequencies_at, arguments, "natural frequencies", code=CODE, **_kept(engine))
+    return Job(name, frequencies_at, arguments, "natural frequencies", **_kept(engine))
 
 
 def frequencies_at(

@@ -98,7 +98,7 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
     if true.value is None:
         return []
     jobs = [
-        Job(f"confirming {name}", confirmation_of, (case, true.value, name), "study", (TRUTH[0], name), CODE, inputs_of(case))
+        Job(f"confirming {name}", confirmation_of, (case, true.value, name), "study", (TRUTH[0], name), inputs=inputs_of(case))
         for name in CONFIRMING
     ]
     return [outcome.value for outcome in workshop.outcomes(jobs, "confirmation") if outcome.value and outcome.value.differences]
@@ -133,9 +133,6 @@ def run_studies(workshop: Workshop, engines: Sequence[str] = MAIN) -> Studies:
     )
 
 
-#: Code that the studies depend on.
-CODE: Final = ("quickreturn.cases.studies", "quickreturn.cases.benchmark")
-
 Name = tuple[str, ...]
 
 
@@ -154,12 +151,12 @@ def _jobs() -> list[Job[Any]]:
     """Jobs for the converged solution, the convergence table, the converged solution at the prescribed speed, and the requested runs."""
     case, (defaults, models) = load_case(ACCURACY_CASE), _trajectory_requests()
     runs = [request.job(f"default {request.engine}") for request in (*defaults, *models)]
-    convergence = Job("convergence", _convergence, (case,), "study", ("reference",), CODE, inputs_of(case))
+    convergence = Job("convergence", _convergence, (case,), "study", ("reference",), inputs=inputs_of(case))
     return [_truth(case), convergence, _truth(load_case(PRESCRIBED_CASE)), *runs]
 
 
 def _truth(case: Case) -> Job[Trajectory]:
-    return Job("converged reference", truth_of, (case,), "study", (TRUTH[0],), CODE, inputs_of(case))
+    return Job("converged reference", truth_of, (case,), "study", (TRUTH[0],), inputs=inputs_of(case))
 
 
 def _trajectory_requests() -> tuple[list[TrajectoryRequest], list[TrajectoryRequest]]:

@@ -16,7 +16,7 @@ from quickreturn.cases.benchmark.scenes import ENGINES
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.jobs.job import Outcome
-from quickreturn.cases.jobs.key import LIBRARIES, code_fingerprint
+from quickreturn.cases.jobs.key import LIBRARIES, code_of
 from quickreturn.cases.jobs.store import Store, write_atomically
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import judge_scenes
@@ -104,7 +104,7 @@ def _conforming(workshop: Workshop) -> list[ConformanceRow]:
 
 def _about_now(study: str) -> About:
     versions = [f"{name} {version(name)}" for name in LIBRARIES] + [str(engine(name).version()) for name in ("exudyn", "mujoco")]
-    return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), code_fingerprint(CODE[study]))
+    return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), code_of(CODE[study]))
 
 
 def _write_benchmarks(benchmarks: Sequence[Benchmark]) -> None:

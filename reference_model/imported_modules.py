@@ -4,6 +4,7 @@ Nothing is imported for it, so that the hash of the compiled code costs millisec
 stored result knows the code that it depends on.
 """
 
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
@@ -21,7 +22,7 @@ _ANYWHERE: Final = re.compile(rf"^[ \t]*(?:{_NAMES})", re.MULTILINE)
 #: Imports for the type checker alone: the line and the lines below that are indented further.
 _FOR_TYPES: Final = re.compile(r"^([ \t]*)if TYPE_CHECKING:\n(?:\1[ \t]+[^\n]*\n|[ \t]*\n)+", re.MULTILINE)
 #: A module, or one of its functions, by its name in quotes: imported when it is needed.
-_IN_QUOTES: Final = re.compile(rf"[\"']({PACKAGE}(?:\.\w+)+)(?::\w+)?[\"']")
+_IN_QUOTES: Final = re.compile(rf"({PACKAGE}(?:\.\w+)+)(?::\w+)?[\"']")
 _COMMENT: Final = re.compile(r"#[^\n]*")
 
 Find = Callable[[str], Path | None]
@@ -30,14 +31,30 @@ Find = Callable[[str], Path | None]
 @cache
 def source_of(module: str) -> Path | None:
     """The file of a module of this package, or None if there is no such module."""
-    first, *rest = module.split(".")
-    if first != PACKAGE:
-        return None
+    first, _, rest = module.partition(".")
+    return _modules_of(rest.partition(".")[0]).get(module) if first == PACKAGE else None
+
+
+@cache
+def _modules_of(part: str) -> dict[str, Path]:
+    """All modules of a part of this package, or a module of that name; of "" the package alone."""
     for home in (_HOME, _HOME / PACKAGE):  # in a checkout the public package is a folder beside the others
-        for place in (home.joinpath(*rest, "__init__.py"), home.joinpath(*rest).with_suffix(".py") if rest else None):
-            if place is not None and place.is_file():
-                return place
-    return None
+        if not part and (home / "__init__.py").is_file():
+            return {PACKAGE: home / "__init__.py"}
+        if part and (home / part / "__init__.py").is_file():
+            return dict(_below(str(home / part), f"{PACKAGE}.{part}"))
+        if part and (home / f"{part}.py").is_file():
+            return {f"{PACKAGE}.{part}": home / f"{part}.py"}
+    return {}
+
+
+def _below(folder: str, package: str) -> Iterator[tuple[str, Path]]:
+    """The modules of a package in a folder."""
+    for entry in os.scandir(folder):
+        if entry.name.endswith(".py") and entry.is_file():
+            yield package if entry.name == "__init__.py" else f"{package}.{entry.name[:-3]}", Path(entry.path)
+        elif entry.name != "__pycache__" and entry.is_dir():
+            yield from _below(entry.path, f"{package}.{entry.name}")
 
 
 @cache
@@ -94,11 +111,12 @@ def names_imported(text: str, *, late: bool = True) -> Iterator[str]:
         ValueError: an import is relative, which this project does not use.
     """
     if late:
-        text = _FOR_TYPES.sub("", text)
-        for quoted in _IN_QUOTES.finditer(text):
-            yield quoted[1]
+        if "if TYPE_CHECKING:" in text:
+            text = _FOR_TYPES.sub("", text)
+        yield from (quoted[1] for quoted in _IN_QUOTES.finditer(text) if text[quoted.start() - 1] in "\"'")
     for home, names, whole in (_ANYWHERE if late else _AT_THE_HEAD).findall(text):
-        listed = [name.split()[0] for name in _COMMENT.sub("", names or whole).strip("() \t\n").split(",") if name.strip()]
+        plain = _COMMENT.sub("", names or whole) if "#" in names or "#" in whole else names or whole
+        listed = [name.split()[0] for name in plain.strip("() \t\n").split(",") if name.strip()]
         if home.startswith("."):
             raise ValueError(f"relative import: from {home} import {', '.join(listed)}")
         if home:

@@ -13,7 +13,7 @@ from quickreturn.cases.benchmark.scenes import ENGINES
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.key import SIMULATION, code_fingerprint
+from quickreturn.cases.jobs.key import code_of
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import judge_scenes
 from quickreturn.cases.library import catalogue
@@ -21,7 +21,8 @@ from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work
 from quickreturn.cases.runs.comparison import cross_validate
-from quickreturn.cases.runs.request import CODE, Run
+from quickreturn.cases.runs.request import Run
+from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reports import long_studies
@@ -105,7 +106,7 @@ def write_report(
         verification=stored_verification(workshop.store.folder),
         conformance=_conformance(engines, workshop),
         facts=machine_facts(),
-        code=code_fingerprint((*SIMULATION, *CODE)),
+        code=code_of(steady_state),
         notices=(*missing, *workshop.store.notices),
         around=curves_around(own_cases, workshop),
     )

@@ -36,7 +36,7 @@ class Compiling:
 def compiling(workshop: Workshop, names: Sequence[str]) -> list[Compiling]:
     """The times of engines among `names` that compile code. KeyboardInterrupt: Ctrl-C; finished measurements are stored."""
     jobs = [
-        Job(f"compiling {name}", measured, (name,), "compiling", (name,), ("quickreturn.cases.benchmark",))
+        Job(f"compiling {name}", measured, (name,), "compiling", (name,))
         for name in names
         if engine(name).compiles and not engine(name).unavailable()
     ]

@@ -88,5 +88,4 @@ def _try(case: Case, name: str) -> str:
 
 def _job(case: Case, names: Sequence[str], arguments: tuple[Any, ...]) -> Job[Benchmark]:
     """The job that measures a scene. Its key contains the scene and the engines, but neither the repetitions nor the time limit."""
-    code = ("quickreturn.cases.benchmark",)
-    return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), code=code, inputs=inputs_of(case))
+    return Job(case.name, pinned, arguments, kind="benchmark", engines=tuple(names), inputs=inputs_of(case))

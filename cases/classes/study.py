@@ -16,12 +16,6 @@ from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.trajectory import Trajectory
 
 ENGINES: Final = (*MAIN, *RIVALS)
-CODE: Final = (
-    "quickreturn.cases.benchmark",
-    "quickreturn.cases.classes.grid",
-    "quickreturn.cases.classes.groups",
-    "quickreturn.cases.classes.measurement",
-)
 #: Time limit (s) of a method on a scene: its ladder and two answers take `LIMIT` each, and some runs are repeated.
 STOP: Final = 12.0 * LIMIT
 
@@ -58,13 +52,13 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
 
 def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
     engines = (TRUTH[0], CONFIRMING_ONE)
-    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, CODE, inputs_of(case_of(groups)))
+    return Job(name_of(groups), truth, (groups,), "truth of a class", engines, inputs=inputs_of(case_of(groups)))
 
 
 def _job(groups: Groups, name: str, true: Trajectory) -> Job[list[Reach]]:
     arguments = (groups, name, true)
     limits = replace(default_limits(), seconds=STOP)
-    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), CODE, inputs_of(case_of(groups)), limits)
+    return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), inputs=inputs_of(case_of(groups)), limits=limits)
 
 
 def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> ClassScene:

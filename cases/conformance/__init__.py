@@ -100,8 +100,7 @@ def _verdict(checks: Mapping[str, list[Check]]) -> bool | None:
 
 def job(engine: str) -> Job[Conformance]:
     """The stored form of `conform` for an installed engine: for this version and code of the engine."""
-    code = (__name__, "quickreturn.cases.explanation", "quickreturn.cases.mistakes")
-    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,), code)
+    return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,))
 
 
 def checks_of(group: str, engine: AnyEngine | str, other: OtherProcesses = NOT_TRIED, seconds: float | None = None) -> list[Check]:

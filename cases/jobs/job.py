@@ -42,11 +42,10 @@ class Job(Generic[T]):
     """A result to compute: `function(*arguments)`, both picklable, the function importable by its name."""
 
     name: str  # for people
-    function: Callable[..., T]  # computes the result; its annotated return type is the type that the store returns
+    function: Callable[..., T]  # computes the result, by its module's code; its annotated return type is the type that the store returns
     arguments: tuple[Any, ...] = ()  # of the function
     kind: str = ""  # kind of result; part of the key under which it is stored
     engines: tuple[str, ...] = ()  # engines on whose versions it depends, and on whose code if they are of other packages
-    code: tuple[str, ...] = ()  # packages and modules on which it depends besides those of a simulation (`cases.jobs.key.SIMULATION`)
     inputs: Any = None  # further data that determine the result, besides engines and code; None: the arguments
     limits: Limits | None = None  # None: those of the executor
     # whether it is one of many short jobs whose processes would take longer to start than to compute. A process may do several of them one

@@ -9,7 +9,7 @@ import hashlib
 import inspect
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from importlib import metadata
 from importlib.util import find_spec
@@ -21,12 +21,20 @@ import numpy as np
 from quickreturn.cases.jobs.job import Job
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.reference_model.imported_modules import PACKAGE, imported_modules, source_of, text_of
 
-#: Code on which trajectories and natural frequencies depend, besides a third-party engine's own code.
+#: Code of simulations, besides a third-party engine's own code.
 SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")
 
 #: Code that converts results to records and back.
 _RECORDS: Final = "quickreturn.cases.jobs.records"
+#: Packages and modules that start jobs, or show results and progress: no result depends on them.
+ONLY_TALK: Final = (
+    "quickreturn.cases.jobs",
+    "quickreturn.cases.shown",
+    "quickreturn.engines.progress",
+    "quickreturn.reference_model.witnesses",
+)
 
 #: Libraries that compute; an engine's own library is named by `Engine.version`.
 LIBRARIES: Final = ("numpy", "scipy", "numba")
@@ -40,7 +48,7 @@ def key_of(job: Job[Any]) -> str:
             "function": f"{job.function.__module__}.{job.function.__qualname__}",
             "inputs": job.arguments if job.inputs is None else job.inputs,
             "engines": [version_of(name) for name in job.engines],
-            "code": code_fingerprint((*SIMULATION, _RECORDS, *job.code)),
+            "code": code_of(job.function),
         }
     )
 
@@ -63,6 +71,43 @@ def version_of(name: str) -> list[str]:
     return [name, chosen.version(), "" if name in (*MAIN, *RIVALS) else code_fingerprint((), chosen)]
 
 
+def code_of(function: Callable[..., Any]) -> str:
+    """SHA-256 (hexadecimal) of all sources on which a function's result depends, with the versions of the libraries used.
+
+    These are its module and the modules that this imports, directly and through others, at their heads and inside functions; of this
+    package, or of the function's own. Those of `ONLY_TALK` are left out, with what they alone import.
+    """
+    return _hash_of_module(function.__module__)
+
+
+@cache
+def _hash_of_module(module: str) -> str:
+    digest = hashlib.sha256()
+    for name, file in sources_of(module).items():
+        text = text_of(file)
+        digest.update(f"{name} {len(text)}\n".encode())
+        digest.update(text)
+    return _with_libraries(digest)
+
+
+def sources_of(module: str) -> dict[str, Path]:
+    """Modules whose code determines the results of a module's functions, with their files; see `code_of`."""
+    home = module.partition(".")[0]
+
+    def find(name: str) -> Path | None:
+        if name != _RECORDS and any(f"{name}.".startswith(f"{quiet}.") for quiet in ONLY_TALK):
+            return None
+        if name.partition(".")[0] != home or home == PACKAGE:
+            return source_of(name)
+        try:
+            spec = find_spec(name)
+        except (ModuleNotFoundError, ValueError):  # a name that a module defines; or a module without a specification, such as __main__
+            return None
+        return Path(spec.origin) if spec is not None and spec.origin is not None and spec.origin.endswith(".py") else None
+
+    return imported_modules([module, _RECORDS], find=find)
+
+
 def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | None = None) -> str:
     """SHA-256 (hexadecimal) of source text, with the versions of the libraries used.
 
@@ -75,6 +120,10 @@ def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | No
         digest.update(_source_hash(part).encode())
     if engine is not None:
         digest.update(_file_hash(inspect.getsourcefile(type(engine)) or "").encode())
+    return _with_libraries(digest)
+
+
+def _with_libraries(digest: "hashlib._Hash") -> str:
     for library in LIBRARIES:
         digest.update(f"{library} {library_version(library)}\n".encode())
     return digest.hexdigest()

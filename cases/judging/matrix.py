@@ -27,7 +27,6 @@ MODEL_CONVERGED: Final = 1e-4
 #: Columns of a trial that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")
 _KIND: Final = "hard scene"
-_CODE: Final = ("quickreturn.cases.judging",)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +111,7 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
 
 def _conditioning_job(case: Case) -> Job[Conditioning]:
     arguments = (case.mechanism, case.duration, case.output_step)
-    return Job(f"conditioning of {case.name}", conditioning, arguments, kind=_KIND, engines=("reference",), code=_CODE)
+    return Job(f"conditioning of {case.name}", conditioning, arguments, kind=_KIND, engines=("reference",))
 
 
 def _trial_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str, Job[Trial]]:
@@ -121,7 +120,7 @@ def _trial_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str,
     wanted = {"converged": CONVERGED} | ({"model": (MODEL, MODEL_CONVERGED)} if MODEL in engines else {})
     wanted |= {name: (name, REQUESTED) for name in engines}
     return {
-        what: Job(f"{name} in a hard scene", trial, (name, scene, requested), _KIND, engines=(name,), code=_CODE)
+        what: Job(f"{name} in a hard scene", trial, (name, scene, requested), _KIND, engines=(name,))
         for what, (name, requested) in wanted.items()
     }
 

@@ -8,7 +8,7 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.orbit import begins_in_orbit, orbits
-from quickreturn.cases.runs.request import CODE, Run, RunRequest
+from quickreturn.cases.runs.request import Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.registry import engine
 
@@ -47,9 +47,7 @@ def carry_out(
     for name, orbit in zip(marching, orbits([usable[name].mechanism for name in marching], workshop), strict=True):
         usable[name] = replace(usable[name], orbit=orbit)
     order = _order(usable)
-    jobs = [
-        Job(" ".join(name), steady_state, (usable[name],), kind="steady state", engines=(usable[name].engine,), code=CODE) for name in order
-    ]
+    jobs = [Job(" ".join(name), steady_state, (usable[name],), kind="steady state", engines=(usable[name].engine,)) for name in order]
     first = len({request.engine for request in usable.values()})
     outcomes = workshop.outcomes([*jobs[:first], *other_jobs, *jobs[first:]], title)
     of_runs = zip(order, [*outcomes[:first], *outcomes[first + len(other_jobs) :]], strict=True)

@@ -193,8 +193,6 @@ def orbits(mechanisms: Iterable[Mechanism], workshop: Workshop) -> list[Orbit]:
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
-    jobs = [
-        Job("periodic state", find_orbit, (scene,), kind="periodic state", code=("quickreturn.cases.runs.orbit",)) for scene in mechanisms
-    ]
+    jobs = [Job("periodic state", find_orbit, (scene,), kind="periodic state") for scene in mechanisms]
     outcomes = workshop.outcomes(jobs, "periodic states") if jobs else []
     return [outcome.value or Orbit(None, None, f"the search {outcome.explanation}") for outcome in outcomes]

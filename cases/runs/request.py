@@ -18,9 +18,6 @@ from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
-#: Code on which a run depends besides the simulation.
-CODE: Final = ("quickreturn.cases.measures", "quickreturn.cases.runs")
-
 #: Largest ratio of an engine's period to that of `reference`.
 LARGEST_PERIOD_RATIO: Final = 1.01
 

@@ -14,15 +14,12 @@ from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import CODE as CODE_OF_RUNS
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
 #: Key of an axis whose values are engines.
 ENGINE: Final = "engine"
-#: Modules on which a stored row depends, besides those of the simulation.
-CODE: Final = (*CODE_OF_RUNS, "quickreturn.cases.sweep", "quickreturn.cases.loads", "quickreturn.cases.reading")
 #: Keys that change a trajectory but not the steady motion.
 OF_START: Final = ("crank.initial_angle", "crank.initial_speed", "simulation.duration", "simulation.output_step")
 #: Largest number of points, on one axis and in all.
@@ -178,7 +175,6 @@ def job(case: Case, changes: Sequence[Mapping[str, str]], asked: MeasureRequest)
         arguments=(case, changed, asked),
         kind="row of a study",
         engines=tuple(dict.fromkeys(("reference", asked.engine))),
-        code=CODE,
         # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the row show it
         inputs=(case.scene, [list(each.items()) for each in changed], scenes_of(case, (changed[0], changed[-1])), asked),
         points=len(changed),

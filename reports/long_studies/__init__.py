@@ -9,7 +9,7 @@ import csv
 import dataclasses
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,31 +19,31 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 import pandas as pd
 
 from quickreturn.cases import studies
-from quickreturn.cases.benchmark import Benchmark, Compiling
+from quickreturn.cases.benchmark import Benchmark, Compiling, measure
 from quickreturn.cases.benchmark.findings import Point
 from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.classes.map import Map
 from quickreturn.cases.classes.measurement import Reach
-from quickreturn.cases.conformance import Conformance
-from quickreturn.cases.jobs.key import SIMULATION, code_fingerprint
+from quickreturn.cases.conformance import Conformance, conform
+from quickreturn.cases.jobs.key import code_of
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
 from quickreturn.cases.judging.conditioning import Conditioning
-from quickreturn.cases.judging.matrix import Judged, Matrix
+from quickreturn.cases.judging.matrix import Judged, Matrix, judge_scenes
 from quickreturn.engines.registry import MAIN
 
 T = TypeVar("T")
 
 FOLDER: Final = Path(__file__).parent
-#: Study -> the code that it depends on. Packages beside the core add theirs.
-CODE: Final[dict[str, tuple[str, ...]]] = {
-    "benchmark": (*SIMULATION, "quickreturn.cases.benchmark"),
-    "hard scenes": (*SIMULATION, "quickreturn.cases.judging"),
-    "confirmation": (*SIMULATION, *studies.CODE),
-    "conformance": (*SIMULATION, "quickreturn.cases.conformance"),
-    "classes": (*SIMULATION, *classes.CODE),
+#: Study -> the function whose code determines its results. Packages beside the core add theirs.
+CODE: Final[dict[str, Callable[..., Any]]] = {
+    "benchmark": measure,
+    "hard scenes": judge_scenes,
+    "confirmation": studies.confirming,
+    "conformance": conform,
+    "classes": classes.study,
 }
 #: Significant digits of recorded numbers.
 DIGITS: Final = 5
@@ -63,7 +63,7 @@ class About:
     @property
     def current(self) -> bool:
         """Whether the code is unchanged since then."""
-        return self.code == code_fingerprint(CODE[self.study])
+        return self.code == code_of(CODE[self.study])
 
 
 @dataclass(frozen=True)

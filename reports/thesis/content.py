@@ -71,7 +71,7 @@ class ThesisContent(Content):
         example = of_library(results, ACCURACY_CASE)
         if example is None:
             return {}, []
-        job = Job("frozen crank", thesis_modes, (example.case.mechanism,), kind="frozen crank", code=("quickreturn.cases.thesis.modes",))
+        job = Job("frozen crank", thesis_modes, (example.case.mechanism,), kind="frozen crank")
         (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
         fields = {"finding": long_studies.finding(), "bands": long_studies.bands(), "thesis_modes": outcome.value}
         reason = f"{example.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}"

@@ -66,8 +66,6 @@ LONGEST: Final = 2.0  # s
 #: its ladder, from 24 elements to 96 in seven rungs of five runs of 10 to 30 s, while its estimate stayed at 4e-3 from the third on.
 MOST_RUNGS: Final = 2
 
-_CODE: Final = ("tests.verification.accuracy_campaign", "tests.verification.random_scenes")
-
 #: AnyEngine, and accuracy asked for.
 Request = tuple[str, float | None]
 
@@ -226,7 +224,7 @@ def campaign(scenes: Iterable[tuple[Scene, Sequence[Request]]], workshop: Worksh
     jobs = []
     for scene, requests in scenes:
         names = tuple(sorted({"reference", *(name for name, _ in requests), *(("mujoco", "exudyn") if confirm else ())}))
-        jobs.append(Job(scene.name, scene_rows, (scene, tuple(requests), confirm), "accuracy scene", names, _CODE))
+        jobs.append(Job(scene.name, scene_rows, (scene, tuple(requests), confirm), "accuracy scene", names))
     outcomes = workshop.outcomes(jobs, "accuracy scenes")
     broken = [f"{outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not outcome.completed]
     rows = [asdict(row) for outcome in outcomes for row in outcome.value or ()]

@@ -12,7 +12,6 @@ from quickreturn.cases.measures.consensus import consensus
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.orbit import Orbit, orbits
-from quickreturn.cases.runs.request import CODE
 from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects
 from quickreturn.cases.thesis.finding.response import Request, Response, respond
 from quickreturn.cases.thesis.runs import RUNS, run_case
@@ -115,8 +114,7 @@ def _job(effect: Effect, run: int, way: Way, begin: Orbit) -> Job[tuple[Response
         )
         for strength in strengths
     )
-    code = ("quickreturn.cases.thesis.finding.response", *CODE)
-    return Job(" ".join((effect.id, str(run), way)).strip(), respond, (requests,), kind="finding", engines=(engine,), code=code)
+    return Job(" ".join((effect.id, str(run), way)).strip(), respond, (requests,), kind="finding", engines=(engine,))
 
 
 def _row(effect: Effect, place: int, way: Way, responses: Responses) -> Row:

@@ -3,17 +3,25 @@
 import dataclasses
 import importlib
 import math
+import pickle
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs import key
 from quickreturn.cases.jobs.job import Job, Limits
-from quickreturn.cases.jobs.key import code_fingerprint, hash_of, key_of
+from quickreturn.cases.jobs.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
+from quickreturn.cases.solving import frequencies_job
+from quickreturn.cases.sweep import grid
+from quickreturn.cases.sweep.rows import MeasureRequest
+from quickreturn.reference_model import imported_modules
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24
 
@@ -26,6 +34,8 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, text in {"__init__": "", "one": "a = 1\n", "inner/__init__": "", "inner/two": "b = 2\n"}.items():
         (folder / f"{name}.py").write_text(text)
     monkeypatch.syspath_prepend(tmp_path)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "fingerprinted"]:  # of another test
+        monkeypatch.delitem(sys.modules, name)
     importlib.invalidate_caches()
     return folder
 
@@ -69,6 +79,84 @@ def test_own_code_of_a_third_party_engine_counts() -> None:
     assert code_fingerprint(engine=FakeEngine()) != code_fingerprint()
 
 
+def function_in(module: str) -> Any:
+    """A function of a module, read anew."""
+    key._hash_of_module.cache_clear()
+    imported_modules._imports.cache_clear()
+    imported_modules.text_of.cache_clear()
+    return SimpleNamespace(__module__=module)
+
+
+def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
+    (package / "one.py").write_text("def work():\n    from fingerprinted.inner import two\n    return two.b\n")
+    (package / "apart.py").write_text("")
+    before = code_of(function_in("fingerprinted.one"))
+    for name, text, counts in (("apart", "c = 1\n", False), ("inner/two", "b = 3\n", True), ("inner/__init__", "d = 4\n", True)):
+        (package / f"{name}.py").write_text(text)
+        after = code_of(function_in("fingerprinted.one"))
+        assert (after != before) == counts, name
+        before = after
+
+
+#: Function of a stored job -> some of the modules that it uses, and some that it does not.
+USES = {
+    "sweep.grid.measured_row": (
+        "document copies units reading sweep.measures loads.stress runs.steady_state",
+        "sweep.study runs.comparison",
+    ),
+    "judging.matrix.trial": ("variation judging.evidence", "runs.differences"),
+    "conformance.conform": ("variation mistakes explanation conformance.together", "runs.comparison"),
+    "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.differences sweep.rows"),
+    "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
+    "solving.answer_to": ("solving", "document runs.steady_state"),
+    "resonance_curve.resonance_curve": ("copies reading loads.peak", "runs.comparison"),
+    "benchmark.measurement.pinned": ("benchmark.truth benchmark.methods", "runs.comparison"),
+    "classes.measurement.measured": ("classes.groups benchmark.truth", "runs.comparison"),
+    "thesis.finding.response.respond": ("measures.half_cycle runs.marching", "runs.comparison"),
+    "thesis.modes.thesis_modes": ("thesis.modes", "runs.comparison"),
+}
+
+
+@pytest.mark.parametrize("name", USES)
+def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(name: str) -> None:
+    used, others = (texts.split() for texts in USES[name])
+    module, _, function = f"quickreturn.cases.{name}".rpartition(".")
+    assert callable(getattr(importlib.import_module(module), function))
+    sources = sources_of(module)
+    assert {f"quickreturn.cases.{each}" for each in used} <= sources.keys()
+    assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.jobs.records"} <= sources.keys()
+    assert not {f"quickreturn.cases.{each}" for each in others} & sources.keys()
+    assert not {"quickreturn.cases.jobs.display", "quickreturn.engines.progress", "quickreturn.cases.shown"} & sources.keys()
+
+
+RUNNING = """
+import pickle, sys
+function, arguments = pickle.load(sys.stdin.buffer)
+function(*arguments)
+print(*(name for name in sys.modules if name.startswith("quickreturn.")))
+"""
+
+
+def row() -> Job[Any]:
+    asked = MeasureRequest(measures=("peak.stress", "multiplier"), claims=False, accuracy=0.05)
+    return grid.job(load_case("shaper-cutting"), [{"follower.thickness": "50 mm"}], asked)
+
+
+def frequencies() -> Job[Any]:
+    return frequencies_job("frequencies", run_24(), "reference", [1.0], 2, {})
+
+
+@pytest.mark.parametrize("made", [frequencies, pytest.param(row, marks=pytest.mark.verify)])
+def test_a_job_loads_no_module_that_its_key_lacks(made: Callable[[], Job[Any]]) -> None:
+    """In a process of its own, as a worker gets it."""
+    asked = made()
+    order = pickle.dumps((asked.function, asked.arguments))
+    loaded = subprocess.run([sys.executable, "-P", "-c", RUNNING], input=order, capture_output=True, check=True).stdout.decode().split()
+    assert asked.function.__module__ in loaded
+    quiet = tuple(f"{each}." for each in ONLY_TALK)
+    assert {name for name in loaded if not f"{name}.".startswith(quiet)} - sources_of(asked.function.__module__).keys() == set()
+
+
 def test_missing_part_is_an_error() -> None:
     with pytest.raises(ModuleNotFoundError, match="no_such_part"):
         code_fingerprint(("no_such_part",))
@@ -80,7 +168,7 @@ def job(**changes: Any) -> Job[Any]:
 
 def test_a_result_is_told_apart_by_all_that_determines_it_and_by_nothing_else() -> None:
     changes: list[dict[str, Any]] = [{"function": sum}, {"arguments": ((1, 3),)}, {"inputs": "other"}, {"kind": "other"}, {"engines": ()}]
-    others = [job(**change) for change in (*changes, {"code": ("quickreturn.cases.jobs.worker",)})]
+    others = [job(**change) for change in changes]
     assert len({key_of(each) for each in (job(), *others)}) == 1 + len(others)
     assert key_of(job()) == key_of(job(name="two", limits=Limits(seconds=1.0))) == key_of(job(inputs=((1, 2),)))
 

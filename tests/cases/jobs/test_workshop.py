@@ -59,7 +59,7 @@ def test_only_what_is_missing_is_computed(workshop: Workshop, executor: Watched)
 
 
 def test_another_kind_of_result_shares_nothing(workshop: Workshop, executor: Watched) -> None:
-    for each in (job(1), job(1, kind="other"), job(1, code=("quickreturn.cases.jobs.worker",)), job(1, engines=("reference",))):
+    for each in (job(1), job(1, kind="other"), job(1, copy.deepcopy, inputs=1), job(1, engines=("reference",))):
         workshop.outcomes([each], "trials")
     assert executor.started == ["1"] * 4
 
