@@ -60,6 +60,26 @@ def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
     return correlated * np.outer(wider, wider), independent
 
 
+def reach(slopes: Array, levels: Array) -> Array:
+    """Bound of what errors of known size do to a least-squares estimate, whatever their course in time, shape (p, p).
+
+    Errors e_c of the columns with RMS up to t_c move the estimate by b = sum_c P_c e_c, where P is the pseudo-inverse of the slopes. With
+    M = sqrt(C N) [t_1 P_1, ..., t_C P_C] this is b = M u with |u| <= 1, so that b lies in the ellipsoid of M M^T, which is returned. More
+    rows do not make it smaller: such an error is no noise, and may look like the effect of a parameter throughout.
+
+    Args:
+        slopes: weighted, shape (C, N, p).
+        levels: weighted RMS of the errors, shape (C,).
+    """
+    channels, rows, count = slopes.shape
+    matrix = slopes.reshape(-1, count)
+    sizes = np.linalg.norm(matrix, axis=0)
+    sizes[sizes == 0.0] = 1.0
+    bread = np.linalg.pinv((matrix / sizes).T @ (matrix / sizes), rcond=1e-14, hermitian=True)
+    moved = (slopes / sizes) @ bread / sizes * levels[:, None, None]  # of each coordinate by an error of `levels` in one row
+    return np.asarray(channels * rows * np.einsum("cnk,cnl->kl", moved, moved))
+
+
 def smooth_part(residuals: Array) -> float:
     """Part of the squared residuals, shape (C, N), that is smooth from row to row: 0 for independent noise.
 
