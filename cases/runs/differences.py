@@ -1,7 +1,7 @@
 """Differences of two runs, column by column, and their explanation: a mistake, noise, or another case."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Final
 
 import numpy as np
@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.explanation import Hypothesis
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.mistakes import diagnose
 from quickreturn.cases.runs.marching import channels_of
@@ -35,6 +36,10 @@ WHOLE: Final = "case"
 FEWEST: Final = 3
 FAR_OFF: Final = 0.1
 SPECIFIC: Final = 0.3
+#: Traits that no bending stiffness changes.
+OF_GEOMETRY: Final = frozenset(("nearest", "farthest"))
+#: Ratio of frequencies up to which they count as the same: they are fitted with the shapes of another stiffness.
+ALIKE: Final = 1.03
 #: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
 BESIDES: Final = 0.5
 
@@ -76,7 +81,11 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     off_by = {name: relative_error(*grids[name]) for name in vibrating}
     specific = {name: told for name, told in sentences.items() if name in off_by and remainders[name] <= SPECIFIC * rms(grids[name][0])}
     if len(off_by) >= FEWEST and min(off_by.values()) > FAR_OFF and 2 * len(specific) < len(off_by):
-        return {WHOLE: _of_another(others) if others.names else _fits_not(case.name, off_by, others.told)} | specific
+        return {
+            WHOLE: _of_another(others)
+            if others.names
+            else _fits_not(case.name, off_by, others.told) + _lead_on(run, other, case, others.odd)
+        } | specific
     return sentences
 
 
@@ -89,6 +98,17 @@ def _fits_not(case: str, off_by: Mapping[str, float], told: str) -> str:
     off = f"off by {100.0 * min(off_by.values()):.0f} to {100.0 * max(off_by.values()):.0f} %{told and '; '}{told}"
     question = "is it a table of another case, is a quantity of the scene another one, or is the model coarse?"
     return f"none of its {len(off_by)} columns that vibrate fits {case} ({off}), and no single mistake explains that: {question}"
+
+
+def _lead_on(run: Run, other: Run, case: Case, odd: Collection[str]) -> str:
+    """A clause on the stiffness that would give the table's first frequency, and how to fit it; "" if more than that is odd."""
+    pairs = [(run.consensus_frequency(half), other.consensus_frequency(half)) for half in HALVES]
+    ratios = [mine / its for mine, its in pairs if mine is not None and its is not None]
+    if not ratios or OF_GEOMETRY.intersection(odd) or max(ratios) > ALIKE * min(ratios) or 1.0 / ALIKE < ratios[0] < ALIKE:
+        return ""
+    stiffness, table = case.mechanism.follower.bending_stiffness, "TABLE.csv" if run.recording is None else run.recording.path
+    about = f"a bending stiffness of about {stiffness * float(np.mean(ratios)) ** 2:.2g} N m² in place of {stiffness:.4g}"
+    return f"; {about} would give its frequencies: `quickreturn calibrate {case.name} {table} --free follower.bending_stiffness` fits it"
 
 
 def _noise_of(name: str, run: Run, other: Run) -> str:

@@ -62,6 +62,7 @@ class OtherCases(NamedTuple):
     names: tuple[str, ...] = ()  # empty if the given case fits, or if no case of the library does
     told: str = ""  # evidence that the given case does not fit (a clause); "" if it fits
     sure: bool = False  # whether the evidence is more than the size of single columns
+    odd: tuple[str, ...] = ()  # traits of the given case that the table does not have
 
 
 def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
@@ -91,7 +92,7 @@ def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
                 break
         if worst is not None:
             fitting[candidate] = worst
-    return OtherCases(_best(fitting), told, not _WEAK.issuperset(odd))
+    return OtherCases(_best(fitting), told, not _WEAK.issuperset(odd), tuple(odd))
 
 
 def cases_of_pace(turn: float, slider: tuple[float, float] | None) -> tuple[str, ...]:

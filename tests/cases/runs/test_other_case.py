@@ -16,6 +16,7 @@ from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
+from quickreturn.reference_model.mechanism import changed
 
 ALL = ("thesis-15", "thesis-17", "thesis-22", "thesis-24", "hard-ei-x10", "hard-no-tip")
 
@@ -95,6 +96,19 @@ def test_a_scene_with_another_value_is_told_as_that_and_no_column_is_explained()
     assert list(told) == [WHOLE]
     assert "the slider comes as near as 0.3404 m to P in it, 0.3556 m in thesis-24" in told[WHOLE]
     assert "is a quantity of the scene another one" in told[WHOLE]
+
+
+@pytest.mark.parametrize("factor", [1.0 / 1.7, pytest.param(1.5, marks=pytest.mark.verify)])
+def test_another_stiffness_is_led_on_to_a_calibration(factor: float) -> None:
+    """In the frozen mechanism frequencies go with the root of the stiffness; the turning one shifts them by a few percent."""
+    case = load_case("thesis-24")
+    stiffness = case.mechanism.follower.bending_stiffness
+    scene = changed(case.mechanism, {"follower.bending_stiffness": factor * stiffness})
+    mine = simulate_scene(engine("reference"), scene, 2.2, 1e-3, {}, None)
+    told = explanations(recorded_run(table_of(mine.trajectory.columns), case), right(case), case)[WHOLE]
+    assert "`quickreturn calibrate thesis-24 table --free follower.bending_stiffness` fits it" in told
+    value = float(told.split("a bending stiffness of about ")[1].split()[0])
+    assert abs(value / (factor * stiffness) - 1.0) < 0.1
 
 
 def test_every_trait_is_told_with_both_values_and_the_case() -> None:
