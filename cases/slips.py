@@ -30,8 +30,10 @@ _IN_QUANTITIES: Final = (
 
 #: How a unit may look on paper, and how it is written here.
 _ON_PAPER: Final = (
+    (r"\.$", ""),
     (r"\s*[·⋅×]\s*|\.|\s+", "*"),
-    (r"\b([kM]?N)m", r"\1*m"),
+    (r"(?<=[A-Za-z2-9])-(?=[A-Za-z])", "*"),
+    (r"\blbm\b", "lb"),
     (r"(?<=[A-Za-z])([2-9])\b", r"^\1"),
     (r"²", "^2"),
     (r"³", "^3"),
@@ -39,6 +41,10 @@ _ON_PAPER: Final = (
     (r"°", "deg"),
     (r"[\"″]", "in"),
 )
+
+#: Names of units that are written as one word on paper: "Nms", "inlb", "kgm^2".
+_JOINED: Final = re.compile(r"\b(?:[kMm]?N|kg|Pa|lbf|lb|ft|in|mm|cm|m|s){2,}(?=[\^*/]|$)")
+_PART: Final = re.compile(r"[kMm]?N|kg|Pa|lbf|lb|ft|in|mm|cm|m|s")
 
 #: Turns in a time as on paper, "1/min", "rev/min", "U/min" or "revolutions per minute"; the group is the time.
 _TURNS_IN: Final = re.compile(r"(?:1|[ru]|tr|revs?|revolutions?|rot|rotations?)?\s*(?:/|\bper\b)\s*([a-z]+)", re.IGNORECASE)
@@ -60,6 +66,7 @@ def units_meant(unit: str) -> Iterator[str]:
     plain = unit
     for on_paper, here in _ON_PAPER:
         plain = re.sub(on_paper, here, plain)
-    for meant in (plain, plain.lower(), re.sub(r"\b(lb|pound)s?\b", "lbf", plain)):
+    apart = _JOINED.sub(lambda joined: "*".join(_PART.findall(joined[0])), plain)
+    for meant in (plain, apart, plain.lower(), *(re.sub(r"\b(lb|pound)s?\b", "lbf", each) for each in (plain, apart))):
         if meant != unit:
             yield meant

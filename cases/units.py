@@ -193,7 +193,18 @@ def _meant(number: str, unit: str, dimension: Dimension) -> str:
     if dimension is ANGULAR_SPEED and (turning := _turning(number, unit)):
         return f" (perhaps meant as {turning})"
     probable = next((meant for meant in slips.units_meant(unit) if _measures(meant, dimension)), None)
+    if probable is None and not _is_unit(unit):
+        other = next((meant for meant in slips.units_meant(unit) if _is_unit(meant)), None)
+        return f' (perhaps meant as "{other}", {_name(_read_unit(other)[1])}, but {dimension.name} is needed)' if other else ""
     return f' (perhaps meant as "{probable}")' if probable else ""
+
+
+def _is_unit(text: str) -> bool:
+    """Whether a text is a unit expression of any dimension."""
+    try:
+        return bool(_read_unit(text))
+    except _UnitError:
+        return False
 
 
 def _turning(number: str, unit: str) -> str:
