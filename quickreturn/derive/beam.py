@@ -30,7 +30,7 @@ class _Line(NamedTuple):
 
 
 class Beam:
-    """An Euler beam that leaves `origin` at `angle`, inextensible unless `stretch` is given.
+    """An Euler beam that leaves `origin` at `angle`, inextensible unless `stretch` is given, without shear and inertia of its sections.
 
     Args:
         system: the system that contains the beam.

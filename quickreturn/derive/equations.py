@@ -33,9 +33,11 @@ class Equations:
         gap, G, bias: of all loops.
         q, v, a: coordinates, their rates and accelerations.
         free: indices of the speeds that the state contains.
+        forces, lost, done: symbols of the loops' forces, the dissipated energy and the work.
         acceleration, force: q'' and the loops' forces.
         state, rates: coordinates, speeds, dissipated energy and work; their rates.
         outputs: name -> expression and unit.
+        stated: the same, with accelerations and forces of loops as symbols.
     """
 
     def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
@@ -87,6 +89,7 @@ class Equations:
         shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}
         energies = (kinetic, potential, lost, done, kinetic + potential + lost - done)
         shown |= {name: (e, "J") for name, e in zip(SHOWN[1:], energies, strict=True)}
+        self.forces, self.lost, self.done, self.stated = forces, lost, done, shown
         # substitute accelerations and forces, then the speeds that the loops give
         values = _replaced([self.rates, *(e for e, _ in shown.values())], column(self.a, forces), column(self.acceleration, self.force))
         self.acceleration, self.force, self.rates, *values = _replaced([self.acceleration, self.force, *values], self.v, velocity)
@@ -123,7 +126,7 @@ class Equations:
             c0[given], back[given] = -inverse @ self.bias, -feedback * (inverse @ self.gap)
         M, Q = self.M[:n, :n], self.Q[:n]
         acceleration = B @ _solved(_symmetric(B.T @ (M @ B)), B.T @ (Q - M @ c0)) + c0
-        velocity = B @ self.v[free] + c
+        velocity = B @ column(*(self.v[k] for k in free)) + c
         force = inverse.T @ (M @ acceleration - Q)[given] if given else ca.SX(0, 1)
         return acceleration, force, velocity, velocity + back
 

@@ -1,25 +1,24 @@
 """Evaluates derived equations numerically: finds a start, integrates, and computes the named outputs."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Final
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
 
 import casadi as ca
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
-from quickreturn.derive.checks import check_inertia, check_units
+from quickreturn.derive.checks import check_condition, check_inertia, check_units
 from quickreturn.derive.equations import Equations, Form
+from quickreturn.derive.integration import Rates, integrated
 from quickreturn.derive.machine_code import MachineCode, refuse_nan
+from quickreturn.derive.singular import Passage, Watch
 from quickreturn.derive.system import System, column
 from quickreturn.derive.units import DescriptionError, in_si
 
 Array = NDArray[np.float64]
 #: Name of a parameter, a coordinate or a rate -> its value.
 Values = Mapping[str, float]
-#: A function that gives the rate of the state at a time and a state.
-Rates = Callable[[float, Array], Array]
 
 #: Largest gap of a closed loop after Newton's method, relative to the size of the loop's terms.
 CLOSED: Final = 1e-8
@@ -27,6 +26,10 @@ CLOSED: Final = 1e-8
 OPENS: Final = 1e-5
 #: Smallest part of a Newton step that is tried to close the loops: a step is halved until it leads nearer.
 SMALLEST_PART: Final = 1e-6
+#: Relative rounding of a potential energy whose parts cancel.
+ROUNDING: Final = 1e-12
+#: Part of a passage beside the singular position in which forces of loops are lost in rounding, whose square they are divided by.
+LOST: Final = 1e-3
 
 
 class Model:
@@ -53,7 +56,17 @@ class Model:
         self._rates = MachineCode(self.inputs, e.rates, names)
         results = column(*(expression for expression, _ in e.outputs.values()))
         self._outputs = ca.Function("outputs", [self.inputs], [ca.densify(ca.cse(results))])
-        self._matrices = ca.Function("matrices", [self.inputs], [e.gap, e.G, e.M[:n, :n]])
+        rows = [table.row for table in system.tables]
+        at = [column(system.time, e.q, self.constants, *rows)]
+        jacobian = ca.Function("jacobian", at, [ca.densify(e.G.T)])
+        self._at, self._G = np.zeros(jacobian.numel_in()), np.zeros(e.G.shape)
+        called: Any = jacobian.buffer()  # CasADi's quickest way to call a function
+        self._buffer, self._jacobian = called
+        self._buffer.set_arg(0, self._at.data)
+        self._buffer.set_res(0, self._G.data)
+        self._matrices = ca.Function("matrices", at, [e.gap, e.G, e.M[:n, :n]])
+        moving = [column(system.time, e.q, e.v, self.constants, *rows)]
+        self._motion = ca.Function("motion", moving, [e.gap, e.G, e.bias, e.M[:n, :n], e.Q[:n]])
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
 
     def values(self, changed: Values | None) -> Array:
@@ -124,40 +137,80 @@ class Model:
     def simulate(
         self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
     ) -> pd.DataFrame:
-        """The named outputs on a uniform grid of times; `attrs["units"]` holds their units.
+        """The named outputs on a uniform grid of times.
+
+        `attrs["units"]` holds their units, `attrs["singular_positions"]` the times (s) of the singular positions that the motion passed.
+        There forces of loops may have a pole: a row beside it, within a thousandth of the passage, has nan in their place.
 
         Args:
             start: name -> coordinate or rate at time 0; see `start`.
             duration: s.
             step: time between two rows, s.
             tolerance: local error, relative to each coordinate or rate and to the coordinate's `size`.
-            method: method of scipy's `solve_ivp`: "DOP853", or "Radau" for stiff equations.
+            method: "DOP853", or "Radau" for stiff equations.
             parameters: name -> changed value, in the parameter's unit.
 
         Raises:
-            DescriptionError: the start is impossible, or the integration gets stuck; the sentence says when.
+            DescriptionError: the start is impossible, the integration gets stuck, the motion ends in a singular position, or the energy
+                balance changes; the sentence says when.
         """
         y, p = self.start(start, parameters), self.values(parameters)
-        self.check(y, p)
+        self.check(y, p, tolerance)
         times = np.linspace(0.0, duration, round(duration / step) + 1)
-        states = self.integrate(lambda t, y: self.rates(t, y, p), y, times, tolerance, self.error_sizes(), method)
-        return self.observe(times, states, p)
+        states, passages = self.integrate(lambda t, y: self.rates(t, y, p), y, times, p, tolerance, self.error_sizes(), method)
+        frame = self.observe(times, states, p, passages)
+        self._check_energy(frame, y, p, tolerance)
+        return frame
 
-    def integrate(self, rates: Rates, y: Array, times: Array, tolerance: float, sizes: Array, method: str = "DOP853") -> Array:
-        """The states at given times, shape (times, len(y)); errors are relative to the states and to `sizes`. See `simulate`."""
-        with np.errstate(invalid="ignore"):  # where the motion ends, a step too far has rates that are no numbers
-            solution = solve_ivp(rates, (0.0, times[-1]), y, method, times, rtol=tolerance, atol=tolerance * sizes)
-        if not solution.success:
-            at = solution.t[-1] if len(solution.t) else 0.0
-            ends = ", ".join(self.system.coordinates[table.index].name for table in self.system.tables)
-            cause = f" ({ends} may have left its table)" if ends else ""
-            raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {at:g} s{cause}: {solution.message}")
-        return np.asarray(solution.y.T)
+    def integrate(
+        self, rates: Rates, y: Array, times: Array, p: Array, tolerance: float, sizes: Array, method: str = "DOP853", passes: bool = True
+    ) -> tuple[Array, list[Passage]]:
+        """The states at given times, shape (times, len(y)), and the passages; errors are relative to the states and to `sizes`.
 
-    def check(self, y: Array, p: Array) -> None:
-        """Raise DescriptionError if accelerations are undetermined, an output is not finite, or code and interpreter differ."""
+        The first entries of y are the state of the system. `passes`: whether to pass singular positions. See `simulate`.
+        """
+        watch, tables = Watch(self, p, tolerance, passes), self.system.tables
+        watch.begin(y)
+        ends = ", ".join(self.system.coordinates[table.index].name for table in tables)
+        cause = f" ({ends} may have left its table)" if ends else ""
+        return integrated(rates, y, times, tolerance, sizes, method, watch, self.system.name, cause)
+
+    def _check_energy(self, frame: pd.DataFrame, y: Array, p: Array, tolerance: float) -> None:
+        """Raise DescriptionError if the energy balance changes by more than errors of integration explain."""
+        n, size = len(self.system.coordinates), self.error_sizes()
+        potential = frame["potential_energy"]
+        moved = [frame["kinetic_energy"], potential - potential[0], frame["dissipated_energy"], frame["work"]]
+        of_sizes = 0.5 * size[:n] @ self.loops(y[:n], p)[2] @ size[:n]
+        energy = sum(float(each.abs().max()) for each in moved)
+        change = (frame["energy_balance"] - frame["energy_balance"][0]).abs()
+        # local errors of the tolerance add up to its root in as many steps
+        allowed = np.sqrt(tolerance) * energy + tolerance * of_sizes + ROUNDING * float(potential.abs().max())
+        if not (change <= allowed).all():
+            first = int(np.argmax(~(change <= allowed)))
+            raise DescriptionError(
+                f"the motion of {self.system.name!r} is wrong from {frame['time'][first]:g} s at the latest: its energy balance has changed"
+                f" by {change[first]:.3g} J, with {energy:.3g} J in motion; take a tolerance below {tolerance:g}, or a smaller `size` of"
+                " the coordinates"
+            )
+
+    def check(self, y: Array, p: Array, tolerance: float = 1e-9) -> None:
+        """Check that a start determines the motion.
+
+        Raises:
+            DescriptionError: accelerations are undetermined or lost in rounding, an output is not finite, or code and interpreter differ.
+        """
         _, G, M = self.loops(y[: len(self.system.coordinates)], p)
-        check_inertia(self.system, M, G[:, :-1])
+        G, free = G[:, :-1], self.equations.free
+        check_inertia(self.system, M, G)
+        Watch(self, p, tolerance).begin(y)
+        if len(free) < len(M):  # the matrices that the two forms solve
+            given = [k for k in range(len(M)) if k not in free]
+            B = np.eye(len(M))[:, free]
+            B[given] = -np.linalg.solve(G[:, given], G[:, free])
+            solved = B.T @ M @ B
+        else:
+            solved = M + np.trace(M) / max(float(np.sum(G**2)), 1e-300) * G.T @ G
+        check_condition(self.system, solved, free, tolerance)
         x = self.input(0.0, y, p)
         self._rates.check(x)
         refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
@@ -171,12 +224,27 @@ class Model:
         """The rate dy/dt of a state."""
         return self._rates(self.input(time, y, p))
 
-    def observe(self, times: Array, states: Array, p: Array) -> pd.DataFrame:
-        """The outputs of states, shape (times, size of a state), each in its unit."""
-        rows = np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T
+    def observe(self, times: Array, states: Array, p: Array, passages: Sequence[Passage] = ()) -> pd.DataFrame:
+        """The outputs of states, shape (times, size of a state), each in its unit.
+
+        During a passage they are interpolated, except those with forces of loops, which have a pole in the singular position.
+        """
+        rows, e = self._shown(times, states, p), self.equations
+        for passage in passages:
+            inside = (times > passage.times[0]) & (times < passage.times[-1])
+            if np.any(inside):
+                smooth = [k for k, (value, _) in enumerate(e.stated.values()) if not ca.depends_on(value, e.forces)]
+                rows[np.ix_(inside, smooth)] = passage.between(self._shown(passage.times, passage.states, p)[:, smooth], times[inside])
+                lost = np.abs(times - passage.singular) < LOST * (passage.times[-1] - passage.times[0])
+                rows[np.ix_(inside & lost, [k for k in range(rows.shape[1]) if k not in smooth])] = np.nan
         frame = pd.DataFrame(np.column_stack([times, rows]), columns=list(self.units)) / [in_si(unit)[0] for unit in self.units.values()]
         frame.attrs["units"] = self.units
+        frame.attrs["singular_positions"] = [passage.singular for passage in passages]
         return frame
+
+    def _shown(self, times: Array, states: Array, p: Array) -> Array:
+        """The outputs of states in SI, shape (times, outputs)."""
+        return np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T
 
     def input(self, time: float, y: Array, p: Array) -> Array:
         """The values of all symbols of the equations, SI, in the order of `inputs`."""
@@ -188,8 +256,22 @@ class Model:
 
     def loops(self, q: Array, p: Array) -> tuple[Array, Array, Array]:
         """The gaps, their Jacobian and the mass matrix at time 0."""
-        gap, G, M = (np.array(each) for each in self._matrices(self.input(0.0, self.state(q, 0.0 * q), p)))
+        gap, G, M = (np.array(each) for each in self._matrices(self._place(0.0, q, p)))
         return gap.ravel(), G, M
+
+    def jacobian(self, time: float, q: Array, p: Array) -> Array:
+        """The Jacobian of the loops by coordinates and time, shape (rows, n + 1)."""
+        self._at[:] = self._place(time, q, p)
+        self._jacobian()
+        return self._G.copy()
+
+    def motion(self, time: float, q: Array, v: Array, p: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """The gaps of the loops, their Jacobian, their bias, the mass matrix and the forces; v: all rates. See `Equations`."""
+        gap, G, bias, M, Q = (np.array(each) for each in self._motion(self._place(time, np.append(q, v), p)))
+        return gap.ravel(), G, bias.ravel(), M, Q.ravel()
+
+    def _place(self, time: float, q: Array, p: Array) -> Array:
+        return np.concatenate([[time], q, p, *(table.at(q[table.index]) for table in self.system.tables)])
 
     def refuse_unknown(self, names: Iterable[str], what: str, known: Iterable[str]) -> None:
         """Raise DescriptionError for an unknown name; the message lists the known ones."""

@@ -24,6 +24,16 @@ class Linear(NamedTuple):
     Z: Array  # shape (n, m)
 
 
+class Rest(dict[str, float]):
+    """Coordinates at rest, by name in their units: a start for a simulation.
+
+    Attributes:
+        outputs: all outputs at rest, by name in their units, forces of loops and energies among them; without forces that hold coordinates.
+    """
+
+    outputs: dict[str, float]
+
+
 class Statics:
     """Forces of a system at rest, and how they change with its coordinates.
 
@@ -49,9 +59,12 @@ class Statics:
         tables = [each for t in system.tables for each in (t.row, t.row_slope)]
         inputs = column(system.time, e.q, now, e.v, force, model.constants, *tables)
         self._evaluate = ca.Function("statics", [inputs], [ca.densify(each) for each in expressions])
+        still = [column(e.a, e.lost, e.done, e.forces)], [column(ca.SX.zeros(n + 2), force)]
+        shown = ca.substitute([column(*(value for value, _ in e.stated.values()))], *still)
+        self._outputs = ca.Function("outputs", [inputs], [ca.densify(each) for each in shown])
 
-    def equilibrium(self, start: Values) -> dict[str, float]:
-        """Coordinates at rest under the forces, by name in their units, found from a start by Newton's method.
+    def equilibrium(self, start: Values) -> Rest:
+        """Coordinates and outputs at rest under the forces, found from a start by Newton's method.
 
         Raises:
             DescriptionError: no equilibrium is found.
@@ -70,7 +83,10 @@ class Statics:
             force += step[len(moving) :]
             rounding = 1e-14 * np.abs(J) @ np.abs(np.concatenate([q[moving], force]))
             if np.all(np.abs(step) < 1e-12) or np.all(np.abs(lacking) <= rounding):
-                return {c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates)}
+                rest = Rest({c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates)})
+                values, stated = np.array(self._outputs(self._inputs(q, force))).ravel(), self._model.equations.stated
+                rest.outputs = {name: float(x / in_si(unit)[0]) for x, (name, (_, unit)) in zip(values, stated.items(), strict=True)}
+                return rest
         raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer, or a spring")
 
     def linearised(self, at: Values) -> Linear:
@@ -85,10 +101,13 @@ class Statics:
 
     def _at(self, q: Array, force: Array) -> list[Array]:
         """Balance, gaps, G, M, D and K."""
+        values = self._evaluate(self._inputs(q, force))
+        return [np.array(each).ravel() if k < 2 else np.array(each) for k, each in enumerate(values)]
+
+    def _inputs(self, q: Array, force: Array) -> Array:
         rows = [t.at(q[t.index], slope) for t in self._model.system.tables for slope in (False, True)]
         constants = self._model.values(self._parameters)
-        values = self._evaluate(np.concatenate([[0.0], q, q, np.zeros(len(q)), force, constants, *rows]))
-        return [np.array(each).ravel() if k < 2 else np.array(each) for k, each in enumerate(values)]
+        return np.concatenate([[0.0], q, q, np.zeros(len(q)), force, constants, *rows])
 
 
 def natural_frequencies(model: Model, at: Values, hold: Sequence[str] = (), parameters: Values | None = None) -> Array:

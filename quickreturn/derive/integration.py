@@ -1,0 +1,85 @@
+"""Integrates the states of a model: steps of scipy's methods, and passages of singular positions between them."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import integrate
+
+from quickreturn.derive.singular import Passage, Watch
+from quickreturn.derive.units import DescriptionError
+
+Array = NDArray[np.float64]
+#: A function that gives the rate of the state at a time and a state.
+Rates = Callable[[float, Array], Array]
+
+METHODS: Final[dict[str, Any]] = {"DOP853": integrate.DOP853, "Radau": integrate.Radau}
+#: Singular value of the loops below which a method that finds no step is stuck in a singular position.
+STUCK: Final = 1e-3
+
+
+def integrated(
+    rates: Rates, y: Array, times: Array, tolerance: float, sizes: Array, method: str, watch: Watch, name: str, ends: str = ""
+) -> tuple[Array, list[Passage]]:
+    """The states at given times, shape (times, len(y)), and the passages.
+
+    Args:
+        rates: of the state.
+        y: state at time 0; the watch takes its first entries for that of the model.
+        times: s, ascending from 0.
+        tolerance: local error, relative to each state and to `sizes`.
+        sizes: scale of each state's error.
+        method: a name in METHODS.
+        watch: of the loops.
+        name: of the system, for messages.
+        ends: what else may have ended the motion, for messages.
+
+    Raises:
+        DescriptionError: an unknown method, or the integration finds no step; the sentence says when.
+    """
+    if method not in METHODS:
+        raise DescriptionError(f"method {method!r} is not known; take one of {', '.join(METHODS)}")
+
+    def begun(time: float, state: Array, first_step: float | None = None) -> Any:
+        return METHODS[method](rates, time, state, times[-1], rtol=tolerance, atol=tolerance * sizes, first_step=first_step)
+
+    states, row, passages = np.tile(y, (len(times), 1)), 1, list[Passage]()
+    solver = begun(0.0, y)
+    while solver.status == "running" and row < len(times):
+        before = solver.y
+        with np.errstate(
+            invalid="ignore", over="ignore", divide="ignore"
+        ):  # where a motion ends, a step too far has rates that are no numbers
+            message = solver.step()
+        if solver.status == "failed":
+            if watch.smallest < STUCK:
+                watch.ends(solver.t)
+            raise DescriptionError(f"the integration of {name!r} gets stuck after {solver.t:g} s{ends}: {message}")
+        if not watch.follows(solver.t, solver.y):
+            solver = begun(solver.t_old, before, 0.5 * (solver.t - solver.t_old))
+            continue
+        there = _lazily(solver.dense_output)
+        row = _filled(states, times, row, solver.t, there)
+        passage = watch.passage(solver.t, solver.y, there, solver.t - solver.t_old)
+        if passage:
+            passages.append(passage)
+            row = _filled(states, times, row, passage.times[-1], passage.at)
+            if row < len(times):
+                solver = begun(passage.times[-1], passage.states[-1])
+    return states, passages
+
+
+def _lazily(make: Callable[[], Callable[[float], Array]]) -> Callable[[float], Array]:
+    """A function that is made at its first call: between steps it costs evaluations of the rates."""
+    made = cache(make)
+    return lambda time: made()(time)
+
+
+def _filled(states: Array, times: Array, row: int, until: float, at: Callable[[float], Array]) -> int:
+    """The next row, after all up to a time have their states."""
+    end = int(np.searchsorted(times, until, side="right"))
+    for k in range(row, end):
+        states[k] = at(times[k])
+    return max(row, end)
