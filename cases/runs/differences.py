@@ -13,7 +13,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.explanation import Hypothesis
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
-from quickreturn.cases.mistakes import diagnose
+from quickreturn.cases.mistakes import diagnose, share_of
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.noise import white_noise
 from quickreturn.cases.runs.other_case import OtherCases, other_cases
@@ -36,6 +36,8 @@ WHOLE: Final = "case"
 FEWEST: Final = 3
 FAR_OFF: Final = 0.1
 SPECIFIC: Final = 0.3
+#: Least relative RMS difference of a column that is told without an explanation: half of its size.
+PUZZLING: Final = 0.5
 #: Traits that no bending stiffness changes.
 OF_GEOMETRY: Final = frozenset(("nearest", "farthest"))
 #: Ratio of frequencies up to which they count as the same: they are fitted with the shapes of another stiffness.
@@ -60,7 +62,7 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     if others.names and others.sure:
         return {WHOLE: _of_another(others)}
     grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))
-    sentences, remainders, late = dict[str, str](), dict[str, float](), dict[str, int]()
+    sentences, remainders, late, puzzling = dict[str, str](), dict[str, float](), dict[str, int](), dict[str, float]()
     for name, (mine, its) in grids.items():
         if noise := _noise_of(name, run, other):
             sentences[name], remainders[name] = noise, 0.0
@@ -72,6 +74,8 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
             sentences[name], remainders[name] = f"{finding.cause}; {finding.advice}", finding.remainder
             if finding.advice == _SHIFTED:
                 late[name] = lag
+        elif finding is not None:
+            puzzling[name] = relative_error(mine, its)
     vibrating = [name for name in grids if name in VIBRATING]
     if len(vibrating) > 1 and late.keys() >= set(vibrating) and max(late.values()) - min(late.values()) <= 1:
         lag = late[vibrating[0]]
@@ -80,12 +84,12 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
         return {"crank_angle": ahead} | {name: sentence for name, sentence in sentences.items() if name not in late}
     off_by = {name: relative_error(*grids[name]) for name in vibrating}
     specific = {name: told for name, told in sentences.items() if name in off_by and remainders[name] <= SPECIFIC * rms(grids[name][0])}
+    led_on = "" if min(off_by.values(), default=0.0) <= FAR_OFF else _lead_on(run, other, case, others.odd)
     if len(off_by) >= FEWEST and min(off_by.values()) > FAR_OFF and 2 * len(specific) < len(off_by):
-        return {
-            WHOLE: _of_another(others)
-            if others.names
-            else _fits_not(case.name, off_by, others.told) + _lead_on(run, other, case, others.odd)
-        } | specific
+        return {WHOLE: _of_another(others) if others.names else _fits_not(case.name, off_by, others.told) + led_on} | specific
+    for name, share in puzzling.items():
+        if share > PUZZLING:
+            sentences[name] = f"{name} is off by {share_of(share)}, and no single mistake explains that{led_on if name in off_by else ''}"
     return sentences
 
 

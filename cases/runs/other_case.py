@@ -14,6 +14,7 @@ import numpy as np
 from quickreturn.cases.case import Case
 from quickreturn.cases.library import case_names, library_case
 from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Mechanism
@@ -53,6 +54,8 @@ FEWEST: Final = 2
 MOST_NAMED: Final = 3
 #: Traits that a single wrong column may also explain: a unit, a factor.
 _WEAK: Final = frozenset(("deflection", "force"))
+#: Likewise, if the table has one column only in which vibration is measured.
+_OF_CHANNELS: Final = frozenset(("pre frequency", "post frequency"))
 _ANGLES: Final = 24  # number of crank angles in a turn at which frequencies and forces of a case are taken
 
 
@@ -92,7 +95,8 @@ def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
                 break
         if worst is not None:
             fitting[candidate] = worst
-    return OtherCases(_best(fitting), told, not _WEAK.issuperset(odd), tuple(odd))
+    weak = _WEAK if len(run.cycle.keys() & set(CHANNELS)) > 1 else _WEAK | _OF_CHANNELS
+    return OtherCases(_best(fitting), told, not weak.issuperset(odd), tuple(odd))
 
 
 def cases_of_pace(turn: float, slider: tuple[float, float] | None) -> tuple[str, ...]:

@@ -109,6 +109,10 @@ def test_another_stiffness_is_led_on_to_a_calibration(factor: float) -> None:
     assert "`quickreturn calibrate thesis-24 table --free follower.bending_stiffness` fits it" in told
     value = float(told.split("a bending stiffness of about ")[1].split()[0])
     assert abs(value / (factor * stiffness) - 1.0) < 0.1
+    one = {name: mine.trajectory.columns[name] for name in ("time", "crank_angle", "strain_2")}
+    (alone,) = explanations(recorded_run(table_of(one), case), right(case), case).values()
+    assert alone.startswith("strain_2 is off by ")
+    assert "no single mistake explains that; a bending stiffness of about " in alone
 
 
 def test_every_trait_is_told_with_both_values_and_the_case() -> None:

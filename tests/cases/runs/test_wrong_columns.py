@@ -228,3 +228,12 @@ def test_a_small_column_of_a_table_is_told_as_that(table: Columns, reference: Ru
     told = explanations(recorded_run(table_of({name: changes.get(name, 1.0) * table[name] for name in names}), CASE), reference, CASE)
     (sentence,) = told.values()
     assert sentence.startswith(words)
+
+
+def test_a_column_of_nonsense_is_told_without_a_cause(table: Columns, reference: Run) -> None:
+    nonsense = {name: table[name] for name in ("time", "crank_angle", "tip_deflection")} | {
+        "strain_2": 1e-3 * np.sin(41.0 * table["time"] ** 2)
+    }
+    told = explanations(recorded_run(table_of(nonsense), CASE), reference, CASE)
+    assert set(told) == {"strain_2"}
+    assert re.fullmatch(r"strain_2 is off by [0-9.]+ (times its size|%), and no single mistake explains that", told["strain_2"])
