@@ -109,7 +109,7 @@ def _search(whole: PoincareMap, guess: Array | PeriodicOrbit, tolerance: float) 
     fine = _newton(_Cycle.of(whole, whole.state(whole.point(guessed), guessed), begin.period), jacobian, tolerance)
     multipliers = eigenvalues(fine.jacobian)[: len(begin.jacobian)]
     if abs(multipliers[0]) > NEARLY_ONE:
-        multipliers = eigenvalues(_jacobian(fine.cycle))
+        multipliers = eigenvalues(_central_jacobian(fine.cycle))
     return PeriodicOrbit(
         state=fine.state,
         period=fine.cycle.passage.duration,
@@ -162,10 +162,10 @@ def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: flo
 
 
 def largest_multiplier(model: BeamModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> complex:
-    """The largest multiplier by derivatives of the whole model along the slow model's eigenvector (equation 10.14).
+    """The largest multiplier of the slow quantities, by derivatives of the whole model along their eigenvector (equation 10.14).
 
-    It takes two cycles, or three if the multiplier is not real. Its difference from the orbit's multiplier shows the error of the slow
-    model. It also shows the error of difference quotients, because the state is disturbed the opposite way.
+    The derivatives are central differences, so that the eigenvector's arbitrary sign does not matter. They take two cycles, or four if the
+    multiplier is not real, besides the cycle from which the disturbance is sized.
 
     Raises:
         NoPeriodicOrbit: the state is not one of a cycle.
@@ -182,11 +182,12 @@ def largest_multiplier(model: BeamModel, orbit: PeriodicOrbit, integration: floa
             if part.any():
                 direction = np.zeros(len(is_slow))
                 direction[is_slow] = part
-                disturbance = -1.0 / float(np.max(np.abs(direction) / _disturbances(cycle)))
-                moved += unit * _derivative(cycle, direction, disturbance)[is_slow]
+                disturbance = 1.0 / float(np.max(np.abs(direction) / _disturbances(cycle)))
+                moved += unit * _central_derivative(cycle, direction, disturbance)[is_slow]
     except CycleBroken as broken:
         raise NoPeriodicOrbit(str(broken)) from broken
-    return complex(left @ moved)
+    multiplier = complex(left @ moved)
+    return multiplier if multipliers[largest].imag != 0.0 else complex(multiplier.real)
 
 
 def instability(multipliers: NDArray[np.complex128]) -> str:
@@ -196,11 +197,14 @@ def instability(multipliers: NDArray[np.complex128]) -> str:
     a complex pair anywhere else (torus: a second frequency appears). Y. A. Kuznetsov, Elements of Applied Bifurcation Theory, chapter 4.
     """
     largest = complex(multipliers[0])
-    if abs(largest) < 1.0:
-        return ""
-    if largest.imag != 0.0:
+    return "" if abs(largest) < 1.0 else instability_of(largest)
+
+
+def instability_of(multiplier: complex) -> str:
+    """How a motion loses its stability where this multiplier leaves the unit circle."""
+    if multiplier.imag != 0.0:
         return "torus"
-    return "fold" if largest.real > 0.0 else "period doubling"
+    return "fold" if multiplier.real > 0.0 else "period doubling"
 
 
 @dataclass(frozen=True)
@@ -300,6 +304,17 @@ def _jacobian(cycle: _Cycle) -> Array:
     """Derivatives of the map by the free quantities, by finite differences from a cycle (equation 10.5)."""
     units = np.eye(len(cycle.point))
     return np.column_stack([_derivative(cycle, unit, size) for unit, size in zip(units, _disturbances(cycle), strict=True)])
+
+
+def _central_jacobian(cycle: _Cycle) -> Array:
+    """The same by central differences, whose error is of second order in the disturbance; they take twice as many cycles."""
+    units = np.eye(len(cycle.point))
+    return np.column_stack([_central_derivative(cycle, unit, size) for unit, size in zip(units, _disturbances(cycle), strict=True)])
+
+
+def _central_derivative(cycle: _Cycle, direction: Array, disturbance: float) -> Array:
+    """Derivative of the map along a direction, from cycles that begin `disturbance` times the direction away on either side."""
+    return (_derivative(cycle, direction, disturbance) + _derivative(cycle, direction, -disturbance)) / 2.0
 
 
 def _derivative(cycle: _Cycle, direction: Array, disturbance: float) -> Array:

@@ -21,6 +21,7 @@ from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work
 from quickreturn.cases.runs.comparison import cross_validate
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
@@ -59,9 +60,14 @@ class Written:
         return [(case, run) for case, run in self.content.troubles if run.ending.incomplete]
 
     @property
+    def inaccurate(self) -> list[tuple[str, Run]]:
+        """Runs whose own estimates miss the accuracy asked, with their cases."""
+        return [(case, run) for case, run in self.content.troubles if run.status == Ending.INACCURATE]
+
+    @property
     def failed(self) -> bool:
-        """Whether an engine did not complete a case, or a table cannot be used."""
-        return bool(self.unusable or self.incomplete)
+        """Whether an engine did not complete a case or missed its accuracy, or a table cannot be used: as in `run`."""
+        return bool(self.unusable or self.incomplete or self.inaccurate)
 
 
 def write_report(

@@ -115,7 +115,8 @@ class Settling:
     one.
 
     Once the transient has died out, the changes are the noise of the computation and no longer shrink. If the multiplier m is known, the
-    remaining error is then at most that of the noise: the greatest of the last three changes over 1 - m.
+    remaining error is at most that of the noise: the greatest of the last three changes over 1 - m. It is 0 for parts that move as the
+    crank's prescribed angle alone says.
     """
 
     multiplier: float | None = None  # m, None where it is not known
@@ -153,24 +154,26 @@ class Settling:
     @property
     def error_estimate(self) -> float:
         """Distance of the last cycle from the steady state relative to the signals' RMS; infinite where not yet known."""
-        count, factor = self._left
-        return factor * max(self.changes[-count:]) if math.isfinite(factor) else math.inf
+        return min((factor * max(self.changes[-count:]) for count, factor in self._left), default=math.inf)
 
     @property
     def errors(self) -> dict[str, float]:
         """The error of each channel at any angle, in its own unit; no less than its last change, which may be noise."""
-        count, factor = self._left
-        return {name: max(factor, 1.0) * max(change[name] for change in self._largest[-count:]) for name in self._last}
+        left = self._left or [(1, math.inf)]
+        return {
+            name: min(max(factor, 1.0) * max(change[name] for change in self._largest[-count:]) for count, factor in left)
+            for name in self._last
+        }
 
     @property
-    def _left(self) -> tuple[int, float]:
-        """The number of changes whose greatest counts, and the ratio of the remaining error to it."""
-        ratio = self.ratio
+    def _left(self) -> list[tuple[int, float]]:
+        """Bounds of the remaining error: the number of changes whose greatest counts, and the ratio of the error to it."""
+        bounds, ratio = list[tuple[int, float]](), self.ratio
         if ratio < 1.0:
-            return 1, ratio / (1.0 - ratio)
-        if self.cycles < FEWEST_CYCLES or self.multiplier is None or self.multiplier >= 1.0:
-            return 1, math.inf
-        return 3, 1.0 / (1.0 - self.multiplier)
+            bounds.append((1, ratio / (1.0 - ratio)))
+        if self.cycles >= FEWEST_CYCLES and self.multiplier is not None and self.multiplier < 1.0:
+            bounds.append((3, 1.0 / (1.0 - self.multiplier)))
+        return bounds
 
     @property
     def settled(self) -> bool:

@@ -12,6 +12,7 @@ class Ending(StrEnum):
     """Status of a run."""
 
     SETTLED = "settled"
+    NEUTRAL = "neutral"
     INACCURATE = "inaccurate"
     NOT_SETTLED = "not settled"
     FAILED = "failed"
@@ -45,6 +46,11 @@ class Ending(StrEnum):
 _MEANINGS: Final[Mapping[Ending, tuple[str, ExitCode]]] = MappingProxyType(
     {
         Ending.SETTLED: ("reached its steady state, and by its own estimate the accuracy asked", ExitCode.GOOD),
+        Ending.NEUTRAL: (
+            "repeats, but its largest Floquet multiplier is 1 within its error: a disturbance neither grows nor dies away; its numbers are"
+            " used",
+            ExitCode.GOOD,
+        ),
         Ending.INACCURATE: (
             "reached its steady state, but its own estimate misses the accuracy asked; its numbers are used and marked",
             ExitCode.ENGINE_TROUBLE,

@@ -6,6 +6,9 @@ there, which already shows the effect of settings on a cycle. An error that lies
 one of two hundred random machines where this matters most, engines still differ by less than they claim (by 0.94 of it). An extrapolation
 by the multiplier would make estimates two to three times as large in the thesis' runs, where they are already 2 to 9 times the error.
 
+The root mean square of a column over a turn, its change in a turn and the time of a turn are compared themselves (`turn_estimates`), with
+floors, because two numbers can be equal by accident.
+
 Two extremes can be equal by accident, if one run is higher before the peak and the other after it. They differ by at most the signals'
 largest difference in the half cycle, and this bound is the estimate for an extreme.
 
@@ -30,7 +33,15 @@ from quickreturn.engines.trajectory import Columns
 
 Array = NDArray[np.float64]
 
+#: Part of the RMS difference of two signals that counts as error of their root mean squares, besides the difference of these. The difference
+#: of the root mean squares is at most the whole; it is less as far as the difference of the signals is at right angles to them.
+ASIDE: Final = 0.25
+#: Key of the time of a turn among the estimates of changes.
+TIME: Final = "time"
+
 VIBRATION: Final = ("first_mode_frequency", "first_mode_amplitude")
+#: Column whose difference stands for that of the motion.
+MOTION: Final = "tip_deflection"
 EXTREMES: Final = ("minimum", "maximum")
 
 
@@ -66,6 +77,8 @@ class MeasuredCycle:
 
     measures: CycleMeasures  # their means
     signals: Mapping[tuple[str, str], Array]  # half, column -> values at even crank angles, shape (cycles, GRID / 2)
+    rms: Mapping[str, float]  # column -> root mean square over time, mean of the cycles
+    change: Mapping[str, float]  # column, `TIME` among them -> change in a cycle, mean of the cycles
 
     @classmethod
     def of(cls, cycles: Sequence[Columns], measures: CycleMeasures) -> "MeasuredCycle":
@@ -73,7 +86,10 @@ class MeasuredCycle:
         grids = [on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")])) for cycle in cycles]
         columns = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
         halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
-        return cls(measures, {(half, name): values[:, part] for half, part in halves.items() for name, values in columns.items()})
+        signals = {(half, name): values[:, part] for half, part in halves.items() for name, values in columns.items()}
+        rms = {name: float(np.mean([rms_over_time(cycle["time"], cycle[name]) for cycle in cycles])) for name in columns}
+        change = {name: float(np.mean([cycle[name][-1] - cycle[name][0] for cycle in cycles])) for name in (TIME, *columns)}
+        return cls(measures, signals, rms, change)
 
 
 def with_estimates(
@@ -117,6 +133,42 @@ def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Seq
         return None
     weights, estimates = np.array(weighted).T
     return float(weights @ estimates / weights.sum())
+
+
+def rms_over_time(time: Array, values: Array) -> float:
+    """Root mean square of a signal over time, both of shape (n,)."""
+    return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0]))
+
+
+def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:
+    """Column -> "rms" and "change" -> estimate of the error of its root mean square and of its change in a turn, in its unit.
+
+    For `TIME` there is the change alone. A change is as good as twice the relative difference of the tip's deflection at best, because work
+    is of second order in the motion.
+    """
+    if not compared:
+        return {}
+    delivered = compared[0].run
+
+    def apart(name: str) -> float:
+        return sum(runs.part(lambda one, other: _rms_apart(one, other, name)) for runs in compared)
+
+    moves = delivered.rms.get(MOTION, 0.0)
+    relative = apart(MOTION) / moves if moves > 0.0 else 0.0
+    estimates = {}
+    for name, change in delivered.change.items():
+        of_change = sum(runs.part(lambda one, other, name=name: abs(one.change[name] - other.change[name])) for runs in compared)
+        estimates[name] = {"change": of_change + (0.0 if name == TIME else 2.0 * relative * abs(change))}
+        if name != TIME:
+            of_rms = sum(runs.part(lambda one, other, name=name: abs(one.rms[name] - other.rms[name])) for runs in compared)
+            estimates[name]["rms"] = of_rms + ASIDE * apart(name)
+    return estimates
+
+
+def _rms_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
+    """RMS difference of a column at equal crank angles."""
+    halves = [one.signals[half, name].mean(axis=0) - other.signals[half, name].mean(axis=0) for half in ("pre", "post")]
+    return float(np.sqrt(np.mean(np.concatenate(halves) ** 2)))
 
 
 def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:

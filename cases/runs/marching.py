@@ -59,6 +59,11 @@ def _third_frequency(mechanism: Mechanism) -> float:
     return float(max(frozen_crank_modes(mechanism, angle, 3).frequencies[2] for angle in np.linspace(0.0, math.pi, 5)))
 
 
+def is_determined(mechanism: Mechanism) -> bool:
+    """Whether the crank's prescribed angle determines every place and speed: a disturbance does not even last for a cycle."""
+    return mechanism.follower.is_rigid and mechanism.slider.is_rigid and not mechanism.crank_is_free
+
+
 def settle(cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bool = False) -> tuple[tuple[Columns, ...], Settling]:
     """Take cycle after cycle until settled or hopeless, or until there are no more.
 

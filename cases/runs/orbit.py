@@ -7,8 +7,8 @@ disturbance that remains after a cycle.
 
 import contextlib
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -18,9 +18,14 @@ from scipy.interpolate import PPoly
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, TOLERANCE
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.marching import output_step
+from quickreturn.cases.runs.stability import Multiplier, multiplier_of, nearly_one
 from quickreturn.engines import progress
-from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
+from quickreturn.engines.base import AnyEngine, Comparison, EngineFailure, NoSteadyState, Refusal
+from quickreturn.engines.error_parts import Compared, compared
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
 
@@ -87,6 +92,7 @@ class Orbit:
     begin: PeriodicStart | None  # the periodic steady state at the slider's farthest place; None if there is none to begin in
     multiplier: float | None  # largest modulus of its Floquet multipliers; None if no periodic state was found
     reason: str = ""  # why there is none to begin in (a clause), "" if there is
+    neutral: bool = False  # whether that multiplier is 1 within its error
     period: float = 0.0  # s; 0 if there is none to begin in
 
     def hopeless(self, error: float) -> str:
@@ -99,13 +105,15 @@ class Orbit:
         error += ReferenceEngine.default_accuracy
         if self.multiplier is None:
             return ""
-        if self.multiplier >= 1.0:
+        if self.neutral:
+            why = "no number of cycles suffices, because a disturbance neither grows nor dies away"
+        elif self.multiplier >= 1.0:
             why = f"no number of cycles suffices, because a disturbance grows {self.multiplier:.3f}-fold in a cycle"
         elif cycles_needed(self.multiplier, error) > GREATEST_NUMBER:
             why = f"{GREATEST_NUMBER} cycles do not suffice, because {self.multiplier:.3f} of a disturbance remains after a cycle"
         else:
             return ""
-        instead = "another speed" if self.multiplier >= 1.0 else "the engine `reference`, which need not march"
+        instead = "another speed" if self.multiplier >= 1.0 and not self.neutral else "the engine `reference`, which need not march"
         source = "(largest Floquet multiplier of the periodic state that `reference` found)"
         return f"not marched: {why} {source}; try more damping, or {instead}"
 
@@ -129,15 +137,74 @@ def find_orbit(mechanism: Mechanism) -> Orbit:
     progress.tell(engine=reference.name, phase="searching the periodic state")
     try:
         reference.check(mechanism)
-        state = reference.steady_state(mechanism, start, reference.settings_for(reference.default_accuracy, mechanism))
+        settings = reference.settings_for(reference.default_accuracy, mechanism)
+        state = reference.steady_state(mechanism, start, settings)
+        multiplier = None if state is None else stability_of(mechanism, state, settings)
     except (Refusal, NoSteadyState, EngineFailure) as reason:
         return Orbit(None, None, str(reason))
-    if state is None:
+    if state is None or multiplier is None:
         return Orbit(None, None, "the search excludes a rigid follower, and a joint that is compliant or rubs")
-    multiplier = abs(state.multipliers[0])
-    if not state.stable:
-        return Orbit(None, multiplier, "the periodic state is not stable")
-    return Orbit(PeriodicStart.of(state.start), multiplier, period=state.period)
+    return orbit_of(state, multiplier)
+
+
+def orbit_of(state: "FoundOrbit", multiplier: Multiplier) -> Orbit:
+    """The orbit of a periodic state that was found; there is none to begin in if disturbances do not die away."""
+    size, status = abs(multiplier.value), multiplier.status
+    if status != Ending.SETTLED:
+        why = f"the periodic state is {'neutral' if status == Ending.NEUTRAL else 'not stable'}"
+        return Orbit(None, size, why, neutral=status == Ending.NEUTRAL)
+    return Orbit(PeriodicStart.of(state.start), size, period=state.period)
+
+
+def stability_of(mechanism: Mechanism, state: "FoundOrbit", settings: ReferenceSettings) -> Multiplier:
+    """The largest multiplier of a periodic state, with its error where the stability depends on that. Raises NoSteadyState."""
+    if not nearly_one(state):
+        return multiplier_of(state)
+    return multiplier_of(state, compared_orbits(mechanism, state, settings))
+
+
+def compared_orbits(
+    mechanism: Mechanism,
+    state: "FoundOrbit",
+    settings: ReferenceSettings,
+    found: "Callable[[Settings], FoundOrbit | None] | None" = None,
+) -> "list[Compared[FoundOrbit]]":
+    """A periodic state beside those of the models with which `reference` compares it for its error estimate.
+
+    Args:
+        mechanism: the scene.
+        state: its periodic state with `settings`.
+        settings: settings of `reference`.
+        found: finds the periodic state with other settings; None: it is searched from `state`.
+
+    Raises:
+        NoSteadyState: with other settings there is no periodic state.
+    """
+
+    def search(other: Settings) -> "FoundOrbit | None":
+        assert isinstance(other, ReferenceSettings)
+        return periodic_state(mechanism, other, state)
+
+    known: dict[Settings, FoundOrbit] = {settings: state}
+
+    def of(other: Settings) -> "FoundOrbit":
+        if other not in known:
+            there = (found or search)(other)
+            assert there is not None
+            known[other] = there
+        return known[other]
+
+    pairs = settled_pairs(ReferenceEngine(), settings, mechanism)
+    return [compared(pair, of) for pair in pairs if pair.run != pair.other]
+
+
+def settled_pairs(engine: AnyEngine, settings: Settings, mechanism: Mechanism) -> tuple[Comparison, ...]:
+    """The runs with which an engine compares a settled cycle.
+
+    A second finer run only shows whether an error falls after an impact: a settled cycle does not follow one.
+    """
+    pairs = engine.comparisons(settings, mechanism, output_step(mechanism))
+    return tuple(replace(pair, before=None) if pair.factor < 1.0 else pair for pair in pairs)
 
 
 def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "FoundOrbit | None") -> "FoundOrbit | None":

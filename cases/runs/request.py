@@ -1,8 +1,8 @@
 """The request of a run, and its result."""
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -11,6 +11,7 @@ from quickreturn.cases.measures.steady_state import Outlook
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.orbit import Orbit
+from quickreturn.cases.runs.stability import Multiplier
 from quickreturn.engines.base import AnyEngine, SteadyState
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.start import Start, standard_start
@@ -76,6 +77,8 @@ class PeriodicOrbit:
     multipliers: tuple[tuple[float, float], ...]  # Floquet's, real and imaginary part, largest modulus first
     stable: bool  # whether a disturbance dies away
     iterations: int  # of the search
+    multiplier_error: float | None = None  # of the modulus of the first multiplier; None: unknown
+    multiplier_distance: float | None = None  # likewise of its real and imaginary part
 
     witnesses: ClassVar[Witnesses] = {
         "period": Witness(
@@ -88,16 +91,26 @@ class PeriodicOrbit:
             5e-5,
             "tests/verification/test_witnesses.py::test_disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier",
         ),
+        **dict.fromkeys(
+            ("multiplier_error", "multiplier_distance"),
+            Witness(
+                "the error against eigenvalues of the whole Jacobian of 8 modes, over the claim",
+                0.98,
+                "tests/cases/runs/test_stability.py::test_multipliers_of_all_runs_are_within_their_claims",
+            ),
+        ),
     }
 
     @classmethod
-    def of(cls, state: SteadyState) -> "PeriodicOrbit":
-        """The orbit of a state as it is stored."""
-        return cls(state.period, (), state.stable, state.iterations).with_multipliers(state.multipliers)
-
-    def with_multipliers(self, multipliers: Iterable[complex]) -> "PeriodicOrbit":
-        """The orbit with these multipliers."""
-        return replace(self, multipliers=tuple((each.real, each.imag) for each in multipliers))
+    def of(cls, state: SteadyState, multiplier: Multiplier | None = None) -> "PeriodicOrbit":
+        """The orbit of a state as it is stored; `multiplier` takes the place of the search's largest one, and of its conjugate."""
+        found = state.multipliers
+        if multiplier is None:
+            return cls(state.period, tuple((each.real, each.imag) for each in found), state.stable, state.iterations)
+        value = multiplier.value
+        first = (value, value.conjugate()) if value.imag != 0.0 else (value,)
+        parts = tuple((each.real, each.imag) for each in (*first, *found[len(first) :]))
+        return cls(state.period, parts, multiplier.status == Ending.SETTLED, state.iterations, multiplier.error, multiplier.distance)
 
 
 @dataclass(frozen=True)
@@ -154,6 +167,7 @@ class Run:
     consensus: tuple[EstimatedConsensus, ...] = ()
     unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
     extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> error estimate of its extremes
+    turn_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> "rms", "change" -> error estimate over a turn
     #: The last cycle with every column of the trajectory, from farthest to farthest; the rows of a failed run; otherwise empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
 

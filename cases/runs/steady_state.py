@@ -29,10 +29,11 @@ from quickreturn.cases.measures.mean_cycle import mean_measures
 from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
-from quickreturn.cases.runs.marching import March, columns_of, output_step, periodic_cycle, settle
-from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, other_motion
+from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, turn_estimates, with_estimates
+from quickreturn.cases.runs.marching import March, columns_of, is_determined, output_step, periodic_cycle, settle
+from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, compared_orbits, other_motion, settled_pairs
 from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, PeriodicOrbit, Run, RunRequest
+from quickreturn.cases.runs.stability import NOT_CONVERGED, Multiplier, multiplier_of, nearly_one
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
@@ -99,6 +100,8 @@ class _RunInProgress:
         self._found: FoundOrbit | None = None  # the delivered orbit, near which those for the error estimate are searched
         self._early: tuple[Columns, ...] = ()  # of a march from the orbit: the cycle that is compared
         self._rattling: Start | None = None  # the state after cycles that repeat in statistics only
+        self._states: dict[Settings, SteadyState | None] = {}  # the periodic states that were found, by settings
+        self._neutral = False  # whether disturbances neither grow nor die away
         self.run = Run.begun(request, engine)
 
     def note(self, **fields: Any) -> None:
@@ -128,7 +131,8 @@ class _RunInProgress:
         if self.run.turn is None and not self.run.settled:
             self.note(status=Ending.NOT_SETTLED)
             return
-        self.note(status=Ending.TRANSIENT if self.run.turn is not None else Ending.SETTLED if self.run.reached else Ending.INACCURATE)
+        settled = Ending.NEUTRAL if self._neutral else Ending.SETTLED
+        self.note(status=Ending.TRANSIENT if self.run.turn is not None else settled if self.run.reached else Ending.INACCURATE)
         if self._engine.estimates == "integration":
             self.note(unestimated="its own estimates cover the integration alone")
         elif not self._request.estimated:
@@ -151,7 +155,9 @@ class _RunInProgress:
 
         others = [runs.mapped(measured) for runs in self._compared]
         measures, consensus = with_estimates(measured(self._cycles).measures, others)
-        self.note(measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others))
+        self.note(
+            measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others), turn_estimates=turn_estimates(others)
+        )
 
     def _choose_settings(self, refines: bool) -> None:
         """Find the settings that reach the accuracy from the run's start, with their error estimate and all runs for it.
@@ -186,7 +192,8 @@ class _RunInProgress:
         """The settled cycle, or the last ones if they keep changing; the turn asked for, if there is one."""
         if self._request.turn is not None:
             return (self._turn(self._request.turn),)
-        orbit, multiplier = None if self._request.straight else self._request.orbit, None
+        orbit = None if self._request.straight else self._request.orbit
+        multiplier = 0.0 if is_determined(self._mechanism) else None
         if cycle := self._direct_cycle():
             return (cycle,)
         self.note(start=STANDARD)
@@ -196,7 +203,7 @@ class _RunInProgress:
             if hopeless := orbit.hopeless(_error(self.run)):
                 raise Hopeless(hopeless)
             self.note(start=FROM_ORBIT)
-            multiplier = orbit.multiplier
+            multiplier = orbit.multiplier if multiplier is None else multiplier
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
@@ -249,9 +256,7 @@ class _RunInProgress:
                 raise result
             return result
 
-        pairs = self._engine.comparisons(self._settings, self._mechanism, self._step)
-        # a second finer run only shows whether an error falls after an impact: a settled cycle does not follow one
-        pairs = tuple(replace(pair, before=None) if pair.factor < 1.0 else pair for pair in pairs)
+        pairs = settled_pairs(self._engine, self._settings, self._mechanism)
         if any(pair.run == pair.other for pair in pairs):
             return (), "there are no other settings to compare with"
         try:
@@ -279,9 +284,10 @@ class _RunInProgress:
             return tuple(columns_of(cycle) for cycle in islice(self._march(settings), number - self.run.averaged_cycles, number))
         with contextlib.suppress(NoSteadyState):
             state = self._periodic_state(settings)
-            if state is not None and state.stable:
+            if state is not None and (state.stable or self._neutral):
                 return (columns_of(periodic_cycle(state, self._step)[0]),)
-        cycles, settling = settle(self._march(settings), rattles=self._mechanism.slider.has_corners)
+        multiplier = 0.0 if is_determined(self._mechanism) else None
+        cycles, settling = settle(self._march(settings), multiplier, self._mechanism.slider.has_corners)
         if not settling.settled:
             raise EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
         return cycles
@@ -293,9 +299,27 @@ class _RunInProgress:
         return March(self._engine.prepare(self._mechanism, self._start, settings), self._start.crank_speed, self._step)
 
     def _periodic_state(self, settings: Settings) -> SteadyState | None:
-        if self._found is not None and isinstance(self._engine, ReferenceEngine) and isinstance(settings, ReferenceSettings):
-            return self._engine.steady_state(self._mechanism, self._start, settings, self._found)
-        return self._engine.steady_state(self._mechanism, self._start, settings)
+        if settings not in self._states:
+            near = (self._found,) if self._found is not None and isinstance(self._engine, ReferenceEngine) else ()
+            self._states[settings] = self._engine.steady_state(self._mechanism, self._start, settings, *near)
+        return self._states[settings]
+
+    def _multiplier(self, state: FoundOrbit) -> Multiplier:
+        """The largest multiplier of the delivered orbit, with its error where one is asked for or the stability depends on it."""
+        assert isinstance(self._settings, ReferenceSettings)
+
+        def found(settings: Settings) -> FoundOrbit | None:
+            there = self._periodic_state(settings)
+            return there if isinstance(there, FoundOrbit) else None
+
+        compared_with: list[Compared[FoundOrbit]] = []
+        if self._request.estimated or nearly_one(state):
+            with contextlib.suppress(NoSteadyState, EngineFailure):
+                compared_with = compared_orbits(self._mechanism, state, self._settings, found)
+        try:
+            return multiplier_of(state, compared_with)
+        except NoSteadyState:  # a disturbed cycle is broken: the search's own multiplier is left
+            return Multiplier(complex(state.multipliers[0]), None)
 
     def _direct_cycle(self) -> Columns:
         """One cycle of the periodic steady state; empty if the engine must march, with the reason in the remark."""
@@ -307,14 +331,22 @@ class _RunInProgress:
             return {}
         if state is None:
             return {}
-        self._found = state if isinstance(state, FoundOrbit) else None
         orbit = PeriodicOrbit.of(state)
+        if isinstance(state, FoundOrbit) and isinstance(self._settings, ReferenceSettings):
+            self._found = state
+            multiplier = self._multiplier(state)
+            orbit = PeriodicOrbit.of(state, multiplier)
+            self.note(periodic_orbit=orbit)
+            if multiplier.status == NOT_CONVERGED:
+                raise Hopeless(multiplier.sentence)
+            self._neutral = multiplier.status == Ending.NEUTRAL
+            if self._neutral:
+                self.add_remark(multiplier.sentence)
+            elif orbit.stable and (other := other_motion(self._mechanism, state, self._settings)):
+                self.add_remark(other)
         self.note(periodic_orbit=orbit)
-        if not state.stable:
-            raise Hopeless(Orbit(None, abs(state.multipliers[0])).hopeless(0.0))
-        settings, found = self._settings, self._found
-        if isinstance(settings, ReferenceSettings) and found and (other := other_motion(self._mechanism, found, settings)):
-            self.add_remark(other)
+        if not orbit.stable and not self._neutral:
+            raise Hopeless(Orbit(None, math.hypot(*orbit.multipliers[0])).hopeless(0.0))
         whole, piece = periodic_cycle(state, self._step)
         cycle = columns_of(whole)
         self.note(

@@ -17,7 +17,7 @@ from quickreturn.cases.loads.stress import arm_stress
 from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.estimates import or_nan
+from quickreturn.cases.runs.estimates import TIME, or_nan, rms_over_time
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.engines.accurate import Assessment
 from quickreturn.reference_model.columns import COLUMNS
@@ -39,6 +39,12 @@ _MARCHES: Final = partial(
     Witness, "the decay of disturbances in `mujoco`", test=f"{_TESTS}disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier"
 )
 
+#: Meaning of the measure `multiplier`.
+MULTIPLIER: Final = "largest modulus of the Floquet multipliers of crank speed and the two lowest modes (higher modes may ring longer)"
+#: Relative round-off of the instants at which a turn begins and ends.
+ROUND_OFF: Final = 1e-12
+#: Error of a size over the size above which it says nothing.
+SAYS_NOTHING: Final = 0.5
 #: Part of the last step of the search for a periodic motion that is left as its error, see `ORBIT_TOLERANCE` of `reference`.
 LEFT_BY_SEARCH: Final = 0.1
 
@@ -49,7 +55,6 @@ class SettledMotion:
 
     mechanism: Mechanism
     run: Run
-    finer: tuple[PeriodicOrbit, float] | None = None  # the orbit of finer settings, and its error over that of the run
 
     @cached_property
     def claim(self) -> Claimed:
@@ -68,7 +73,14 @@ class Measure:
     witness: Witness  # confirms it
     columns: tuple[str, ...] = ()  # columns of the cycle that it needs
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
-    multipliers: bool = False  # whether its error needs the finer run's own multiplier, which takes two or three turns
+    multipliers: bool = False  # whether it needs the multiplier of the whole model, which takes some more turns
+    size: bool = False  # whether it is a size: an error as large as `SAYS_NOTHING` of it leaves nothing of the number
+
+    def says_nothing(self, value: float, error: float) -> str:
+        """Why a number with its error says nothing (a clause); "" if it says something, or if the error is unknown."""
+        if not self.size or not error > SAYS_NOTHING * abs(value) > 0.0:
+            return ""
+        return f"{self.name} is {value:.3g} +- {error:.2g} {self.unit}".removesuffix(" 1") + ", which says nothing"
 
 
 def measure(name: str) -> Measure:
@@ -89,7 +101,7 @@ def of_columns(name: str, unit: str) -> Iterator[Measure]:
         ("rms", f"root mean square of {name} over a turn", _rms),
     )
     for kind, meaning, of in kinds:
-        yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), _NUMPY(5e-4), (name,))
+        yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), _NUMPY(5e-4), (name,), size=kind in ("peak", "rms"))
 
 
 def _where_given(column: str, of: Callable[[str, SettledMotion], Measured], motion: SettledMotion) -> Measured:
@@ -123,21 +135,25 @@ def _extreme(which: int, column: str, motion: SettledMotion) -> Measured:
 
 
 def _rms(column: str, motion: SettledMotion) -> Measured:
-    time, values = motion.run.cycle["time"], motion.run.cycle[column]
-    return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0])), _largest_claim(motion, column)
+    value = rms_over_time(motion.run.cycle["time"], motion.run.cycle[column])
+    return value, _of_turn(motion, column, "rms") + _left(motion) * value
 
 
 def _per_turn(column: str, motion: SettledMotion) -> Measured:
     """Change of a column in a turn."""
     values = motion.run.cycle[column]
-    return float(values[-1] - values[0]), 2.0 * _largest_claim(motion, column)
+    return float(values[-1] - values[0]), _of_turn(motion, column, "change") + _left(motion) * float(np.ptp(values))
 
 
-def _largest_claim(motion: SettledMotion, column: str) -> float:
-    """The larger claim of both half cycles; nan if one has none."""
-    begin, end = motion.run.cycle["crank_angle"][[0, -1]]
-    claims = [or_nan(motion.claim(column, float(begin + part * (end - begin)))) for part in (0.25, 0.75)]
-    return float(np.max(claims))
+def _of_turn(motion: SettledMotion, column: str, what: str) -> float:
+    """The engine's estimate of the error of a column's root mean square or change in a turn; nan if it has none."""
+    return motion.run.turn_estimates.get(column, {}).get(what, math.nan)
+
+
+def _left(motion: SettledMotion) -> float:
+    """Relative distance from the steady state."""
+    part = 1.0 if motion.run.periodic_orbit is None else LEFT_BY_SEARCH
+    return part * (motion.run.settling_error or 0.0)
 
 
 def _consensus(half: str, motion: SettledMotion) -> Measured:
@@ -154,29 +170,23 @@ def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) ->
     return value, or_nan(measure.estimate(quantity)) + or_nan(measure.number(f"{quantity}_uncertainty"))
 
 
-def _of_orbit(number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -> Measured:
-    if motion.run.periodic_orbit is None:
+def _multiplier(number: Callable[[PeriodicOrbit], tuple[float, float | None]], motion: SettledMotion) -> Measured:
+    orbit = motion.run.periodic_orbit
+    if orbit is None:
         return NOTHING
-    return _beside_finer(number(motion.run.periodic_orbit), number, motion)
+    value, error = number(orbit)
+    return value, or_nan(error)
 
 
 def _period(motion: SettledMotion) -> Measured:
     time = motion.run.cycle["time"]
-    value, error = _beside_finer(float(time[-1] - time[0]), lambda orbit: orbit.period, motion)
-    left = LEFT_BY_SEARCH * (motion.run.settling_error or 0.0) if motion.mechanism.crank_is_free else 0.0
-    return value, error + left * value
+    value = float(time[-1] - time[0])
+    left = _left(motion) if motion.mechanism.crank_is_free else ROUND_OFF
+    return value, _of_turn(motion, TIME, "change") + left * value
 
 
 def _solve_seconds(motion: SettledMotion) -> Measured:
     return motion.run.solve_seconds or math.nan, math.nan
-
-
-def _beside_finer(value: float, number: Callable[[PeriodicOrbit], float], motion: SettledMotion) -> Measured:
-    """A value with its error, estimated from the orbit with finer settings."""
-    if motion.finer is None:
-        return value, math.nan
-    orbit, factor = motion.finer
-    return value, abs(number(orbit) - value) / abs(1.0 - factor)
 
 
 def _declared() -> Iterator[Measure]:
@@ -185,13 +195,19 @@ def _declared() -> Iterator[Measure]:
             yield from of_columns(name, column.unit)
     for name, where in (("pivot_force", "P"), ("crank_force", "O")):
         yield Measure(
-            f"peak.{name}", "N", f"largest force of the bearing {where}", partial(_bearing, name), _NUMPY(5e-4), (f"{name}_x", f"{name}_y")
+            f"peak.{name}",
+            "N",
+            f"largest force of the bearing {where}",
+            partial(_bearing, name),
+            _NUMPY(5e-4),
+            (f"{name}_x", f"{name}_y"),
+            size=True,
         )
     for name, what, meaning in (
         ("peak", "largest", "largest bending stress along the arm"),
         ("amplitude", "amplitude", "half the range of the stress in a turn, where that is largest"),
     ):
-        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), _GAUGES(5e-4), tuple(COLUMNS))
+        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), _GAUGES(5e-4), tuple(COLUMNS), size=True)
     for half in HALVES:
         meaning = f"frequency of the first mode, {half}-return, over all channels"
         yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), FREQUENCY, CHANNELS, True)
@@ -204,11 +220,11 @@ def _declared() -> Iterator[Measure]:
                 of = partial(_vibration, half, channel, f"first_mode_{what}")
                 yield Measure(f"{half}.{what}.{channel}", unit, meaning, of, witness, CHANNELS, True)
     for name, meaning, number in (
-        ("multiplier", "largest modulus of the Floquet multipliers", lambda orbit: math.hypot(*orbit.multipliers[0])),
-        ("multiplier.real", "real part of that multiplier", lambda orbit: orbit.multipliers[0][0]),
-        ("multiplier.imag", "imaginary part of that multiplier", lambda orbit: orbit.multipliers[0][1]),
+        ("multiplier", MULTIPLIER, lambda orbit: (math.hypot(*orbit.multipliers[0]), orbit.multiplier_error)),
+        ("multiplier.real", "real part of that multiplier", lambda orbit: (orbit.multipliers[0][0], orbit.multiplier_distance)),
+        ("multiplier.imag", "imaginary part of that multiplier", lambda orbit: (orbit.multipliers[0][1], orbit.multiplier_distance)),
     ):
-        yield Measure(name, "1", meaning, partial(_of_orbit, number), _MARCHES(5e-5), multipliers=True)
+        yield Measure(name, "1", meaning, partial(_multiplier, number), _MARCHES(5e-5), multipliers=True)
     yield Measure("period", "s", "time of a turn", _period, _NUMPY(2e-5))
     for name, meaning in (
         ("drive_work", "work of the drive, and of a force on the tip, in a turn"),
@@ -219,7 +235,7 @@ def _declared() -> Iterator[Measure]:
         "solve_seconds",
         "s",
         "wall time of the solve",
-        lambda motion: (motion.run.solve_seconds or math.nan, math.nan),
+        _solve_seconds,
         Assessment.witnesses["solve_seconds"],
     )
 

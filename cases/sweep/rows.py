@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, with_estimates
+from quickreturn.cases.runs.estimates import MOTION, MeasuredCycle, extreme_estimates, turn_estimates, with_estimates
 from quickreturn.cases.runs.marching import output_step
-from quickreturn.cases.runs.orbit import Orbit, PeriodicStart, periodic_state
+from quickreturn.cases.runs.orbit import compared_orbits, orbit_of, periodic_state, stability_of
 from quickreturn.cases.runs.request import PeriodicOrbit, Run, RunRequest
+from quickreturn.cases.runs.stability import NOT_CONVERGED, multiplier_of, nearly_one
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.measures import SettledMotion, measure
 from quickreturn.engines import progress
@@ -30,15 +31,12 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.periodic import instability
 
 Array = NDArray[np.float64]
 
-#: Statuses of points besides those of runs.
-UNSTABLE: Final = "unstable: {}"  # fold, period doubling or torus
+#: Statuses of points besides those of runs and of `cases.runs.stability`.
 LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
-NOT_CONVERGED: Final = "not converged"
 #: Status of a run -> status of its point, if that is a different word.
 _ENDINGS: Final = {Ending.INACCURATE: NOT_CONVERGED, Ending.NOT_SETTLED: NOT_CONVERGED, Ending.UNAVAILABLE: Ending.FAILED}
 
@@ -109,6 +107,7 @@ def row(scenes: Sequence[Mechanism | Impossible], asked: MeasureRequest) -> Row:
         near = point.settle(near)
         if point.motion is not None:
             numbers[place] = [each.of(point.motion) for each in measures]
+            point.doubt(*(each.says_nothing(*found) for each, found in zip(measures, numbers[place].tolist(), strict=True)))
         endings.append((point.status, point.sentence))
     return Row(numbers[:, :, 0], numbers[:, :, 1], tuple(status for status, _ in endings), tuple(sentence for _, sentence in endings))
 
@@ -148,6 +147,12 @@ class _Point:
             return state or near
         return near
 
+    def doubt(self, *clauses: str) -> None:
+        """Take a point whose numbers say nothing as one that has not converged."""
+        told = "; ".join(filter(None, clauses))
+        if told and self.status == Ending.SETTLED:
+            self.status, self.sentence = NOT_CONVERGED, f"{told}; ask for a smaller --accuracy"
+
     def _settings(self) -> ReferenceSettings:
         """Settings of `reference`: runs of all engines begin in its periodic state. Raises Refusal."""
         reference = ReferenceEngine()
@@ -160,31 +165,25 @@ class _Point:
 
     def _measure(self, state: FoundOrbit, settings: ReferenceSettings) -> None:
         """Measure one turn of the periodic state, and one with finer settings for the error estimate."""
-        if kind := instability(np.array(state.multipliers)):
-            self.status = UNSTABLE.format(kind)
-            self.sentence = f"a disturbance grows {abs(state.multipliers[0]):.7g}-fold in a turn ({kind})"
-        else:
-            self.status = Ending.SETTLED
-        step = output_step(self._scene)
-        cycle, comparisons, finer = _turn(state, step), [], None
-        if self._asked.claims:
-            pair = ReferenceEngine().comparisons(settings, self._scene, step)[0]
+        step, compared, orbit = output_step(self._scene), list[Compared[FoundOrbit]](), PeriodicOrbit.of(state)
+        if self._asked.claims or nearly_one(state):
             try:
-                assert isinstance(pair.other, ReferenceSettings)
-                other = periodic_state(self._scene, pair.other, state)
-                assert other is not None
-                comparisons, orbit = [Compared(cycle, _turn(other, step), pair.factor)], PeriodicOrbit.of(other)
-                if any(measure(name).multipliers for name in self._asked.measures):
-                    orbit = orbit.with_multipliers([other.whole_multiplier()])
-                finer = orbit, pair.factor
-            except NoSteadyState as reason:
+                compared = compared_orbits(self._scene, state, settings)
+            except (NoSteadyState, EngineFailure) as reason:
                 self.sentence = f"no error estimate: with finer settings no periodic state was found: {reason}"
-        self.motion = SettledMotion(self._scene, self._measured(state, cycle, comparisons), finer)
+        self.status = Ending.SETTLED
+        if nearly_one(state) or any(measure(name).multipliers for name in self._asked.measures):
+            multiplier = multiplier_of(state, compared)
+            orbit, self.status = PeriodicOrbit.of(state, multiplier), multiplier.status
+            self.sentence = multiplier.sentence or self.sentence
+        cycle = _turn(state, step)
+        shown = [runs.mapped(lambda one: cycle if one is state else _turn(one, step)) for runs in compared if self._asked.claims]
+        self.motion = SettledMotion(self._scene, self._measured(state, orbit, cycle, shown))
 
-    def _measured(self, state: FoundOrbit, cycle: Columns, comparisons: Sequence[Compared[Columns]]) -> Run:
+    def _measured(self, state: FoundOrbit, orbit: PeriodicOrbit, cycle: Columns, comparisons: Sequence[Compared[Columns]]) -> Run:
         """The turn as `run` would report it, reduced to what the measures need."""
         measures = [measure(name) for name in self._asked.measures]
-        columns = dict.fromkeys(name for one in measures for name in one.columns if name in cycle)
+        columns = dict.fromkeys(name for name in (*(name for one in measures for name in one.columns), MOTION) if name in cycle)
         scale = time_scale(self._scene) if any(one.vibration for one in measures) else None
 
         def measured(turn: Columns) -> MeasuredCycle:
@@ -199,21 +198,21 @@ class _Point:
             status=Ending.SETTLED,
             settled=True,
             settling_error=state.residual,
-            periodic_orbit=PeriodicOrbit.of(state),
+            periodic_orbit=orbit,
             solve_seconds=state.solve_seconds,
             cycle=cycle,
         )
         if scale is None and not compared:
             return run
         estimated, consensus = with_estimates((compared[0].run if compared else measured(cycle)).measures, compared)
-        return replace(run, measures=estimated, consensus=consensus, extreme_estimates=extreme_estimates(compared))
+        estimates = {"extreme_estimates": extreme_estimates(compared), "turn_estimates": turn_estimates(compared)}
+        return replace(run, measures=estimated, consensus=consensus, **estimates)
 
     def _run(self, state: FoundOrbit | None) -> None:
         """Measure as `run` does, from the periodic state of `reference` if there is one."""
-        orbit, asked = None, self._asked
-        if state is not None:
-            begin = PeriodicStart.of(state.start) if state.stable else None
-            orbit = Orbit(begin, abs(state.multipliers[0]), "" if state.stable else "the periodic state is not stable", state.period)
+        asked = self._asked
+        multiplier = None if state is None else stability_of(self._scene, state, self._settings())
+        orbit = None if state is None or multiplier is None else orbit_of(state, multiplier)
         run = steady_state(
             RunRequest(
                 mechanism=self._scene,
@@ -226,8 +225,8 @@ class _Point:
             )
         )
         self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.ending, run.status)), run.remark
-        if state is not None and not state.stable and run.status == Ending.NOT_SETTLED:
-            self.status = UNSTABLE.format(instability(np.array(state.multipliers)))
+        if multiplier is not None and multiplier.status != Ending.SETTLED and run.status == Ending.NOT_SETTLED:
+            self.status = multiplier.status
         if run.usable:
             self.motion = SettledMotion(self._scene, run)
 

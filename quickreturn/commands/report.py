@@ -48,9 +48,9 @@ def command(
 
     A slow engine is quicker with coarser settings (--set my-engine.links=8) or to a lower accuracy (--accuracy 0.05).
 
-    Exit code 0: the page is written and every engine completed; the page shows where engines disagree. Exit code 3: an engine failed, was
-    stopped at a limit or did not settle, or a default engine is not installed; the page is still written and shows it. Each result is
-    stored at once: an interrupted report continues where it stopped.
+    Exit code 0: the page is written, and every engine completed and reached its accuracy; the page shows where engines disagree. Exit code
+    3: an engine failed, was stopped at a limit, did not settle or missed its accuracy, or a default engine is not installed; the page is
+    still written and shows it. Each result is stored at once: an interrupted report continues where it stopped.
     """
     from quickreturn.catalogue import prepared
     from quickreturn.reference_model.errors import ExitCode
@@ -68,7 +68,7 @@ def command(
 
     written = write_report(loaded, Path(output), workshop, names, tables, accuracy, texts, content_type(loaded))
     _print(written)
-    for case, run in written.incomplete:
+    for case, run in (*written.incomplete, *written.inaccurate):
         options.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")
     for case, run in written.unusable:
         options.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
@@ -78,13 +78,17 @@ def command(
 
 
 def _print(written: "Written") -> None:
+    from quickreturn.cases.runs.endings import Ending
     from quickreturn.reports.words import TIED, counted
 
     content = written.content
     runs = sum(len(result.runs) for result in content.results)
     click.echo(str(written.page))
     made = f"{counted(len(content.results), 'case')}, {counted(runs, 'simulation')}".replace(TIED, " ")
-    click.echo(f"{made}: {runs - len(content.troubles)} settled, {len(written.incomplete)} did not complete")
+    neutral = sum(run.status == Ending.NEUTRAL for _, run in content.troubles)
+    further = f", {neutral} neutral" if neutral else ""
+    missed = f", {len(written.inaccurate)} missed their accuracy" if written.inaccurate else ""
+    click.echo(f"{made}: {runs - len(content.troubles)} settled{further}{missed}, {len(written.incomplete)} did not complete")
     click.echo(_verdict(content.results))
     click.echo(f"{len(written.tables)} tables as CSV beside the page")
 

@@ -41,6 +41,7 @@ ENDINGS: Final = {
     LEFT: ("....", "X"),
     NOT_CONVERGED: ("\\\\\\\\", "v"),
     OPEN: ("oooo", "^"),
+    Ending.NEUTRAL: ("----", "D"),
     Ending.REFUSED: ("||||", "P"),
     Ending.FAILED: ("++++", "*"),
 }

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.loads import Loads, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.units import in_si
-from quickreturn.reports.words import degrees, off_by, quantity
+from quickreturn.reports.words import degrees, off_by, percent, quantity, size
 
 if TYPE_CHECKING:
     from quickreturn.cases.runs.comparison import CaseResult
+    from quickreturn.cases.runs.request import Run
 
 
 @dataclass(frozen=True)
@@ -20,6 +22,7 @@ class CaseLoads:
     case: Case
     loads: dict[str, Loads]  # by engine, for those with a usable cycle
     models: frozenset[str] = frozenset()  # engines whose discretization is their model: a difference is not an error of theirs
+    missed: tuple[str, ...] = ()  # a clause for each engine that misses its accuracy
 
     @property
     def lead(self) -> str:
@@ -56,7 +59,19 @@ def loads_of_case(result: "CaseResult") -> CaseLoads:
     """The loads of a case by each engine; recorded tables are left out, because they may lack the moments."""
     mechanism = result.case.mechanism
     by_engine = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
-    return CaseLoads(result.case, by_engine, frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration"))
+    models = frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration")
+    return CaseLoads(result.case, by_engine, models, accuracies_missed(result))
+
+
+def accuracies_missed(result: "CaseResult") -> tuple[str, ...]:
+    """A clause for each engine whose estimate misses the accuracy asked, with both."""
+    return tuple(_missed(run) for run in result.runs.values() if run.status == Ending.INACCURATE)
+
+
+def _missed(run: "Run") -> str:
+    estimate = "an unknown error" if run.error_estimate is None else f"an error of {size(run.error_estimate)} of the tip’s deflection"
+    asked = "" if run.accuracy is None else f" where {percent(run.accuracy, 'g')} was asked"
+    return f"{run.engine} estimates {estimate}{asked}"
 
 
 def leading_loads(result: "CaseResult") -> CaseLoads:

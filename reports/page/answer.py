@@ -12,6 +12,7 @@ from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.findings.agreement import Spread, differences, engines_of, spread
+from quickreturn.reports.findings.loads import accuracies_missed
 from quickreturn.reports.page.content import Content
 
 #: Largest part of an engine's numbers that may differ by more than claimed if it is to count as agreeing.
@@ -48,6 +49,7 @@ class Answer:
     engines: Sequence[str]  # names of all
     simulations: int  # number of simulations; `settled` of them are in their steady state at the accuracy asked
     settled: int
+    missed: Sequence[str]  # a clause for each simulation that misses its accuracy
     alike: Sequence[str]  # engines whose numbers agree within their claims, the reference first; empty if nothing could be judged
     departing: Sequence[str]  # engines that were judged and are not alike
     frequency: Spread | None  # differences of these engines from the reference in the consensus first-mode frequency
@@ -76,6 +78,7 @@ def answer_of(content: Content) -> Answer:
         engines=engines_of(results),
         simulations=len(runs),
         settled=sum(run.status == Ending.SETTLED for run in runs),
+        missed=[f"{result.case.name}: {clause}" for result in results for clause in accuracies_missed(result)],
         alike=[*others, *alike],
         departing=[name for name in judged if name not in alike],
         **spreads,

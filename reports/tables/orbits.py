@@ -4,8 +4,9 @@ import math
 from collections.abc import Sequence
 
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.studies import BothStarts
-from quickreturn.reports.tables.table import CASE, Column, ColumnList, Table
+from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import number
 
 #: Parts of a disturbance that are left when a marched run counts as settled, and when no measure sees it any more.
@@ -42,6 +43,7 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
         table.add(
             orbit,
             case=result.case.name,
+            stable=Cell(orbit.stable, Ending.NEUTRAL if run.status == Ending.NEUTRAL else "", run.remark if not orbit.stable else ""),
             cycles_of_work=run.cycles if orbit.stable else None,
             multiplier=modulus,
             cycles_to_settled=math.log(SETTLED_AT) / math.log(modulus) if shrinking else None,
