@@ -5,9 +5,7 @@ Each is a job: it comes from the store if it is there, and is computed like all 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, ClassVar, Final
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.records import can_be_stored
@@ -24,8 +22,6 @@ from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
-
-_GAUGES: Final = ("strain_1", "strain_2", "strain_3")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,8 +42,8 @@ class TrajectoryRequest:
         return Job(name, answer_to, (self,), "trajectory", inputs=self, **_kept(self.engine))
 
     def loads_job(self, result: Result) -> Job[Loads]:
-        """The loads on the parts in the trajectory, as a job; estimates are those of the columns, at their peaks."""
-        arguments = self.scene, result.trajectory.columns, result.error_estimates
+        """The loads on the parts in the trajectory, as a job; estimates are the columns' largest errors at any instant."""
+        arguments = self.scene, result.trajectory.columns, result.largest_errors
         return Job("loads", _loads, arguments, "loads of a trajectory", inputs=self, **_kept(self.engine))
 
 
@@ -109,15 +105,9 @@ def _kept(engine: str | AnyEngine) -> dict[str, Any]:
     return {"engines": (engine,), "lasts": _lasts} if isinstance(engine, str) else {"lasts": None}
 
 
-def _loads(scene: Scene, columns: Columns, estimates: Mapping[str, float | None]) -> Loads:
-    """Loads with relative error estimates of the columns; a moment without one gets that of the worst strain."""
-    strains = [error for gauge in _GAUGES if (error := estimates.get(gauge)) is not None]
-
-    def claim(name: str, _: float) -> float | None:
-        share = estimates.get(name, max(strains, default=None) if name.startswith("moment_") else None)
-        return None if share is None else share * float(np.max(np.abs(columns[name])))
-
-    return loads_of(scene, columns, claim)
+def _loads(scene: Scene, columns: Columns, largest_errors: Mapping[str, float]) -> Loads:
+    """Loads with the largest errors of the columns: a peak may err by more than the column does in the mean."""
+    return loads_of(scene, columns, lambda name, _: largest_errors.get(name))
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from quickreturn.engines.base import (
     EstimateOf,
     ModelDescription,
 )
-from quickreturn.engines.error_parts import ESTIMATED, LOADS, compared, estimated_part, relative_size, same_motion
+from quickreturn.engines.error_parts import ESTIMATED, LOADS, EstimatedPart, compared, estimated_part, relative_size, same_motion
 from quickreturn.engines.one_run import CompletedRun, run_once
 from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.relative import rms
@@ -50,6 +50,7 @@ class Assessment:
         accuracy: error of the tip deflection that the run aimed at, None where settings were given and no accuracy was asked.
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
+        largest_errors: largest error at any instant of each column with an estimate, in its unit; empty where unknown.
         error_estimates: RMS error over RMS for each column of `ESTIMATED` and each existing one of `LOADS`; None where unknown or where
             the column is zero throughout.
         estimate_of: the error that is estimated.
@@ -68,6 +69,7 @@ class Assessment:
     accuracy: float | None
     error_estimate: float | None
     error_estimates: dict[str, float | None]
+    largest_errors: dict[str, float]
     estimate_of: EstimateOf
     further_run_skipped: bool
     hurried: bool
@@ -81,7 +83,7 @@ class Assessment:
 
     witnesses: ClassVar[Witnesses] = {
         **dict.fromkeys(
-            ("error_estimate", "error_estimates"),
+            ("error_estimate", "error_estimates", "largest_errors"),
             Witness(
                 "solutions that another engine confirms: claims that do not hold",
                 0.05,
@@ -184,6 +186,7 @@ class _Judged:
     made: CompletedRun
     parts: tuple[float, ...] = ()
     estimates: dict[str, float | None] = field(default_factory=lambda: dict.fromkeys(ESTIMATED))
+    largest: dict[str, float] = field(default_factory=dict)
     remark: str = ""
     further_run_skipped: bool = False
 
@@ -259,11 +262,12 @@ class _Runs:
             return _Judged(settings, made, remark=f"the error is unknown: {why}")
         self._has_estimate = True
         names = (*ESTIMATED, *(name for name in LOADS if name in made.trajectory.columns))
-        columns = {name: _sum([part.get(name) for _, part in parts]) for name in names}
+        columns = {name: _sum([part.columns.get(name) for part in parts]) for name in names}
+        largest = {name: sum(part.largest[name] for part in parts) for name in parts[0].largest}
         remark = f"the estimate assumes the slowest convergence: the run that would show how fast the error falls {unchecked}"
-        return _Judged(settings, made, tuple(tip for tip, _ in parts), columns, remark if unchecked else "", skipped)
+        return _Judged(settings, made, tuple(part.tip for part in parts), columns, largest, remark if unchecked else "", skipped)
 
-    def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[tuple[float, dict[str, float | None]]], bool, str]:
+    def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[EstimatedPart], bool, str]:
         """The parts of the error (see `estimated_part`); whether a `Comparison.before` was not needed; why one is missing, else ""."""
         pairs, follower = self.engine.comparisons(settings, self.scene, self._run[-1]), self.scene.follower
         if any(pair.run == pair.other for pair in pairs):
@@ -318,6 +322,7 @@ class _Runs:
             accuracy=target,
             error_estimate=estimate,
             error_estimates=judged.estimates,
+            largest_errors=judged.largest,
             estimate_of=self.engine.estimates,
             further_run_skipped=judged.further_run_skipped,
             hurried=self._hurried,

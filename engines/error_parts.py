@@ -3,7 +3,8 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Final, Generic, TypeVar
+from functools import partial
+from typing import Final, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,16 +83,21 @@ def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
         return Compared(first, second, least_favourable(pair.factor), unchecked=str(failure))
 
 
-def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: float) -> tuple[float, dict[str, float | None]]:
+class EstimatedPart(NamedTuple):
+    """A part of the error of a trajectory."""
+
+    tip: float  # relative, see `Assessment.error_estimate`
+    columns: dict[str, float | None]  # of `ESTIMATED` and the existing ones of `LOADS`: RMS error over RMS; None for a column of zeros
+    largest: dict[str, float]  # of the same: largest error at any instant, in the column's unit
+
+
+def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: float) -> EstimatedPart:
     """A part of the error of `delivered`, from two or three runs on the same output grid (see `Comparison`).
 
     Args:
         delivered: the run; differences are relative to the size of its columns.
         runs: the runs that show the part.
         length: follower length, m.
-
-    Returns:
-        The part for the tip (see `Assessment.error_estimate`), and one for each column of `ESTIMATED` and `LOADS` in `delivered`.
     """
 
     def part(name: str) -> float:
@@ -99,10 +105,15 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
 
     names: list[str] = [name for name in (*ESTIMATED, *LOADS) if name in delivered.columns]
     parts = {name: relative_size(part(name), rms(delivered[name])) for name in names}
-    deflection = parts["tip_deflection"]
-    if deflection is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
-        return runs.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length, parts
-    return deflection, parts
+    largest = {name: runs.part(partial(_largest_difference, name)) for name in names}
+    tip = parts["tip_deflection"]
+    if tip is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
+        tip = runs.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))) / length
+    return EstimatedPart(tip, parts, largest)
+
+
+def _largest_difference(name: str, run: Trajectory, other: Trajectory) -> float:
+    return float(np.max(np.abs(run[name] - other[name])))
 
 
 def least_favourable(factor: float) -> float:

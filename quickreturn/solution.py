@@ -88,7 +88,7 @@ class Solution(Shown):
 
     @cached_property
     def loads(self) -> "Loads":
-        """Loads on the parts: stress along the arm, forces in joints and bearings; estimates are those of the columns, at their peaks."""
+        """Loads on the parts: stress along the arm, forces in joints and bearings; estimates are the columns' largest errors."""
         return answered(self.request.loads_job(self.result), self.store)[0]
 
     @property

@@ -16,7 +16,7 @@ For cycles that repeat in statistics only, means are compared: of the measures, 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -33,8 +33,8 @@ from quickreturn.engines.trajectory import Columns
 
 Array = NDArray[np.float64]
 
-#: Part of the RMS difference of two signals that counts as error of their root mean squares, besides the difference of these. The difference
-#: of the root mean squares is at most the whole; it is less as far as the difference of the signals is at right angles to them.
+#: Part of the RMS difference of two signals that counts as error of their root mean squares, besides the difference of these. That is at
+#: most the whole; it is less as far as the difference of the signals is at right angles to them.
 ASIDE: Final = 0.25
 #: Key of the time of a turn among the estimates of changes.
 TIME: Final = "time"
@@ -149,20 +149,29 @@ def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dic
     if not compared:
         return {}
     delivered = compared[0].run
-
-    def apart(name: str) -> float:
-        return sum(runs.part(lambda one, other: _rms_apart(one, other, name)) for runs in compared)
-
     moves = delivered.rms.get(MOTION, 0.0)
-    relative = apart(MOTION) / moves if moves > 0.0 else 0.0
-    estimates = {}
-    for name, change in delivered.change.items():
-        of_change = sum(runs.part(lambda one, other, name=name: abs(one.change[name] - other.change[name])) for runs in compared)
-        estimates[name] = {"change": of_change + (0.0 if name == TIME else 2.0 * relative * abs(change))}
-        if name != TIME:
-            of_rms = sum(runs.part(lambda one, other, name=name: abs(one.rms[name] - other.rms[name])) for runs in compared)
-            estimates[name]["rms"] = of_rms + ASIDE * apart(name)
+    relative = _total(compared, MOTION, _rms_apart) / moves if moves > 0.0 else 0.0
+    estimates = {TIME: {"change": _total(compared, TIME, _change_apart)}}
+    for name in delivered.rms:
+        at_least = 2.0 * relative * abs(delivered.change[name])
+        estimates[name] = {
+            "change": _total(compared, name, _change_apart) + at_least,
+            "rms": _total(compared, name, _difference_of_rms) + ASIDE * _total(compared, name, _rms_apart),
+        }
     return estimates
+
+
+def _total(compared: Sequence[Compared[MeasuredCycle]], name: str, apart: Callable[[MeasuredCycle, MeasuredCycle, str], float]) -> float:
+    """The sum of the parts of an error that the compared runs show in a column."""
+    return sum(runs.part(lambda one, other: apart(one, other, name)) for runs in compared)
+
+
+def _change_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
+    return abs(one.change[name] - other.change[name])
+
+
+def _difference_of_rms(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
+    return abs(one.rms[name] - other.rms[name])
 
 
 def _rms_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:

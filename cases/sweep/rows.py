@@ -205,8 +205,8 @@ class _Point:
         if scale is None and not compared:
             return run
         estimated, consensus = with_estimates((compared[0].run if compared else measured(cycle)).measures, compared)
-        estimates = {"extreme_estimates": extreme_estimates(compared), "turn_estimates": turn_estimates(compared)}
-        return replace(run, measures=estimated, consensus=consensus, **estimates)
+        run = replace(run, measures=estimated, consensus=consensus)
+        return replace(run, extreme_estimates=extreme_estimates(compared), turn_estimates=turn_estimates(compared))
 
     def _run(self, state: FoundOrbit | None) -> None:
         """Measure as `run` does, from the periodic state of `reference` if there is one."""

@@ -245,6 +245,15 @@ def tell_doubts(cases: "Sequence[Case]") -> None:
         tell(f"{first}{f' and {len(others)} more' if others else ''}: note: {doubt}")
 
 
+def tell_slow(cases: "Sequence[Case]") -> None:
+    """Name on standard error each case whose crank turns so slowly that its steady state takes minutes."""
+    from quickreturn.cases.runs.slow_turns import warning
+
+    for case in cases:
+        if slow := warning(case):
+            tell(f"{case.name}: {slow}")
+
+
 def _option(key: str) -> str:
     return f"--{key.replace('_', '-')}"
 

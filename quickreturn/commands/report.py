@@ -62,6 +62,7 @@ def command(
     loaded = options.load_all(cases, tag, {}, otherwise=("thesis-*",))
     names, texts, tables = prepared(loaded, engines, settings)
     options.refuse_missing(names if engines else ())
+    options.tell_slow(loaded)
     workshop = options.opened_workshop(loaded, names)
     from quickreturn.reports.report import write_report
     from quickreturn.reports.thesis.content import content_type

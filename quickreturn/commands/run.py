@@ -38,6 +38,7 @@ def command(
     loaded = options.load_all(cases, tag, overrides)
     names, texts, tables = prepared(loaded, engines, settings)
     options.refuse_missing(names if engines else ())
+    options.tell_slow(loaded)
     workshop = options.opened_workshop(loaded, names)
     from quickreturn.cases.runs.comparison import cross_validate
     from quickreturn.cases.runs.endings import Ending

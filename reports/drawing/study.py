@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.case import dimension_of
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.stability import NOT_CONVERGED, UNSTABLE
 from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.measures import MEASURES
-from quickreturn.cases.sweep.rows import LEFT, NOT_CONVERGED, OPEN, UNSTABLE
+from quickreturn.cases.sweep.rows import LEFT, OPEN
 from quickreturn.cases.sweep.study import Study
 from quickreturn.cases.units import unit_size
 from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
@@ -41,7 +42,7 @@ ENDINGS: Final = {
     LEFT: ("....", "X"),
     NOT_CONVERGED: ("\\\\\\\\", "v"),
     OPEN: ("oooo", "^"),
-    Ending.NEUTRAL: ("----", "D"),
+    Ending.NEUTRAL: ("**", "h"),
     Ending.REFUSED: ("||||", "P"),
     Ending.FAILED: ("++++", "*"),
 }

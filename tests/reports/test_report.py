@@ -319,7 +319,7 @@ def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch:
     code, output, errors = call("report", "thesis-17")
     assert code == expected
     remark = "" if status == "inaccurate" else "failed at t = 0.25 s: the beam <snapped>; try another beam"
-    told = f"quickreturn: thesis-17: engine mujoco {status}: {remark}\n"
+    told = f"quickreturn: thesis-17: engine mujoco {status}: {remark}".rstrip() + "\n"
     assert errors == ("" if expected == 0 else told)
     lines = output.splitlines()
     assert lines[0] == str(Path("reports/output/index.html"))

@@ -9,8 +9,9 @@ from matplotlib.patches import PathPatch
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.stability import UNSTABLE
 from quickreturn.cases.sweep.grid import Grid, axis
-from quickreturn.cases.sweep.rows import LEFT, UNSTABLE, MeasureRequest
+from quickreturn.cases.sweep.rows import LEFT, MeasureRequest
 from quickreturn.cases.sweep.study import Study
 from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
 from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
