@@ -88,6 +88,7 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
     page = opened("#at=200&chapter=each")
     page.wait_for_selector("#signals canvas")
     page.locator("#methods > summary").click()
+    page.locator("#methods-thesis-24 > summary").click()
     page.wait_for_timeout(400)
     plots = page.locator("#signals"), page.locator("#methods .drawn").first
 
@@ -246,8 +247,11 @@ def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) ->
     assert page.locator("button:not(.sort, .remark):visible").count() == 0
     stills = page.locator("#stills canvas").evaluate_all("all => all.map(canvas => canvas.toDataURL())")
     assert len(set(stills)) == 4
-    assert page.locator("details:not([open])").count() == 0
-    widths = page.locator(".chart, #signals canvas, #curve").evaluate_all("all => all.map(each => each.getBoundingClientRect().width)")
+    assert page.locator("details.chapter:not([open])").count() == 0
+    assert page.locator("details.part[open]").count() == 0
+    widths = page.locator(".chart:visible, #signals canvas, #curve").evaluate_all(
+        "all => all.map(each => each.getBoundingClientRect().width)"
+    )
     assert len(widths) == page.locator(".drawn:visible, #signals canvas, #curve").count()
     assert all(600 < width <= 700 for width in widths)  # of a sheet's 703 between its margins
     sharp = page.locator("#signals canvas").evaluate_all("all => all.map(canvas => canvas.width / canvas.clientWidth)")
@@ -257,39 +261,67 @@ def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) ->
     assert page.locator("details[open]").count() == 0
 
 
-def test_paper_shows_the_chapters_that_are_open_with_all_that_is_in_them(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods")
+def test_paper_shows_the_chapters_that_are_open_and_what_is_unfolded_in_them(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods&section=methods-thesis-17")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     assert page.locator("details.chapter[open]").evaluate_all("all => all.map(each => each.id)") == ["methods"]
-    assert page.locator("#methods details:not([open])").count() == 0
+    assert page.locator("#methods details[open]").evaluate_all("all => all.map(each => each.id)") == ["methods-thesis-17"]
     page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert page.locator("#methods details[open]").count() == 0
     assert page.locator("#methods").get_attribute("open") is not None
 
 
 def test_parts_of_a_chapter_have_addresses(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods")
-    page.get_by_role("link", name="Measured: the other scenes").click()
-    page.wait_for_url("**section=methods-scenes**")
-    assert page.evaluate("Math.abs(document.getElementById('methods-scenes').getBoundingClientRect().top)") < 2.0
-    again = opened("#at=0&chapter=methods&section=methods-thesis-17")
-    assert again.locator("#methods-thesis-17").get_attribute("open") is not None
-    assert again.locator("#methods-thesis-17 .chart").count() == 2
-    again.wait_for_url("**section=methods-thesis-17**")
+    page = opened("#at=0&chapter=methods&section=methods-thesis-17")
+    assert page.locator("#methods-thesis-17").get_attribute("open") is not None
+    assert page.locator("#methods-thesis-17 .chart").count() == 2
+    page.wait_for_url("**section=methods-thesis-17**")
+
+
+@pytest.mark.parametrize("chapter", ["methods", "thesis"])
+def test_the_longest_chapters_say_their_finding_in_one_screen(opened: Open, chapter: str) -> None:
+    page = opened(f"#at=0&chapter={chapter}")
+    assert page.evaluate(f"document.getElementById('{chapter}').getBoundingClientRect().height") <= 900
+
+
+#: Width of the mechanism over that of its box; `seen` holds the places of lines, of which the lowest are those of the scale.
+FILLED = """() => {
+    const canvas = document.getElementById("stage");
+    const xs = seen.get(canvas).points.filter(([x, y]) => y < canvas.clientHeight - 20).map(([x]) => x);
+    return (Math.max(...xs) - Math.min(...xs)) / canvas.clientWidth;
+}"""
+
+
+def test_all_chapters_are_printed_on_few_pages(opened: Open) -> None:
+    """The thesis' own page, with all 24 runs, has 25 at most; this one has three runs."""
+    page = opened()
+    pages = page.pdf(format="A4").count(b"/Type /Page\n")
+    assert 8 < pages <= 20
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (2560, 1440)])
+def test_the_mechanism_uses_the_space_that_there_is(opened: Open, width: int, height: int) -> None:
+    page = opened("#at=100", width=width, height=height, watched=True)
+    box, main = (page.locator(name).bounding_box() or {} for name in (".stage", "main"))
+    assert main["width"] == width
+    assert box["height"] > 0.45 * height
+    assert page.evaluate(FILLED) > 0.55
+    below = page.evaluate("document.querySelector('.signal').getBoundingClientRect().bottom")
+    assert below > 0.85 * height  # no blank below
 
 
 def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods", has_touch=True, width=390, height=844)
+    page = opened("#at=0&chapter=methods&section=methods-thesis-24", has_touch=True, width=390, height=844)
+    page.evaluate("document.getElementById('methods-times').open = true")
     page.locator("#table-fastest .remark").first.tap()
     assert page.inner_text("#remark span").endswith("modes 2, tolerance 1e-7")
     page.locator("#remark button").tap()
     assert page.locator("#remark").is_hidden()
-    page.locator("#methods .chart").first.locator("[data-series=reference] circle").first.tap()
-    assert page.locator("#methods .reading").first.inner_text().startswith("reference: modes 2, tolerance 1e-7; 2.0")
+    page.locator("#methods-thesis-24 .chart").first.locator("[data-series=reference] circle").first.tap()
+    assert page.locator("#methods-thesis-24 .reading").first.inner_text().startswith("reference: modes 2, tolerance 1e-7; 2.0")
 
 
 def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
-    page = opened("#chapter=methods")
+    page = opened("#chapter=methods&section=methods-thesis-24")
     choices = page.locator("#methods .choices").first
     first, second = choices.locator(".drawn").all()
     for name, shown, other in (
@@ -329,7 +361,7 @@ def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switc
 
 
 def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods")
+    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
     with page.expect_download() as waited:
         page.locator("#methods .take").first.click()
     picture = Path(waited.value.path()).read_text("utf-8")

@@ -2,13 +2,13 @@
 
 let opened = [];  // for printing
 
-/** On paper everything is laid out for its width, in light colours: the chapters that are open, with all that they hold, or all of them. */
+/** On paper everything is laid out for its width, in light colours: the chapters that are open, or all of them; what is folded in them stays so. */
 window.addEventListener("beforeprint", () => {
   if (onPaper()) return;
   pause();
   document.documentElement.dataset.print = "";
   const printed = chapters().some((chapter) => chapter.open) ? chapters().filter((chapter) => chapter.open) : chapters();
-  opened = printed.flatMap((chapter) => [chapter, ...chapter.querySelectorAll("details")]).filter((found) => !found.open);
+  opened = printed.filter((chapter) => !chapter.open);
   for (const found of opened) found.open = true;
   if (motion) show();
   if (motion?.engines.length) stills();
