@@ -55,6 +55,7 @@ class Split:
     strength: str  # the weakest strength that does
     pre: float  # relative change of the first-mode frequency before the return, median over the runs
     post: float  # the same after the return
+    posts: tuple[float, ...] = ()  # the same for every strength tried
 
     @property
     def one_sided(self) -> bool:
@@ -80,7 +81,8 @@ def splits(rows: Sequence[Row]) -> list[Split]:
         mine = [row for row in rows if row.effect == effect.id and row.engine == effect.engine]
         if row := next((row for row in mine if row.tells_halves_apart and (row.apart or 0.0) <= 1.0 / excess - 1.0), None):
             pre, post = (statistics.median(row.changes(f"{half}_frequency").values()) for half in HALVES)
-            splits_.append(Split(effect, row.strength, pre, post))
+            posts = tuple(statistics.median(changes) for each in mine if (changes := each.changes("post_frequency").values()))
+            splits_.append(Split(effect, row.strength, pre, post, posts))
     return sorted(splits_, key=lambda split: len(split.effect.choices))
 
 

@@ -112,7 +112,10 @@ def answer(tables: Tables) -> list[str]:
     solving, split = _fastest(tables)[:2], []
     if "finding" in tables:
         strength, pre, post = _softer_side(tables)
-        split = [f"({number(100.0 * pre, '+.1f')} % before, {number(100.0 * post, '+.1f')} % after, at {strength})"]
+        split = [f"({number(100.0 * pre, '+.1f')} % before, {number(100.0 * post, '+.1f')} % after, at {strength}"]
+        rows = tables["finding"][tables["finding"]["effect"] == "roller soft after the return"]
+        posts = [f"{number(100.0 * value, '+.1f')} %" for value in rows["post_frequency"]]
+        split += [f"after the return {', '.join(posts)} at the {in_words(len(posts))} strengths tried"]
     setup = _measured(tables, solving[0])["setup_seconds"]
     return [
         f"{in_words(len(alike))} of {in_words(len(engines))} simulations" if len(alike) < len(engines) else f"{in_words(len(alike))} sim",
@@ -120,7 +123,7 @@ def answer(tables: Tables) -> list[str]:
         f"its ringing frequency differs by at most {frequency}",
         f"The 1999 model, which lets the arm bend in one simple curve only, rings {size(median)} faster",
         f"shows {number(100.0 * float(np.median(ratios)), '.0f')} % of the strain",
-        *(["a roller that is softer on one side could make that difference", *split] if split else []),
+        *(["a roller that is softer on one side makes that difference", *split] if split else []),
         f"{(runs['status'] == 'settled').sum()} of {len(runs)} simulations",
         "by their own estimates",
         f"{frequency} largest frequency difference of the {in_words(len(alike))} that agree",
@@ -279,9 +282,9 @@ def thesis(tables: Tables) -> list[str]:
         (strength, pre, post), symmetric = _softer_side(tables), tables["finding"].set_index("effect").loc[SYMMETRIC]
         nothing = (symmetric["apart"].abs() <= 2.0**0.5 * symmetric["measured"]).all()
         return [
-            "Only a roller that is softer on one side makes the halves differ as it says:",
+            "Of the effects tried, only a roller that is softer on one side makes the halves differ as it says:",
             f"at {strength} by {number(100.0 * pre, '+.1f')} % before and {number(100.0 * post, '+.1f')} % after the return (medians)",
-            *(["nothing symmetric moves them apart by more than the measurement leaves open"] if nothing else []),
+            *(["no symmetric effect tried moves them apart by more than the measurement leaves open"] if nothing else []),
             f"{outcomes.sum()} statements",
             *counted,
         ]
