@@ -22,6 +22,9 @@ ROUNDING: Final = 1e-6
 #: Stiffness (N/m) of a roller without a stiffness of its own in a joint that is not rigid: 1 um per newton, some ten times the deflection
 #: that Hertz's theory gives for a steel roller on an aluminium strip. Rigid contact would be a series of impacts.
 CONTACT_STIFFNESS: Final = 1e6
+#: Shortest part of a flexible follower beyond the slider's farthest place, over the follower's length. On a bent follower the slider is
+#: farther along than on a straight one; tables of shapes end 1e-5 before the end (`beam.tables`).
+LEAST_STUB: Final = 2e-5
 
 
 class ImpossibleMechanism(ToldError, ValueError):
@@ -354,7 +357,8 @@ class Mechanism(_Bodies):
     """One scene: everything a model needs to know, and nothing about how to solve it.
 
     Raises:
-        ImpossibleMechanism: the slider cannot stay on the follower (d + LA > L) or the crank reaches the pivot (LA >= d).
+        ImpossibleMechanism: the slider cannot stay on the follower (d + LA > L, with a flexible one d + LA > (1 - `LEAST_STUB`) L) or the
+            crank reaches the pivot (LA >= d).
     """
 
     pivot_distance: float = quantity("m", "from O to P", sign="positive")
@@ -372,6 +376,13 @@ class Mechanism(_Bodies):
                 "crank.length",
                 f"cannot be: the slider leaves the follower: pivot_distance + crank.length = {d + crank:.6g} m must not exceed"
                 f" follower.length = {length:.6g} m",
+                others=others,
+            )
+        if not self.follower.is_rigid and d + crank > (1.0 - LEAST_STUB) * length:
+            raise ImpossibleMechanism(
+                "crank.length",
+                f"cannot be: the slider reaches the follower's end, and leaves it where the follower bends: pivot_distance + crank.length ="
+                f" {d + crank:.7g} m must not exceed {1.0 - LEAST_STUB:g} follower.length = {(1.0 - LEAST_STUB) * length:.7g} m",
                 others=others,
             )
 

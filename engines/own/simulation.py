@@ -1,5 +1,6 @@
 """A running simulation of one of this project's models."""
 
+import math
 import time
 from typing import TYPE_CHECKING, Final
 
@@ -29,6 +30,8 @@ _CAUSES: Final = {
     integrate.TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "try fewer shapes or a looser engine.tolerance"),
     integrate.NOT_A_NUMBER: ("the loop cannot close any more", "check the scene; the follower may be bent beyond what its shapes describe"),
 }
+#: Slider position, over the smallest one in the tables, below which a step that fails has met their end.
+_AT_THE_LOWER_END: Final = 1.001
 _LOST_HOLD: Final = (
     "the force on the nodes has lost its hold on the gap at the slider, no step size gets past that",
     'try four or more engine.elements, or engine.distribution="consistent"',
@@ -65,6 +68,8 @@ class OwnSimulation(Simulation):
         began = time.perf_counter()
         result = self.model.integrate(self.state, output_step, intervals, self.tolerance, self._step)
         integrated = time.perf_counter()
+        # read before the observables of the states overwrite it
+        place = float(self.model.workspace.facts.s) if isinstance(self.model, BeamModel) else math.inf
         states, good = result.states, result.end_time
         try:
             columns = self.model.observe(states)
@@ -77,12 +82,24 @@ class OwnSimulation(Simulation):
         trajectory = trajectory_type(self.model.scene)(columns, time.perf_counter() - began, statistics)
         if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
             cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
+            if result.status == integrate.STEP_TOO_SMALL and (near := self._near_pivot(place)) is not None:
+                cause, advice = near
             if self._is_lever and result.status != integrate.LEFT_FOLLOWER:
                 cause, advice = _LOST_HOLD
             raise EngineFailure(self.time + good, cause, advice, trajectory if len(trajectory) else None)
         self.state, self._step = result.states[-1], result.next_step
         self.time += duration
         return trajectory
+
+    def _near_pivot(self, place: float) -> tuple[str, str] | None:
+        """Cause and advice if the slider's last `place` (m) is at the lower end of the shapes' tables; None elsewhere."""
+        scene = self.model.scene
+        if not isinstance(self.model, BeamModel) or scene.crank is None or place > _AT_THE_LOWER_END * self.model.parameters.tables.low:
+            return None
+        cause = f"the slider comes within {place:.3g} m of the follower's pivot, where the shapes end"
+        if not scene.slider.is_rigid:
+            return cause, "try a stiffer joint (slider.joint_stiffness), which does not let the follower fall off the slider"
+        return cause, f"try a crank.length ({scene.crank.length:.6g} m) that stays shorter than mechanism.pivot_distance by more"
 
     @property
     def _is_lever(self) -> bool:

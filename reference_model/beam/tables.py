@@ -16,6 +16,7 @@ from quickreturn.reference_model.gauss_points import integrals_to_points, lagran
 from quickreturn.reference_model.machine.memory import on_lines
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
 from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.splines import spline_coefficients
 
@@ -44,24 +45,53 @@ _USUAL: Final = _Reach(1e-4, 5e-4, 1, 1)
 _TO_THE_END: Final = _Reach(1e-6, 1e-5, 3, 8)
 #: Models with up to this many modes share one family: a run, and the finer runs of its error estimate.
 _SHARED: Final = 7
+#: Smallest slider position in any tables, and the one below which they are finer, as fractions of the follower's length.
+_LEAST: Final = 1e-3
+_NEAR_PIVOT: Final = 0.02
+#: Gap of a compliant joint over the rigid mechanism's nearest slider position, above which the follower may fall off the slider: three such
+#: gaps move the foot by the 5 % of that position that tables have to spare.
+_FALLS: Final = 0.1
 #: Fraction of the follower's length beyond which the slider counts as near the end.
 _NEAR: Final = 0.95
 #: Distance beyond the follower's end to which tables of fixed shapes go, as a fraction of its length, so that a step may pass the end.
 _BEYOND: Final = 0.02
 
 
-def _reach(mechanism: Mechanism) -> _Reach:
-    farthest = mechanism.pivot_distance + mechanism.crank.length
-    return _TO_THE_END if farthest > _NEAR * mechanism.follower.length else _USUAL
+class _Range(NamedTuple):
+    """Slider positions that tables of following shapes cover, and how fine they are.
+
+    Attributes:
+        low, high: m.
+        reach: of the tables at the end.
+    """
+
+    low: float
+    high: float
+    reach: _Reach
 
 
-def slider_range(mechanism: Mechanism) -> tuple[float, float]:
-    """Slider positions (m) that tables of following shapes cover: from 5 % below the rigid mechanism's to just short of the end."""
-    return _nearest(mechanism), (1.0 - _reach(mechanism).end) * mechanism.follower.length
+def slider_range(mechanism: Mechanism) -> _Range:
+    """From 5 % below the rigid mechanism's positions, or from the pivot where a soft joint lets the follower fall, to near the end."""
+    length, farthest = mechanism.follower.length, mechanism.pivot_distance + mechanism.crank.length
+    low, reach = _nearest(mechanism), _TO_THE_END if farthest > _NEAR * length else _USUAL
+    if low < _NEAR_PIVOT * length:
+        reach = reach._replace(terms=_TO_THE_END.terms, intervals=_TO_THE_END.intervals)
+    return _Range(low, (1.0 - reach.end) * length, reach)
 
 
 def _nearest(mechanism: Mechanism) -> float:
-    return max(0.95 * (mechanism.pivot_distance - mechanism.crank.length), 0.02 * mechanism.follower.length)
+    """Smallest slider position in the tables, m."""
+    least, rigid = _LEAST * mechanism.follower.length, mechanism.pivot_distance - mechanism.crank.length
+    return least if _gap(mechanism) > _FALLS * rigid else max(0.95 * rigid, least)
+
+
+def _gap(mechanism: Mechanism) -> float:
+    """Largest gap (m) that the slider force of the rigid mechanism causes in a turn, over the softer roller; infinite without stiffness."""
+    if mechanism.slider.is_rigid:
+        return 0.0
+    force = rigid_kinetostatics(mechanism, np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False), crank_pace(mechanism))[0]
+    softer = min(mechanism.slider.sides)
+    return float(np.max(np.abs(force))) / softer if softer > 0.0 else math.inf
 
 
 class BoundedTables(NamedTuple):
@@ -97,27 +127,28 @@ def following(mechanism: Mechanism, modes: int, *, natural: bool = False) -> Fol
     tip = None if tip is None else Tip(mass=tip.mass, inertia=tip.inertia, center_of_mass=tip.center_of_mass)
     at_rest = Crank(length=crank.length, drive=PrescribedSpeed(speed=0.0))
     began = time.perf_counter()
-    kept = _following(replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0)), modes, base_shape)
+    bare = replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0))
+    kept = _following(bare, modes, base_shape, slider_range(mechanism))
     return kept._replace(seconds=max(0.0, kept.seconds - (time.perf_counter() - began)))
 
 
 @lru_cache(maxsize=16)
-def _following(bare: Mechanism, modes: int, base_shape: bool) -> Following:
+def _following(bare: Mechanism, modes: int, base_shape: bool, covered: _Range) -> Following:
     """The modes of a mechanism `bare` of everything on which they do not depend; `seconds` is the wall time of making them."""
-    reach, high = _reach(bare), slider_range(bare)[1]
+    reach = covered.reach
     # the shape for a moment at the base differs with the number of modes
-    shared, seconds = _family(bare, modes if base_shape else max(modes, _SHARED), base_shape)
+    shared, seconds = _family(bare, modes if base_shape else max(modes, _SHARED), base_shape, covered)
     began, family = time.perf_counter(), shared.first(modes)
     tables = span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1))
     seconds += time.perf_counter() - began
-    return Following(tables, high - reach.leaving * bare.follower.length, family, seconds)
+    return Following(tables, covered.high - reach.leaving * bare.follower.length, family, seconds)
 
 
 @lru_cache(maxsize=8)
-def _family(bare: Mechanism, modes: int, base_shape: bool) -> tuple[ModeFamily, float]:
+def _family(bare: Mechanism, modes: int, base_shape: bool, covered: _Range) -> tuple[ModeFamily, float]:
     """The modes as functions, and the wall time (s) that making them took."""
     began = time.perf_counter()
-    family = mode_family(bare, modes, *slider_range(bare), _reach(bare).terms * (21 + 7 * modes), base_shape)
+    family = mode_family(bare, modes, covered.low, covered.high, covered.reach.terms * (21 + 7 * modes), base_shape)
     return family, time.perf_counter() - began
 
 

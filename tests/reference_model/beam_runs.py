@@ -28,7 +28,7 @@ def places_of(mechanism: Mechanism) -> tuple[float, float]:
 def fine_family(mechanism: Mechanism, modes: int) -> ModeFamily:
     """Shapes around the places that the slider visits: 120 terms leave 1e-9 of psi and 1e-6 of its second derivative in five modes."""
     nearest, farthest = places_of(mechanism)
-    return mode_family(mechanism, modes, 0.98 * nearest, min(1.02 * farthest, slider_range(mechanism)[1]), 120)
+    return mode_family(mechanism, modes, 0.98 * nearest, min(1.02 * farthest, slider_range(mechanism).high), 120)
 
 
 def with_fine_tables(

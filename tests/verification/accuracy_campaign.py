@@ -47,7 +47,15 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.verification.claims import deliveries, left_out, summary
-from tests.verification.random_scenes import OUTPUT_STEP, Scene, combined_machines, condition_of, random_scenes, sensible_machines
+from tests.verification.random_scenes import (
+    OUTPUT_STEP,
+    Scene,
+    braked_machines,
+    combined_machines,
+    condition_of,
+    random_scenes,
+    sensible_machines,
+)
 
 SEED: Final = 1999
 ENGINES: Final = ("reference", "exudyn", "mujoco")
@@ -239,6 +247,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--library", action="store_true", help="the scenes of the library")
     parser.add_argument("--machines", type=int, default=0, metavar="N", help="number of sensible machines")
     parser.add_argument("--combined", type=int, default=0, metavar="N", help="number of machines on which everything acts at once")
+    parser.add_argument("--braked", type=int, default=0, metavar="N", help="number of such machines with a braked, light pivot")
     parser.add_argument("--random", type=int, default=0, metavar="N", help="number of random scenes around the thesis' mechanism")
     parser.add_argument("--engine", action="append", choices=engine_names(), help="default: reference, exudyn and mujoco")
     parser.add_argument("--accuracy", action="append", type=float, help="default: the engine's own, 1e-2 and 1e-3")
@@ -247,10 +256,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--no-confirmation", action="store_true", help="without the confirming run, and therefore without a judgement")
     parser.add_argument("--output", type=Path, help="CSV file of all rows")
     given = parser.parse_args(arguments)
-    if not (given.random or given.machines or given.combined or given.library):
-        parser.error("no scenes; give --library, --machines N, --combined N or --random N")
+    if not (given.random or given.machines or given.combined or given.braked or given.library):
+        parser.error("no scenes; give --library, --machines N, --combined N, --braked N or --random N")
     requests = tuple(itertools.product(given.engine or ENGINES, given.accuracy or ACCURACIES))
-    kinds = ((sensible_machines, given.machines), (combined_machines, given.combined), (random_scenes, given.random))
+    kinds = (
+        (sensible_machines, given.machines),
+        (combined_machines, given.combined),
+        (braked_machines, given.braked),
+        (random_scenes, given.random),
+    )
     drawn = (itertools.islice(drawn_from(given.seed), count) for drawn_from, count in kinds)
     scenes = itertools.chain(library_scenes() if given.library else (), *drawn)
     workshop = Workshop(Store(), LocalProcesses(given.jobs))

@@ -21,6 +21,7 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
 from quickreturn.reference_model.natural_modes import stiffness_ratio
+from quickreturn.reference_model.rigid import crank_pace, static_deflection
 
 OUTPUT_STEP: Final = 1e-3  # s
 LARGEST_SLIDER_POSITION: Final = 0.98  # of the follower's length
@@ -29,6 +30,7 @@ LARGEST_CONDITION: Final = 50.0  # run 24 has 13 over 2 s; at twice its crank sp
 LEAST_STIFFNESS_RATIO: Final = 5.0  # first bending frequency over the crank's; run 24 has 4.1
 MACHINE_DURATION: Final = 2.0  # s
 COMBINED_DURATION: Final = 1.0  # s
+BRAKED_DURATION: Final = 0.5  # s
 
 #: Young's modulus (Pa), density (kg/m^3).
 MATERIALS: Final = {"steel": (210e9, 7850.0), "aluminium": (70e9, 2700.0), "plastic": (3e9, 1200.0)}
@@ -88,6 +90,15 @@ def combined_machines(seed: int) -> Iterator[Scene]:
     force on the tip over a part of the turn in half of them, gravity in most; the follower's damping is 0.2 to 300 % of critical.
     """
     return _stiff_enough("combined-{:02d}", np.random.default_rng([seed, 7]), _with_everything, COMBINED_DURATION)
+
+
+def braked_machines(seed: int) -> Iterator[Scene]:
+    """`combined_machines` whose pivot is braked and hardly has inertia, without end, the same ones for the same seed.
+
+    Damping or friction of the base, or both, bend the arm by 1 to 300 % of its static deflection. Base inertia is 0 in half of them, else
+    1e-6 to 1e-3 times the arm's mass times its length squared. Gauges stand within 3 % of both ends.
+    """
+    return _stiff_enough("braked-{:02d}", np.random.default_rng([seed, 11]), _braked, BRAKED_DURATION)
 
 
 def _stiff_enough(name: str, generator: Generator, draw: Callable[[Generator], Mechanism], duration: float) -> Iterator[Scene]:
@@ -259,6 +270,32 @@ def _with_everything(generator: Generator) -> Mechanism:
         tip=tip,
         gravity=(weight * math.cos(direction), weight * math.sin(direction)),
         follower=dataclasses.replace(follower, damping=2.0 * between(0.002, 3.0) * rate * follower.mass_per_length),
+    )
+
+
+def _braked(generator: Generator) -> Mechanism:
+    """A machine with all that can act on it and a braked pivot, see `braked_machines`."""
+    machine, uniform = _with_everything(generator), generator.uniform
+
+    def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
+        return float(math.exp(uniform(math.log(low), math.log(high))))
+
+    follower, pace = machine.follower, crank_pace(machine)
+    length, arm = follower.length, follower.mass_per_length * follower.length
+    # a moment at the base deflects the tip by about M L^2 / (3 EI)
+    bending = 3.0 * follower.bending_stiffness / length**2 * static_deflection(machine, pace)
+    turning = pace * machine.crank.length / machine.pivot_distance  # rad/s, of the follower
+    kind = generator.choice(("damping", "friction", "both"))
+    return dataclasses.replace(
+        machine,
+        base=Base(
+            inertia=arm * length**2 * between(1e-6, 1e-3) if uniform() < 0.5 else 0.0,
+            damping=0.0 if kind == "friction" else bending * between(0.01, 3.0) / turning,
+            friction_torque=0.0 if kind == "damping" else bending * between(0.01, 3.0),
+        ),
+        follower=dataclasses.replace(
+            follower, strain_gauges=(length * uniform(0.001, 0.03), length * uniform(0.3, 0.7), length * uniform(0.97, 0.995))
+        ),
     )
 
 
