@@ -224,7 +224,9 @@ class _Point:
                 orbit=orbit,
             )
         )
-        self.status, self.sentence = _ending(run.remark, _ENDINGS.get(run.ending, run.status)), run.remark
+        status = _ENDINGS.get(run.ending, run.status)
+        # the remark of a usable run may say that a finer one broke down
+        self.status, self.sentence = status if run.usable else _ending(run.remark, status), run.remark
         if multiplier is not None and multiplier.status != Ending.SETTLED and run.status == Ending.NOT_SETTLED:
             self.status = multiplier.status
         if run.usable:

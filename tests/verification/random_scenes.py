@@ -293,6 +293,7 @@ def _braked(generator: Generator) -> Mechanism:
             damping=0.0 if kind == "friction" else bending * between(0.01, 3.0) / turning,
             friction_torque=0.0 if kind == "damping" else bending * between(0.01, 3.0),
         ),
+        slider=dataclasses.replace(machine.slider, inertia=0.0),  # which no engine models that shares no equations with `reference`
         follower=dataclasses.replace(
             follower, strain_gauges=(length * uniform(0.001, 0.03), length * uniform(0.3, 0.7), length * uniform(0.97, 0.995))
         ),

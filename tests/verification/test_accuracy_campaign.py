@@ -26,6 +26,7 @@ from tests.verification.random_scenes import (
     LARGEST_DEFLECTION,
     LARGEST_SLIDER_POSITION,
     Scene,
+    braked_machines,
     combined_machines,
     random_scenes,
     sensible_machines,
@@ -34,6 +35,8 @@ from tests.verification.row import chapter
 
 #: Scenes that a slice of the long tests computes.
 DRAWN = 3
+#: Number of machines with a braked pivot.
+BRAKED = 60
 #: Others whose claims hold.
 VERIFIED = ("fixed-shapes", "multiplier", "stiff-spring", "derived")
 
@@ -55,9 +58,9 @@ def test_random_scenes_are_sensible_and_the_same_each_time() -> None:
     scenes = list(itertools.islice(random_scenes(SEED), 2))
     assert scenes == list(itertools.islice(random_scenes(SEED), 2))
     assert scenes[0].mechanism != scenes[1].mechanism
-    combined = next(combined_machines(SEED))
-    assert combined == next(combined_machines(SEED))
-    for scene in (*scenes, combined):
+    combined, braked = next(combined_machines(SEED)), next(braked_machines(SEED))
+    assert (combined, braked) == (next(combined_machines(SEED)), next(braked_machines(SEED)))
+    for scene in (*scenes, combined, braked):
         mechanism = scene.mechanism
         simulation = ReferenceEngine().prepare(mechanism, standard_start(mechanism), ReferenceSettings(modes=4))
         motion = simulation.advance(scene.duration, 1e-3)
@@ -109,6 +112,16 @@ def test_claims_hold(record_property: Callable[[str, object], None], portion: Po
         assert (delivered[delivered["asked"] == "default"]["claimed"] >= 0.9).all()
         # what could be judged is most of it
         assert len(judged(table)) > 0.7 * len(table)
+
+
+@pytest.mark.verify
+def test_claims_hold_where_the_pivot_is_braked(portion: Portion) -> None:
+    """A moment at the base, and gauges near both ends: what natural modes describe worst."""
+    requests = tuple(("reference", accuracy) for accuracy in (None, 1e-2, 1e-4))
+    scenes = portion(list(itertools.islice(braked_machines(SEED), BRAKED)), DRAWN)
+    table, broken = campaign([(scene, requests) for scene in scenes], Workshop(Store()))
+    assert not broken
+    check(table, whole=len(scenes) > DRAWN)
 
 
 @pytest.mark.verify
