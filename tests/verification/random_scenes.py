@@ -95,8 +95,9 @@ def combined_machines(seed: int) -> Iterator[Scene]:
 def braked_machines(seed: int) -> Iterator[Scene]:
     """`combined_machines` whose pivot is braked and hardly has inertia, without end, the same ones for the same seed.
 
-    Damping or friction of the base, or both, bend the arm by 1 to 300 % of its static deflection. Base inertia is 0 in half of them, else
-    1e-6 to 1e-3 times the arm's mass times its length squared. Gauges stand within 3 % of both ends.
+    The damper lets the arm turn at its base in 0.1 to 100 % of the time of its first vibration, friction bends it by 1 to 30 % of its
+    static deflection; there is one or the other, or both. Base inertia is 0 in half of them, else 1e-6 to 1e-3 times the arm's mass times
+    its length squared. Gauges stand within 3 % of both ends.
     """
     return _stiff_enough("braked-{:02d}", np.random.default_rng([seed, 11]), _braked, BRAKED_DURATION)
 
@@ -284,14 +285,14 @@ def _braked(generator: Generator) -> Mechanism:
     length, arm = follower.length, follower.mass_per_length * follower.length
     # a moment at the base deflects the tip by about M L^2 / (3 EI)
     bending = 3.0 * follower.bending_stiffness / length**2 * static_deflection(machine, pace)
-    turning = pace * machine.crank.length / machine.pivot_distance  # rad/s, of the follower
+    rate = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / length**2
     kind = generator.choice(("damping", "friction", "both"))
     return dataclasses.replace(
         machine,
         base=Base(
             inertia=arm * length**2 * between(1e-6, 1e-3) if uniform() < 0.5 else 0.0,
-            damping=0.0 if kind == "friction" else bending * between(0.01, 3.0) / turning,
-            friction_torque=0.0 if kind == "damping" else bending * between(0.01, 3.0),
+            damping=0.0 if kind == "friction" else 3.0 * follower.bending_stiffness / (length * rate) * between(1e-3, 1.0),
+            friction_torque=0.0 if kind == "damping" else bending * between(0.01, 0.3),
         ),
         slider=dataclasses.replace(machine.slider, inertia=0.0),  # which no engine models that shares no equations with `reference`
         follower=dataclasses.replace(
