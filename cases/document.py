@@ -31,6 +31,7 @@ class Document:
     values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI if the case was not a text
     overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> raw value that `--set` gave, latest last
     mistakes: tuple[CaseError, ...] = ()  # mistakes in sections and keys, which the values therefore lack
+    replaced: Mapping[str, str] = field(default_factory=dict)  # dotted key that `--set` removed -> the key that takes its place
 
     def at(self, path: str) -> Any:
         """The value at a dotted key, or at a key of the header; None if there is none."""
@@ -83,7 +84,10 @@ class Document:
         if mistakes:
             raise together([*self.mistakes, *mistakes])
         earlier = {path: value for path, value in self.overridden.items() if path not in values}
-        return replace(self.changed(values), overridden=earlier | {path: values[path] for path in texts})
+        removed = [path for path in values if path not in texts and self.at(path) is not None]
+        instead = {path: next(other for other in texts if path in replaced_by([other])) for path in removed}
+        overridden = earlier | {path: values[path] for path in texts}
+        return replace(self.changed(values), overridden=overridden, replaced={**self.replaced, **instead})
 
 
 def document_of(case: Case) -> Document:
@@ -160,7 +164,8 @@ def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
     if name is None:
         mistakes.append(document.error("name", "this key is missing", 'write a name, such as name = "stiffer-follower"'))
     elif not isinstance(name, str) or not NAME.fullmatch(name):
-        accepted = "up to 64 letters, digits, points, hyphens and underscores in quotes, beginning with a letter or digit, are accepted"
+        signs = "up to 64 letters from a to z, digits, points, hyphens and underscores in quotes"
+        accepted = f"{signs}, beginning with a letter or digit, are accepted"
         mistakes.append(document.error("name", "is not a name", accepted))
     title = document.header.get("title", name or "")
     if not isinstance(title, str) or not title.isprintable() or len(title) > _LONGEST_TITLE:

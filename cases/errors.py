@@ -28,7 +28,7 @@ class CaseError(ToldError):
     """
 
     def __init__(self, source: str, key: str | None, value: str | None, problem: str, accepted: str = "") -> None:
-        what = "" if key is None else f"{key}: " if value is None else f"{key}: {value} "
+        what = ("" if key is None else f"{key}: ") + ("" if value is None else f"{value} ")
         super().__init__(f"{source}: {what}{problem}" + (f"; {accepted}" if accepted else ""))
         self.source = source
         self.key = key
@@ -76,6 +76,15 @@ def as_written(value: Any) -> str:
     if isinstance(value, dict):
         return "{ ... }" if value else "{}"
     return shortened(str(value))
+
+
+def texts_given(given: Any, source: str, example: str) -> list[str]:
+    """One text or several, as a list. CaseError, which names `source`: anything else."""
+    texts = [given] if isinstance(given, str) else list(given) if isinstance(given, Iterable) else [given]
+    for text in texts:
+        if not isinstance(text, str):
+            raise CaseError(source, None, as_written(text), "is not a text", f"give one or several, such as {as_written(example)}")
+    return texts
 
 
 def shortened(text: str) -> str:

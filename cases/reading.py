@@ -11,7 +11,7 @@ from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, attempted, together
 from quickreturn.cases.units import QuantityError
 from quickreturn.reference_model.mechanism import ImpossibleMechanism
-from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, scene_of
+from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, replaced_by, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # output steps: a table of a gigabyte
 _LARGEST_ANGLE: Final = math.radians(1e6)  # doubles are 4e-12 rad apart there; at far larger angles a crank would turn in jumps
@@ -109,6 +109,10 @@ def _missing(document: Document, keys: Sequence[str], accepted: str = "") -> Cas
     first, *others = keys
     also = ", ".join(others[:-1]) + " and " * (len(others) > 1) + "".join(others[-1:])
     told = "is missing" + (f", and so {'are' if len(others) > 1 else 'is'} {also}" if others else "")
+    for old, new in document.replaced.items():
+        if new in document.overridden and new != first and old in replaced_by([first]):
+            problem, accepted = f"takes the place of {old} and needs {first} as well", f"give both, or {old} alone"
+            return document.error(new, problem, f"{accepted}; {first} is {dimension_of(first).name}, such as {dimension_of(first).example}")
     if first in PATHS:
         dimension = dimension_of(first)
         return document.error(first, f"this key {told}", accepted or f"write {dimension.name}, such as {dimension.example}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from quickreturn import questions
 from quickreturn.accuracy import checked
-from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.errors import CaseError, as_written, nearest_or_all, texts_given
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.text_file import read_text
 from quickreturn.cases.uncertainty import calibration
@@ -44,7 +44,7 @@ def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limi
         CaseError: an invalid case, table or key.
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
-    chosen, recorded, keys = one_case(case), as_table(table), [free] if isinstance(free, str) else [*free]
+    chosen, recorded, keys = one_case(case), as_table(table), texts_given(free, "free", "tip.mass")
     frees_of(keys, chosen)
     TableModel(chosen, recorded)
     job = Job("calibration", calibration.calibrate, (chosen, recorded, keys))
@@ -54,7 +54,7 @@ def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limi
 def uncertainty(
     case: AnyCase | None,
     uncertain: Mapping[str, str] | str | os.PathLike[str],
-    measures: Sequence[str] = (),
+    measures: str | Sequence[str] = (),
     samples: int = 256,
     *,
     claims: bool = True,
@@ -68,7 +68,7 @@ def uncertainty(
         case: a name, a path or a `Case`; None: that of the study file.
         uncertain: key of a case file -> distribution: "uniform 0 kg .. 0.3 kg", "log-uniform 1 N/m .. 1e3 N/m" or
             "normal 2128 lbf*in^2 +- 4 %"; or the path of a study file with `case`, `measures` and `[uncertain]`.
-        measures: names, see `qr.measures`.
+        measures: one name or several, see `qr.measures`.
         samples: number of points, a power of two.
         claims: whether every number gets the simulation's error estimate, which takes about twice as long.
         accuracy: error of the tip deflection to ask for; None: the engine's default.
@@ -91,8 +91,9 @@ def uncertainty(
         study = _study_file(source)
         case, measures, distributions = case or study["case"], measures or study["measures"], study["uncertain"]
     if case is None or not measures:
-        raise CaseError(source, "measures" if case else "case", None, "is missing", 'give one, such as "post.frequency" or "thesis-24"')
-    request = MeasureRequest(measures=tuple(measures), claims=claims, accuracy=checked(accuracy))
+        where, example = ("case", "thesis-24") if case is None else ("measures", "post.frequency")
+        raise CaseError(where, None, None, "none is given", f"give one, such as {as_written(example)}")
+    request = MeasureRequest(measures=tuple(texts_given(measures, "measures", "post.frequency")), claims=claims, accuracy=checked(accuracy))
     return planned(one_case(case), distributions, request, samples, source).scatter(opened(jobs, quiet))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import PATHS, si_value
-from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from quickreturn.cases.shown import Cell, Rows, Shown
@@ -138,7 +138,7 @@ def resonance(
     range: str = "",
     *,
     speed: str | None = None,
-    measures: Sequence[str] = (USUAL,),
+    measures: str | Sequence[str] = (USUAL,),
     accuracy: float | None = None,
     claims: bool = True,
     quiet: bool = False,
@@ -150,7 +150,7 @@ def resonance(
         key: key of the varied quantity, as in a case file.
         range: range of its values, such as "60 rpm .. 300 rpm".
         speed: prescribed speed of the crank if another quantity varies, such as "165 rpm"; None: the case's own drive.
-        measures: names of measures, "peak.COLUMN"; the curve's peaks are those of the first.
+        measures: one name or several, "peak.COLUMN"; the curve's peaks are those of the first.
         accuracy: relative error of the model whose curve is followed; None: the default of `reference`.
         claims: whether the error of every point is estimated, which takes a third of the time or more.
         quiet: whether messages on standard error are left out while code is compiled.
@@ -159,10 +159,10 @@ def resonance(
         CaseError, Refusal: an invalid argument, or a machine without such a curve.
         EngineFailure: no periodic motion was found in the range.
     """
-    chosen = one_case(case)
+    chosen, names = one_case(case), tuple(texts_given(measures, "measures", USUAL))
     varied, held = range_of(key, range, "range"), speed_of(speed, "speed")
     with compilation_announced(quiet):
-        return Resonance(chosen.name, resonance_curve(chosen, varied, held, tuple(measures), checked(accuracy), claims))
+        return Resonance(chosen.name, resonance_curve(chosen, varied, held, names, checked(accuracy), claims))
 
 
 def speed_of(text: str | None, option: str = "--speed") -> float | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case, si_text
-from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.reading import parse_case
 from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
@@ -39,7 +39,7 @@ def measures() -> "Listing[Measure]":
 def sweep(
     case: AnyCase,
     vary: Mapping[str, str | Sequence[Any]],
-    measures: Sequence[str] = USUAL,
+    measures: str | Sequence[str] = USUAL,
     engine: str = "reference",
     *,
     accuracy: float | None = None,
@@ -56,7 +56,7 @@ def sweep(
         case: a name, a path or a `Case`, for all values that do not vary.
         vary: dotted key of a case file, or "engine" -> values: "60 rpm .. 300 rpm : 241", "log 1 N/m .. 1e6 N/m : 7", "0 g; 25 g; 50 g",
             a list of such texts, or numbers in SI.
-        measures: names, see `measures`.
+        measures: one name or several, see `measures`.
         engine: name, unless engines vary.
         accuracy: error of the tip deflection to ask for; None: the engine's default.
         settings: settings of the engine, by name.
@@ -74,8 +74,9 @@ def sweep(
         CaseError, UnknownEngine, Refusal, SettingError: an invalid argument; the sentence says what is accepted.
     """
     chosen = one_case(case)
+    names = texts_given(measures, "measures", USUAL[0])
     axes = tuple(_axis(key, values) for key, values in vary.items())
-    return dataset_of(computed(chosen, axes, measures, engine, accuracy, settings, claims, path, workshop or opened(jobs, quiet)))
+    return dataset_of(computed(chosen, axes, names, engine, accuracy, settings, claims, path, workshop or opened(jobs, quiet)))
 
 
 def computed(

@@ -86,13 +86,13 @@ class Measure:
         return f"{self.name} is {value:.3g} +- {error:.2g} {self.unit}".removesuffix(" 1") + ", which says nothing"
 
 
-def measure(name: str) -> Measure:
-    """The measure of a name. Raises CaseError for an unknown one, with the nearest."""
+def measure(name: str, source: str = "measures") -> Measure:
+    """The measure of a name. Raises CaseError, which names `source`, for an unknown one, with the nearest."""
     if name in MEASURES:
         return MEASURES[name]
     near = difflib.get_close_matches(name, MEASURES, 3, 0.4)
     accepted = f"the nearest are {', '.join(near)}" if near else "`quickreturn sweep --help` lists them"
-    raise CaseError("measure", None, as_written(name), "is unknown", accepted)
+    raise CaseError(source, None, as_written(name), "is unknown", accepted)
 
 
 def of_columns(name: str, unit: str) -> Iterator[Measure]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.case import Case, si_text
 from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.recorded import RecordedTable
@@ -77,7 +77,8 @@ class Free:
             low, high = given.first, given.second
             return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high))
         if not math.isfinite(start) or start == 0.0:
-            accepted = f'give a range, such as "{key} = 0 {parameter.quantity.unit} .. 1 {parameter.quantity.unit}"'
+            ends = (si_text(parameter.path, end) for end in (0.1 if parameter.quantity.sign == "positive" else 0.0, 1.0))
+            accepted = f'give a range, such as "{key} = {" .. ".join(ends)}"'
             raise CaseError(_SOURCE, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
         return cls(parameter, start, None)
 

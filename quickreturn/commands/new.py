@@ -72,7 +72,7 @@ def _header(file: str) -> dict[str, str]:
     name = Path(file).stem
     if not NAME.fullmatch(name):
         usable = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("._-")[:64] or "my-machine"
-        accepted = f"up to 64 letters, digits, points, hyphens and underscores are accepted, such as {usable}{ENDING}"
+        accepted = f"up to 64 letters from a to z, digits, points, hyphens and underscores are accepted, such as {usable}{ENDING}"
         raise CaseError(path_shown(file), None, None, "its name is also that of the case, and cannot be one", accepted)
     if in_library(name):
         raise CaseError(path_shown(file), None, None, f"the library has a case {name}", f"give another name, such as my-{name}{ENDING}")
