@@ -8,7 +8,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, job
@@ -84,8 +85,11 @@ def study(grid: Grid, asked: MeasureRequest, workshop: Workshop, path: Path = "u
 
 
 def computed(jobs: Sequence[Job[Row]], workshop: Workshop) -> list[Row]:
-    """The rows of jobs. Where a process died, each point gets a process of its own, so that one failure costs no other point."""
-    return [outcome.value or _point_by_point(outcome.job, workshop) for outcome in workshop.outcomes(jobs, "points")]
+    """The rows of jobs. Where a process died, each point gets a process of its own, so that one failure costs no other point.
+
+    The points of a row that exceeded its time share as much time again. A row of one point is not tried twice.
+    """
+    return [outcome.value or _point_by_point(outcome, workshop) for outcome in workshop.outcomes(jobs, "points")]
 
 
 def joined(rows: Sequence[Row]) -> Row:
@@ -95,8 +99,14 @@ def joined(rows: Sequence[Row]) -> Row:
     return Row(values, errors, statuses, sentences)
 
 
-def _point_by_point(died: Job[Row], workshop: Workshop) -> Row:
-    case, changes, asked = died.arguments
-    outcomes = workshop.outcomes([job(case, [each], asked) for each in changes], "points of a row whose process died")
+def _point_by_point(died: Outcome[Row], workshop: Workshop) -> Row:
+    case, changes, asked = died.job.arguments
+    outcomes = [died]
+    if len(changes) > 1:
+        limits, given = None, workshop.executor.limits
+        if died.failure.startswith(STOPPED) and given.seconds is not None:
+            limits = replace(given, seconds=given.seconds / len(changes))
+        points = [replace(job(case, [each], asked), limits=limits) for each in changes]
+        outcomes = workshop.outcomes(points, "points of a row whose process died")
     nothing = np.full((1, len(asked.measures)), np.nan)
     return joined([each.value or Row(nothing, nothing, (Ending.FAILED,), (f"its process {each.explanation}",)) for each in outcomes])

@@ -13,8 +13,9 @@ import pytest
 
 from quickreturn import sweeping
 from quickreturn.cases.document import document_of
-from quickreturn.cases.jobs.here import ThisProcess
-from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.jobs.here import Nobody, ThisProcess
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Limits, Outcome
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
@@ -57,6 +58,29 @@ class _Dies(ThisProcess):
         for outcome in super().run(jobs, watch):
             lost = any("100 rpm" in change.values() for change in outcome.job.arguments[1])
             yield Outcome(outcome.job, failure="killed by SIGSEGV") if lost else outcome
+
+
+class _Slow(Nobody):
+    """Stops every job at its time limit, and adds up the time that this takes."""
+
+    limits = Limits(seconds=60.0)
+
+    def __init__(self) -> None:
+        self.spent: list[float] = []
+
+    def run(self, jobs, watch=None):  # type: ignore[no-untyped-def]
+        for each in jobs:
+            self.spent.append((each.limits or self.limits).seconds)
+            yield Outcome(each, failure=f"{STOPPED} of {self.spent[-1]:g} s")
+
+
+@pytest.mark.parametrize(("points", "spent"), [("80 rpm", [60.0]), ("80 rpm .. 120 rpm : 3", [60.0, 20.0, 20.0, 20.0])])
+def test_a_row_that_exceeds_its_time_gets_as_much_again_and_a_single_point_nothing(tmp_path: Path, points: str, spent: list[float]) -> None:
+    executor = _Slow()
+    found = study(grid(f"crank.prescribed_speed = {points}"), ASKED, Workshop(Store(tmp_path), executor))
+    assert executor.spent == spent
+    assert set(found.statuses.flat) == {Ending.FAILED}
+    assert all(f"its process {STOPPED}" in sentence for sentence in found.sentences.flat)
 
 
 def test_engines_alone_may_vary(tmp_path: Path) -> None:
