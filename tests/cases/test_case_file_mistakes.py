@@ -71,7 +71,7 @@ BAD = [
     (
         'name = "scene"',
         'name = "../scene"',
-        'name: "../scene" is not a name; up to 64 letters, digits, points, hyphens and underscores',
+        'name: "../scene" is not a name; up to 64 letters from a to z, digits, points, hyphens and underscores',
     ),
     ('title = "A scene"', 'title = "A\\nB"', 'title: "A\\nB" is not a title; one line of up to 200 characters in quotes is accepted'),
     ('tags = ["test"]', 'tags = "test"', 'tags: "test" is not a list of tags'),

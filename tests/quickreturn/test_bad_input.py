@@ -246,7 +246,7 @@ TYPED = [
     ("new small.toml", ("small.toml", "not overwritten", "another name")),
     ("new mine.txt", ("mine.txt", ".toml")),
     ("new mine", ("mine", ".toml", "mine.toml")),
-    ("new 'my machine.toml'", ("my machine.toml", "letters, digits", "my-machine.toml")),
+    ("new 'my machine.toml'", ("my machine.toml", "letters from a to z, digits", "my-machine.toml")),
     ("new thesis-24.toml", ("thesis-24.toml", "library", "my-thesis-24.toml")),
     ("new absent/mine.toml", ("absent/mine.toml", "no folder")),
     ("new mine.toml --from thesis-25", ("thesis-25", "quickreturn cases")),
