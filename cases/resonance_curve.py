@@ -4,7 +4,8 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from functools import partial
+from typing import ClassVar, Final, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from quickreturn.cases.case import PATHS, Case, si_text, si_value
 from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.loads.peak import Peak, peak_of
 from quickreturn.cases.loads.resonance import resonance
 from quickreturn.cases.runs.request import PeriodicOrbit
@@ -23,7 +25,20 @@ from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.reference_model.columns import OBSERVED
-from quickreturn.reference_model.continuation import Branch, BranchPoint, NotConverged, branch
+from quickreturn.reference_model.continuation import (
+    FIRST_STEP,
+    MOST_POINTS,
+    Branch,
+    BranchPoint,
+    Ending,
+    NotConverged,
+    Stretch,
+    enough,
+    first_point,
+    stretch,
+    towards,
+    turned,
+)
 from quickreturn.reference_model.cycle_family import CycleFamily
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import NoPeriodicOrbit
@@ -32,6 +47,14 @@ from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
+
+
+class _Kept(Protocol):
+    """The next piece of a curve: from the store, or computed."""
+
+    def __call__(self, kind: type[T], compute: Callable[[], T]) -> T: ...
+
 
 SPEED: Final = "crank.prescribed_speed"
 #: Measure by default.
@@ -44,6 +67,8 @@ INTEGRATION: Final = 1e-10
 ROWS: Final = 256
 #: Number of values of the range at which a first periodic motion is searched, in order.
 SEARCHES: Final = 9
+#: Number of steps along the curve, and of points to measure, after which the results so far are stored: about ten seconds of work.
+PIECE: Final = 10
 #: Least ratio of a peak to the valleys beside it.
 PROMINENT: Final = 1.1
 #: Error of the place of a fold, as a part of the range: a new search from other points moves it by at most 2e-7.
@@ -211,16 +236,32 @@ def job(
     arguments = (case, varied, speed, tuple(measures), accuracy, claims)
     # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the range show it
     inputs = (scene_at(varied.low), scene_at(varied.high), *arguments[1:])
-    return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), inputs)
+    return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), inputs, pieces=True)
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """Successive points of a curve: their measures and claims, nan where unknown."""
+
+    values: Array  # shape (points, measures)
+    errors: Array  # likewise
+    value_errors: Array  # of the varied quantity, shape (points,)
 
 
 def resonance_curve(
-    case: Case, varied: Range, speed: float | None, measures: Sequence[str], accuracy: float | None, claims: bool
+    case: Case,
+    varied: Range,
+    speed: float | None,
+    measures: Sequence[str],
+    accuracy: float | None,
+    claims: bool,
+    pieces: Pieces | None = None,
 ) -> ResonanceCurve:
     """The curve of a case's periodic motion.
 
     The crank turns at `speed` (prescribed, rad/s; None: as its own drive says) unless that varies. Modes are chosen for the `accuracy`
-    (relative; None: that of `reference`). `measures` are names of `PEAKS`; with `claims` the error of every point is estimated.
+    (relative; None: that of `reference`). `measures` are names of `PEAKS`; with `claims` the error of every point is estimated. What was
+    computed before comes from `pieces`.
 
     Raises:
         CaseError, Refusal: an invalid argument, or a machine without such a curve.
@@ -232,17 +273,31 @@ def resonance_curve(
     other = comparison.other
     assert isinstance(other, ReferenceSettings)
     family = CycleFamily(scene_at, settings.modes, INTEGRATION)
-    followed = _followed(family, varied)
+    numbers = itertools.count()
+
+    def kept(kind: type[T], compute: Callable[[], T]) -> T:
+        return compute() if pieces is None else pieces.piece(next(numbers), kind, compute)
+
+    followed = _followed(family, varied, kept)
     finer = CycleFamily(scene_at, other.modes, other.tolerance) if claims else None
     points, factor = followed.points, abs(comparison.factor - 1.0)
-    values, errors = (np.full((len(points), len(measures)), math.nan) for _ in range(2))
-    value_errors = np.full(len(points), math.nan)
-    for at, point in enumerate(points):
-        progress.tell(phase=f"measuring point {at + 1} of {len(points)}")
-        peaks = _peaks_of(family, point.point, point.parameter, measures)
-        values[at] = [each.value for each in peaks]
-        if finer is not None:
-            errors[at], value_errors[at] = _claims(point, peaks, finer, measures, factor)
+
+    def measured(begin: int) -> _Measured:
+        some = points[begin : begin + PIECE]
+        values, errors = (np.full((len(some), len(measures)), math.nan) for _ in range(2))
+        value_errors = np.full(len(some), math.nan)
+        for at, point in enumerate(some):
+            progress.tell(phase=f"measuring point {begin + at + 1} of {len(points)}")
+            peaks = _peaks_of(family, point.point, point.parameter, measures)
+            values[at] = [each.value for each in peaks]
+            if finer is not None:
+                errors[at], value_errors[at] = _claims(point, peaks, finer, measures, factor)
+        return _Measured(values, errors, value_errors)
+
+    parts = [kept(_Measured, partial(measured, begin)) for begin in range(0, len(points), PIECE)]
+    values, errors, value_errors = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("values", "errors", "value_errors")
+    )
     special = [
         SpecialPoint(each.special, each.parameter, _tolerance(points, at), None if math.isnan(error) else float(error), at)
         for at, (each, error) in enumerate(zip(points, value_errors, strict=True))
@@ -280,12 +335,37 @@ def _check(scene: Mechanism) -> None:
         )
 
 
-def _followed(family: CycleFamily, varied: Range) -> Branch:
-    """The branch through the first periodic motion found within the range. EngineFailure: none is found."""
+def _followed(family: CycleFamily, varied: Range, kept: "_Kept") -> Branch:
+    """The branch through the first periodic motion found within the range, piece by piece. EngineFailure: none is found."""
+    begin, limits = kept(BranchPoint, partial(_begin, family, varied)), (varied.low, varied.high)
+    ways = list[tuple[list[BranchPoint], Ending | None]]()
+    for sign in (1.0, -1.0):
+        here, step, passed, first = towards(begin, sign), FIRST_STEP, list[BranchPoint](), None
+        while True:
+            part = kept(Stretch, partial(stretch, family, here, limits, step, PIECE, first))
+            passed += part.points
+            ending = part.ending
+            if part.step is not None and len(passed) > MOST_POINTS:
+                ending = enough(passed[-1])
+            if part.step is None or ending is not None:
+                break
+            if part.points:
+                here, first = part.points[-1], towards(begin, sign)
+            step = part.step
+        ways.append((passed, ending))
+        if part.closed:
+            ways.append(([], None))
+            break
+    (after, end), (before, other_end) = ways
+    return Branch((*map(turned, reversed(before)), begin, *after), (other_end, end))
+
+
+def _begin(family: CycleFamily, varied: Range) -> BranchPoint:
+    """The first periodic motion found within the range. EngineFailure: none is found."""
     reasons = []
     for value in np.linspace(varied.low, varied.high, SEARCHES).tolist():
         try:
-            return branch(family, family.orbit(value), value, varied.low, varied.high)
+            return first_point(family, family.orbit(value), value, (varied.low, varied.high))
         except (NoPeriodicOrbit, CycleBroken, NotConverged) as reason:
             reasons.append(f"at {value / varied.size:.4g} {varied.unit}: {reason}")
     raise EngineFailure(0.0, f"no periodic motion was found within the range ({reasons[0]})", "try another range")

@@ -110,11 +110,60 @@ def branch(family: Family, point: Array, parameter: float, low: float, high: flo
         CycleBroken, NotConverged: no fixed point is near the given point.
     """
     begin = first_point(family, point, parameter, (low, high))
-    forward, backward = _Walk(family, low, high), _Walk(family, low, high)
-    after = list(forward.points(_towards(begin, 1.0))) if parameter < high else []
-    before = list(backward.points(_towards(begin, -1.0))) if parameter > low and not forward.closed else []
-    turned = [replace(passed, arclength=-passed.arclength, tangent=-passed.tangent) for passed in reversed(before)]
-    return Branch((*turned, begin, *after), (backward.ending, forward.ending))
+    forward = stretch(family, towards(begin, 1.0), (low, high))
+    backward = UNMOVED if forward.closed else stretch(family, towards(begin, -1.0), (low, high))
+    return Branch((*map(turned, reversed(backward.points)), begin, *forward.points), (backward.ending, forward.ending))
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Successive points of a branch after a given one, and how it goes on."""
+
+    points: tuple[BranchPoint, ...]
+    step: float | None  # arclength to go on with; None: the branch ends here
+    ending: Ending | None = None  # why it ends; None where the range ends, the branch is closed, or it goes on
+    closed: bool = False  # whether the branch came back to its first point
+
+
+UNMOVED: Final = Stretch((), None)
+
+
+def stretch(
+    family: Family,
+    here: BranchPoint,
+    limits: tuple[float, float],
+    step: float = FIRST_STEP,
+    most: int = MOST_POINTS,
+    first: BranchPoint | None = None,
+) -> Stretch:
+    """The points after `here` in the direction of its tangent.
+
+    Args:
+        family: the map.
+        here: a point of the branch; not a special one between two others.
+        limits: the parameter's range.
+        step: arclength to begin with.
+        most: number of steps.
+        first: the point with which the branch began, if it is another one.
+    """
+    walk = _Walk(family, *limits)
+    if here.parameter == limits[0 if here.tangent[-1] < 0.0 else 1] and first is None:
+        return UNMOVED
+    points = tuple(walk.points(here, step, most, first or here))
+    ending = walk.ending
+    if walk.step is not None and most == MOST_POINTS:
+        ending = enough((points or (here,))[-1])
+    return Stretch(points, walk.step, ending, walk.closed)
+
+
+def enough(here: BranchPoint) -> Ending:
+    """The end of a branch that is followed no further."""
+    return Ending(here.parameter, 0.0, False, f"{MOST_POINTS} points are enough")
+
+
+def turned(point: BranchPoint) -> BranchPoint:
+    """A point that was passed against the arclength, as it is along it."""
+    return replace(point, arclength=-point.arclength, tangent=-point.tangent)
 
 
 def first_point(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
@@ -122,7 +171,7 @@ def first_point(family: Family, point: Array, parameter: float, limits: tuple[fl
     start = _differentiated(family, point, parameter, limits)
     border = np.append(np.zeros(len(point)), 1.0)
     fixed, _ = corrected(family, start, point, parameter, border)
-    return _towards(_differentiated(family, fixed, parameter, limits), 1.0)
+    return towards(_differentiated(family, fixed, parameter, limits), 1.0)
 
 
 def corrected(
@@ -168,11 +217,11 @@ class _Walk:
         self._limits = low, high
         self.ending: Ending | None = None  # afterwards why the walk ended; None where the range did, or the branch is closed
         self.closed = False  # afterwards whether the walk came back to its first point
+        self.step: float | None = None  # afterwards the arclength to go on with; None where the walk ended
 
-    def points(self, here: BranchPoint) -> Iterator[BranchPoint]:
-        """The points after `here`, with the special ones between them."""
-        step, first = FIRST_STEP, here
-        for _ in range(MOST_POINTS):
+    def points(self, here: BranchPoint, step: float, most: int, first: BranchPoint) -> Iterator[BranchPoint]:
+        """The points after `here` in at most so many steps, with the special ones between them."""
+        for _ in range(most):
             try:
                 there = self._step(here, step)
                 special = list(self._special(here, there))
@@ -196,7 +245,7 @@ class _Walk:
             made = max(there.arclength - here.arclength, LEAST_STEP)
             step = min(made * min(2.0, TURN / max(_turn(here, there), 1e-3)), LONGEST_STEP)
             here = there
-        self.ending = Ending(here.parameter, 0.0, False, f"{MOST_POINTS} points are enough")
+        self.step = step
 
     def _step(self, here: BranchPoint, step: float) -> BranchPoint:
         """The next point, on the range's limit if the step would pass it. Raises CycleBroken; NotConverged, also for too sharp a turn."""
@@ -292,7 +341,7 @@ def _differentiated(family: Family, point: Array, parameter: float, limits: tupl
     return BranchPoint(parameter, point, 0.0, image.sizes, high - low, jacobian, matrix, tangent)
 
 
-def _towards(here: BranchPoint, sign: float) -> BranchPoint:
+def towards(here: BranchPoint, sign: float) -> BranchPoint:
     """The point with its tangent towards a growing (1) or falling (-1) parameter."""
     return replace(here, tangent=here.tangent * math.copysign(sign, sign * here.tangent[-1]))
 

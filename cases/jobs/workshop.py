@@ -13,6 +13,7 @@ from quickreturn.cases.jobs.display import answers, watched
 from quickreturn.cases.jobs.here import Nobody
 from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
 from quickreturn.cases.jobs.key import key_of
+from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record, Store
 
@@ -39,7 +40,7 @@ class Workshop:
             UnknownEngine: a job depends on a name that is no engine's.
         """
         keys = [key_of(job) if job.lasts else f"job {number}" for number, job in enumerate(jobs)]
-        wanted = dict(zip(reversed(keys), reversed(jobs), strict=True))
+        wanted = {key: self._with_pieces(job, key) for key, job in zip(reversed(keys), reversed(jobs), strict=True)}
         outcomes = {key: outcome for key in dict.fromkeys(keys) if (outcome := self._stored(wanted[key], key)) is not None}
         missing = {id(wanted[key]): key for key in dict.fromkeys(keys) if key not in outcomes}
         with closing(watched(self.executor, [wanted[key] for key in missing.values()], title)) as computed:
@@ -47,6 +48,12 @@ class Workshop:
                 key = missing[id(outcome.job)]
                 outcomes[key] = self.kept(outcome, key)
         return [replace(outcomes[key], job=job) for key, job in zip(keys, jobs, strict=True)]
+
+    def _with_pieces(self, job: Job[T], key: str) -> Job[T]:
+        """The job with the place for its pieces, if it has any; its key is that without them."""
+        if not job.pieces or job.lasts is None:
+            return job
+        return replace(job, arguments=(*job.arguments, Pieces(str(self.store.folder.resolve()), key)))
 
     @property
     def as_it_is(self) -> "Workshop":

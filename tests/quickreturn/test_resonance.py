@@ -11,7 +11,12 @@ import pytest
 import xarray as xr
 
 import quickreturn as qr
-from quickreturn.cases.resonance_curve import checked_scenes, job_around, range_of
+from quickreturn.cases.jobs.key import key_of
+from quickreturn.cases.jobs.pieces import Pieces
+from quickreturn.cases.jobs.records import encoded
+from quickreturn.cases.resonance_curve import checked_scenes, job, job_around, range_of
+from quickreturn.reference_model.continuation import Array, Image
+from quickreturn.reference_model.cycle_family import CycleFamily
 from quickreturn.reports.drawing.style import picture
 from quickreturn.reports.findings.resonance import Around
 from tests.quickreturn.conftest import Call
@@ -48,6 +53,40 @@ def test_the_claims_hold_against_a_model_with_more_modes(found: qr.Resonance) ->
     (coarse,), (fine,) = found.special.itertuples(), finer.special.itertuples()
     assert abs(coarse.value - fine.value) <= coarse.error
     assert abs(coarse.value - fine.value) > 0.2 * coarse.error  # no empty claim
+
+
+class _Interrupted(Exception):
+    pass
+
+
+def test_an_interrupted_curve_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stopped several times, it evaluates each time at most one piece of cycles anew; the curve has the same bits."""
+    monkeypatch.setattr("quickreturn.cases.resonance_curve.PIECE", 3)
+    asked = job(qr.case("thesis-24"), range_of("crank.prescribed_speed", "150 rpm .. 165 rpm"), accuracy=0.05, claims=False)
+    plain, cycles, left = CycleFamily.image, [0], [math.inf]
+
+    def image(family: CycleFamily, point: Array, value: float) -> Image:
+        cycles[0] += 1
+        left[0] -= 1
+        if left[0] < 0:
+            raise _Interrupted
+        return plain(family, point, value)
+
+    monkeypatch.setattr(CycleFamily, "image", image)
+    whole = asked.function(*asked.arguments)
+    alone, cycles[0], stops = cycles[0], 0, 0
+    while True:
+        left[0] = max(60, alone // 4)
+        try:
+            resumed = asked.function(*asked.arguments, Pieces(str(tmp_path), key_of(asked)))
+            break
+        except _Interrupted:
+            stops += 1
+    assert stops >= 2
+    assert cycles[0] <= alone + stops * 60
+    assert encoded(resumed).document == encoded(whole).document
+    for name, values in encoded(whole).arrays.items():
+        assert np.array_equal(values, encoded(resumed).arrays[name], equal_nan=True)
 
 
 def test_files_of_every_kind(found: qr.Resonance, tmp_path: Path) -> None:
