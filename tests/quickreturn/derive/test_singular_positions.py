@@ -31,10 +31,10 @@ def test_the_double_four_bar_moves_as_its_equation_of_one_degree_says(form: Form
     assert np.ptp(found["energy_balance"]) < 1e-5 * found["kinetic_energy"].max()
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(k, marks=pytest.mark.verify) for k in range(2, 8))])
 def test_generated_rows_of_parallelograms_pass_the_line(seed: int) -> None:
     random = np.random.default_rng(seed)
-    count = seed + 1
+    count = 1 + seed % 3
     form: Form = "multipliers" if seed % 2 else "projection"
     lengths, masses = random.uniform(0.3, 3.0, count).tolist(), random.uniform(0.1, 5.0, count).tolist()
     arm, arm_mass = random.uniform(0.2, 2.0, 2)
@@ -60,7 +60,7 @@ def test_generated_rows_of_parallelograms_pass_the_line(seed: int) -> None:
 
 
 @pytest.mark.parametrize("free", ["rod", "block"])
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.verify) for k in range(1, 6))])
 def test_dead_points_of_the_chosen_coordinates_are_no_end(free: str, seed: int) -> None:
     """The block stands still where crank and rod are in line, the rod's angle has its extremes; the crank's is the truth's coordinate."""
     random = np.random.default_rng(seed)
@@ -78,7 +78,7 @@ def test_dead_points_of_the_chosen_coordinates_are_no_end(free: str, seed: int) 
     assert len(found.attrs["singular_positions"]) >= 2
 
 
-@pytest.mark.parametrize("off", [1e-1, 1e-2, 1e-3])
+@pytest.mark.parametrize("off", [1e-1, *(pytest.param(each, marks=pytest.mark.verify) for each in (1e-2, 1e-3, 1e-4))])
 def test_a_linkage_that_nearly_folds_turns_off_as_its_lengths_say(off: float) -> None:
     """A longer rocker: at the line it misses the other branch by the root of `off`, and no step may lead there."""
     lengths, masses, speed = (1.0, 0.5, 1.0 - off / 4, 0.5 + off), (1.0, 2.0, 1.0), 9.0
