@@ -7,6 +7,7 @@ READY := $(VENV)/.ready
 TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
 PARALLEL ?= 2
+PROCESSES ?= 3
 # Folders that install as quickreturn.NAME; for the type checker links lay them out as they install.
 INNER := reference_model engines cases reports
 TYPED := build/typed/quickreturn
@@ -19,11 +20,11 @@ unexport PYTHONDONTWRITEBYTECODE
 report: $(READY)
 	$(BIN)/quickreturn report
 
-# What two processes would compile side by side is compiled before, while the type checker is at work: each keeps one core busy. A file's
-# tests stay in one process, for what they share is made once. The longest files come first.
+# What two processes would compile side by side is compiled before, while the type checker is at work: each keeps one core busy. The
+# longest files come first. Tests wait for programs, browsers and time limits, so that three processes keep two cores busy.
 test: $(TEST)
-	$(MAKE) --jobs $(PARALLEL) lint compile docs
-	$(BIN)/pytest -n $(PARALLEL) --dist loadfile --no-loadscope-reorder
+	$(MAKE) --jobs $(PARALLEL) lint compile
+	$(BIN)/pytest -n $(PROCESSES) --dist loadgroup --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
 # SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`).

@@ -1,13 +1,15 @@
 """Records results of the long studies as the tables of `reports.long_studies`: `python -m quickreturn.record`.
 
 Missing results are computed, which takes hours; `--stored` takes only stored results.
-Names of studies, as in `CODE`, choose among them: `python -m quickreturn.record classes`.
+Names of studies, as in `STUDIES`, choose among them: `python -m quickreturn.record classes`.
 """
 
 import dataclasses
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, Final
 
 from quickreturn.cases import conformance
@@ -16,7 +18,7 @@ from quickreturn.cases.benchmark.scenes import ENGINES
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.jobs.job import Outcome
-from quickreturn.cases.jobs.key import LIBRARIES, code_of
+from quickreturn.cases.jobs.key import LIBRARIES
 from quickreturn.cases.jobs.store import Store, write_atomically
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import judge_scenes
@@ -26,7 +28,7 @@ from quickreturn.cases.studies import confirming
 from quickreturn.cases.thesis.finding import study as finding
 from quickreturn.cases.thesis.scatter import bands
 from quickreturn.engines.registry import MAIN, engine
-from quickreturn.reports.long_studies import CODE, FOLDER, About, ConditioningRow, ConformanceRow, PointRow, about, text_of
+from quickreturn.reports.long_studies import FOLDER, STUDIES, About, ConditioningRow, ConformanceRow, PointRow, about, text_of
 from quickreturn.reports.machine import version
 from quickreturn.reports.thesis import long_studies as _  # noqa: F401 - registers its studies
 
@@ -37,16 +39,16 @@ STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_ga
 def main(arguments: Sequence[str]) -> int:
     """Write the tables of all studies, or of the named ones; exit code 2 for an unknown argument."""
     names = [each for each in arguments if each != "--stored"]
-    if unknown := sorted(set(names) - set(CODE)):
-        print(f"python -m quickreturn.record: {' '.join(unknown)}: accepted: --stored, {', '.join(CODE)}", file=sys.stderr)
+    if unknown := sorted(set(names) - set(STUDIES)):
+        print(f"python -m quickreturn.record: {' '.join(unknown)}: accepted: --stored, {', '.join(STUDIES)}", file=sys.stderr)
         return 2
     workshop, lines = Workshop(Store()), list[str]()
     if "--stored" in arguments:
         workshop = workshop.as_it_is
-    for study in names or CODE:
+    for study in names or STUDIES:
         if line := _RECORDERS[study](workshop):
             lines.append(line)
-            _write("about", [_about_now(each) if each == study else old for each in CODE if (old := about(each)) or each == study])
+            _write("about", [_about_now(each) if each == study else old for each in STUDIES if (old := about(each)) or each == study])
             about.cache_clear()
     print(", ".join(lines) or "nothing is stored")
     return 0
@@ -104,7 +106,21 @@ def _conforming(workshop: Workshop) -> list[ConformanceRow]:
 
 def _about_now(study: str) -> About:
     versions = [f"{name} {version(name)}" for name in LIBRARIES] + [str(engine(name).version()) for name in ("exudyn", "mujoco")]
-    return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), code_of(CODE[study]))
+    return About(study, time.strftime("%Y-%m-%d", time.gmtime()), ", ".join(versions), commit())
+
+
+def commit() -> str:
+    """The commit of the checkout that holds the tables, abbreviated; "" without git."""
+    with suppress(FileNotFoundError):
+        found = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=FOLDER, capture_output=True, text=True, check=False)
+        return found.stdout.strip()
+    return ""
+
+
+def confirm(study: str) -> None:
+    """Note that cells of a recorded study came out alike at the checkout's commit."""
+    _write("about", [dataclasses.replace(old, confirmed=commit()) if each == study else old for each in STUDIES if (old := about(each))])
+    about.cache_clear()
 
 
 def _write_benchmarks(benchmarks: Sequence[Benchmark]) -> None:

@@ -27,29 +27,10 @@ with suppress(FileExistsError):
 sys.path.insert(0, str(TESTS_ALONE))
 
 from tests.ledger import Ledger, keeps  # noqa: E402 - found by the path above
-from tests.slices import Portion, Slices, add_options, slice_of  # noqa: E402 - found by the path above
+from tests.slices import LONGEST, Portion, Slices, add_options, slice_of  # noqa: E402 - found by the path above
 
 hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
 hypothesis.settings.load_profile("quickreturn")
-
-
-#: The files that take longest, so that no process is left alone with one at the end.
-LONGEST = (
-    "test_faults",
-    "test_page_in_a_browser",
-    "test_documents",
-    "test_sensible_machines",
-    "test_processes",
-    "test_several",
-    "test_bad_input",
-    "test_pictures",
-    "test_recorded",
-    "test_mutation",
-    "test_conformance",
-    "test_run_verdicts",
-    "test_report",
-    "test_golden",
-)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -30,6 +30,25 @@ _FIXTURE = re.compile(r"^@pytest\.fixture\(.*scope=\"module\"", re.MULTILINE)
 UNREACHED = "not begun: the slice's time is over"
 
 
+#: The files of quick tests that take longest come first, so that no process is left alone with one at the end.
+LONGEST = (
+    "test_faults",
+    "test_page_in_a_browser",
+    "test_documents",
+    "test_sensible_machines",
+    "test_processes",
+    "test_several",
+    "test_bad_input",
+    "test_pictures",
+    "test_recorded",
+    "test_mutation",
+    "test_conformance",
+    "test_run_verdicts",
+    "test_report",
+    "test_golden",
+)
+
+
 class Slice:
     """A slice of all groups.
 
@@ -105,14 +124,20 @@ class Slices:
 
     @pytest.hookimpl(optionalhook=True, tryfirst=True)
     def pytest_xdist_make_scheduler(self, config: pytest.Config, log: Any) -> Any:
-        """With `--dist loadgroup`, deal out groups: xdist's own way marks names of cases, which pytest no longer allows."""
+        """With `--dist loadgroup`, deal out groups: xdist's own way marks names of cases, which pytest no longer allows.
+
+        Of the quick tests only the longest files are dealt out by cases; the others stay whole, for helpers keep what they compute.
+        """
         if config.getoption("dist") != "loadgroup":
             return None
         from xdist.scheduler import LoadScopeScheduling
 
+        long = config.getoption("-m") == "verify"
+
         class Groups(LoadScopeScheduling):  # type: ignore[misc]
             def _split_scope(self, nodeid: str) -> str:
-                return group_of(nodeid, config.rootpath)
+                file = nodeid.partition("::")[0]
+                return group_of(nodeid, config.rootpath) if long or Path(file).stem in LONGEST else file
 
         return Groups(config, log)
 

@@ -2,7 +2,8 @@
 
 Each row is a dataclass. The columns of a field that is a dataclass, or a mapping to numbers, are named `field.key`; a cell of any other
 structure is JSON. Numbers have five digits.
-`python -m quickreturn.record` writes them; `about.csv` gives the date, versions and code of each study.
+`python -m quickreturn.record` writes them; `about.csv` says by which commit each study was made, and by which some of its cells were last
+computed anew and confirmed (`tests/quickreturn/test_recorded_cells.py`).
 """
 
 import csv
@@ -18,16 +19,14 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
-from quickreturn.cases import studies
-from quickreturn.cases.benchmark import Benchmark, Compiling, measure
+from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.benchmark.findings import Point
 from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.classes.map import Map
 from quickreturn.cases.classes.measurement import Reach
-from quickreturn.cases.conformance import Conformance, conform
-from quickreturn.cases.jobs.key import code_of
+from quickreturn.cases.conformance import Conformance
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
 from quickreturn.cases.judging.conditioning import Conditioning
@@ -37,14 +36,8 @@ from quickreturn.engines.registry import MAIN
 T = TypeVar("T")
 
 FOLDER: Final = Path(__file__).parent
-#: Study -> the function whose code determines its results. Packages beside the core add theirs.
-CODE: Final[dict[str, Callable[..., Any]]] = {
-    "benchmark": measure,
-    "hard scenes": judge_scenes,
-    "confirmation": studies.confirming,
-    "conformance": conform,
-    "classes": classes.study,
-}
+#: Names of the studies. Packages beside the core add theirs.
+STUDIES: Final[list[str]] = ["benchmark", "hard scenes", "confirmation", "conformance", "classes"]
 #: Significant digits of recorded numbers.
 DIGITS: Final = 5
 #: Types of mappings with a column for each key. An empty cell is left out of a mapping of the first type, and is None in the second.
@@ -53,17 +46,27 @@ _NUMBERS: Final = (dict[str, float], dict[str, float | None])
 
 @dataclass(frozen=True)
 class About:
-    """Date, versions and code of a recorded study."""
+    """How a study was recorded.
+
+    Attributes:
+        study: its name.
+        date: of the record.
+        versions: of the libraries.
+        commit: of the code, abbreviated; "" if it is not known.
+        confirmed: the last commit at which cells were computed anew and came out alike; "" if there was none since.
+    """
 
     study: str
     date: str
     versions: str
-    code: str
+    commit: str
+    confirmed: str = ""
 
     @property
-    def current(self) -> bool:
-        """Whether the code is unchanged since then."""
-        return self.code == code_of(CODE[self.study])
+    def words(self) -> str:
+        """The date and the commits, as a clause."""
+        at = f" at commit {self.commit}" if self.commit else ""
+        return f"{self.date}{at}{f'; cells of it were last confirmed at commit {self.confirmed}' if self.confirmed else ''}"
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,7 @@ class ConformanceRow:
 
 @cache
 def about(study: str) -> About | None:
-    """Date, versions and code of a recorded study; None if it was not recorded."""
+    """How a study was recorded; None if it was not."""
     return next((row for row in table("about", About) if row.study == study), None)
 
 
@@ -129,13 +132,11 @@ def compiling() -> list[Compiling]:
 
 
 def conformance() -> dict[str, str]:
-    """Engine -> recorded verdict on whether it does what it says, with the date and code of the record."""
+    """Engine -> recorded verdict on whether it does what it says, with the date and commit of the record."""
     record = about("conformance")
     if record is None:
         return {}
-    older = "" if record.current else ", which is older than this page’s"
-    origin = f"recorded on {record.date} with code {record.code[:12]}{older}"
-    return {row.engine: f"{row.words} ({origin})" for row in table("conformance", ConformanceRow)}
+    return {row.engine: f"{row.words} (recorded on {record.words})" for row in table("conformance", ConformanceRow)}
 
 
 def confirming() -> list[Confirmation]:

@@ -35,7 +35,7 @@ class Content:
         compiling: times to compile engines, if they were measured.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
-        of_record: study of `long_studies.CODE` -> about its recorded results, where these stand for the user's own.
+        of_record: study of `long_studies.STUDIES` -> about its recorded results, where these stand for the user's own.
         verification: results of the long verification, or why there are none.
         conformance: engine -> verdict on whether it does what it says, if that was tested.
         facts: name -> fact about the computer, its software and the date.

@@ -59,10 +59,17 @@ def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.Monkey
     assert table("nothing", Judged) == []
 
 
+def test_a_record_says_what_is_known_of_its_commits() -> None:
+    about = About("benchmark", "2001-02-03", "numpy 1", "")
+    assert about.words == "2001-02-03"
+    assert dataclasses.replace(about, commit="abc").words == "2001-02-03 at commit abc"
+
+
 def test_a_recorded_result_is_labelled_as_such() -> None:
-    about = About("benchmark", "2001-02-03", "numpy 1", "f" * 64)
+    about = About("benchmark", "2001-02-03", "numpy 1", "abc1234", "def5678")
     told = pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()], of_record={"benchmark": about}))
-    assert "Recorded: measured on 2001-02-03 with numpy 1, code ffffffffffff, which is older than this page’s." in told
+    at = "2001-02-03 at commit abc1234; cells of it were last confirmed at commit def5678"
+    assert f"Recorded: measured with numpy 1 on {at}." in told
     assert "Recorded" not in pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()]))
 
 
@@ -70,14 +77,14 @@ def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, 
     checks = (Check("a", "passed"), Check("b", "passed"), Check("c", "not judged", "it is coarse"))
     found = [ConformanceRow.of(Conformance(name, True, checks), "1.2") for name in ("thesis", "mujoco")]
     (tmp_path / "conformance.csv").write_text(text_of(found))
-    (tmp_path / "about.csv").write_text(text_of([About("conformance", "2001-02-03", "numpy 1", "f" * 64)]))
+    (tmp_path / "about.csv").write_text(text_of([About("conformance", "2001-02-03", "numpy 1", "abc1234", "def5678")]))
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
     long_studies.about.cache_clear()
     workshop = Workshop(Store(tmp_path / "store"))
     workshop.kept(Outcome(job("thesis"), Conformance("thesis", False, (Check("a", "failed", "no", "mend it"),))))
     told = report_module._conformance(("thesis", "reference", "mujoco"), workshop)
     long_studies.about.cache_clear()
-    recorded = "recorded on 2001-02-03 with code ffffffffffff, which is older than this page’s"
+    recorded = "recorded on 2001-02-03 at commit abc1234; cells of it were last confirmed at commit def5678"
     assert told == {
         "thesis": "does not conform: 1 check failed; 0 checks passed",
         "mujoco": f"conforms; 2 checks passed, 1 could not be judged ({recorded})",
@@ -108,14 +115,18 @@ def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypa
         monkeypatch.setattr(module, "FOLDER", tmp_path)
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
     monkeypatch.setattr(recording.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().reaches)))
-    (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "f" * 64)]))
+    (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "abc1234", "def5678")]))
     long_studies.about.cache_clear()
     assert main(["--stored", "classes"]) == 0
-    written = {study: made for study in long_studies.CODE if (made := long_studies.about(study))}
+    written = {study: made for study in long_studies.STUDIES if (made := long_studies.about(study))}
     long_studies.about.cache_clear()
     assert set(written) == {"finding", "classes"}
     assert written["finding"].date == "2001-02-03"
-    assert written["classes"].current
+    assert (written["classes"].commit, written["classes"].confirmed) == (recording.commit(), "")
+    recording.confirm("finding")
+    assert long_studies.about("finding").confirmed == recording.commit()  # type: ignore[union-attr]
+    assert long_studies.about("classes") == written["classes"]
+    long_studies.about.cache_clear()
     assert {path.name for path in tmp_path.glob("*.csv")} == {"about.csv", "classes.csv", "classes_scenes.csv"}
     assert long_studies.class_map() == made_up_map()
 
@@ -124,9 +135,9 @@ def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
     files = sorted(long_studies.FOLDER.glob("*.csv"))
     assert files
     assert sum(os.path.getsize(file) for file in files) <= MOST
-    made = [long_studies.about(study) for study in long_studies.CODE]
+    made = [long_studies.about(study) for study in long_studies.STUDIES]
     assert any(made)
-    assert all(each.date and each.versions and len(each.code) == 64 for each in made if each)
+    assert all(each.date and each.versions and each.commit for each in made if each)
     assert bool(long_studies.benchmarks()) == (long_studies.about("benchmark") is not None)
 
 
