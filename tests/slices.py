@@ -1,9 +1,9 @@
 """Runs the long tests in slices: `pytest -m verify --slice k/n --begin-within MINUTES`.
 
 A slice keeps the groups whose checksum, by the remainder of a division by n, belongs to k. A group is one case, or all cases of a file
-where these share what is costly: a fixture of the whole file, or a cache. Each group goes to one process with
-`--dist loadgroup`. The number k also draws what a test computes in a slice where everything would take too long (`portion`).
-After the minutes no further test begins: those that are left are skipped, and named at the end.
+where these share what is costly: a fixture of the whole file, or a cache. Cases marked `every_slice` belong to all slices. Each group
+goes to one process with `--dist loadgroup`. The number k also draws what a test computes in a slice where everything would take too long
+(`portion`). After the minutes no further test begins: those that are left are skipped, and named at the end.
 """
 
 import itertools
@@ -118,7 +118,9 @@ class Slices:
     def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
         """Keep the slice's groups."""
         if self.slice is not None:
-            chosen = [item for item in items if self.slice.holds(group_of(item.nodeid, config.rootpath))]
+            chosen = [
+                item for item in items if item.get_closest_marker("every_slice") or self.slice.holds(group_of(item.nodeid, config.rootpath))
+            ]
             config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
             items[:] = chosen
 

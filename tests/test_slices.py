@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.slices import Slice
+from tests.slices import Slice, group_of
 
 FILES = {
     "conftest.py": """
@@ -40,8 +40,11 @@ def costly(): pass
 @pytest.mark.parametrize("n", range(5))
 def test_cached(n): pass
 """,
-    "pytest.ini": "[pytest]\n",
+    "pytest.ini": "[pytest]\nmarkers = every_slice: in all\n",
 }
+
+#: File, function and number of its cases.
+CASES = (("apart", "case", 20), ("sharing", "shared", 5), ("caching", "cached", 5))
 
 
 @pytest.fixture
@@ -64,14 +67,15 @@ def passed(told: str) -> list[str]:
     return [line.split(" ")[0] for line in told.splitlines() if " PASSED" in line]
 
 
-def test_each_case_belongs_to_one_slice_and_what_is_shared_to_the_same(suite: Path) -> None:
-    slices = [passed(ran(suite, "--slice", f"{number}/3")) for number in (3, 1, 2)]
-    everything = [name for each in slices for name in each]
-    assert len(everything) == len(set(everything)) == 30
-    assert all(0 < len(each) < 30 for each in slices)
+def test_each_case_belongs_to_one_slice_what_is_shared_to_the_same_and_what_is_marked_to_all(suite: Path) -> None:
+    (suite / "test_marked.py").write_text("import pytest\n@pytest.mark.every_slice\ndef test_each(): pass\n")
+    cases = [f"test_{name}.py::test_{case}[{n}]" for name, case, count in CASES for n in range(count)]
+    slices = [[case for case in cases if Slice(f"{number}/3").holds(group_of(case, suite))] for number in (3, 1, 2)]
+    assert sorted(name for each in slices for name in each) == sorted(cases)
+    assert all(0 < len(each) < len(cases) for each in slices)
     for file in ("test_sharing.py", "test_caching.py"):
         assert sorted(sum(name.startswith(file) for name in each) for each in slices) == [0, 0, 5]
-    assert "test_apart.py::test_case[3]" in everything
+    assert sorted(passed(ran(suite, "--slice", "4/3"))) == sorted([*slices[1], "test_marked.py::test_each"])
 
 
 def test_with_several_processes_a_group_stays_in_one(suite: Path) -> None:
@@ -83,23 +87,22 @@ def test_with_several_processes_a_group_stays_in_one(suite: Path) -> None:
 
 
 def test_what_the_time_does_not_allow_is_named_and_the_end_is_good(suite: Path) -> None:
-    for more in ([], ["-n", "2", "--dist", "loadgroup"]):
-        told = ran(suite, "--slice", "0/1", "--begin-within", "0", *more)
-        assert "30 not begun, for the time was over" in told
-        assert "\ntest_sharing.py::test_shared[4]\n" in told
-        assert "30 skipped in" in told.splitlines()[-1]
-        assert "made" not in told
+    told = ran(suite, "--slice", "0/1", "--begin-within", "0", "-n", "2", "--dist", "loadgroup")
+    assert "30 not begun, for the time was over" in told
+    assert "\ntest_sharing.py::test_shared[4]\n" in told
+    assert "30 skipped in" in told.splitlines()[-1]
+    assert "made" not in told
     (suite / "test_wrong.py").write_text("def test_wrong(): assert False\n")
-    ran(suite, "--begin-within", "1", code=1)
+    assert "1 failed" in ran(suite, "--begin-within", "1", "test_wrong.py", code=1)
 
 
 def test_a_slice_without_tests_is_good_and_one_that_is_not_understood_is_refused(suite: Path) -> None:
-    empty = next(
-        number for number in range(1000) if not any(Slice(f"{number}/1000").holds(f"test_apart.py::test_case[{n}]") for n in range(20))
-    )
+    cases = [f"test_apart.py::test_case[{number}]" for number in range(20)]
+    empty = next(number for number in range(1000) if not any(map(Slice(f"{number}/1000").holds, cases)))
     assert "deselected in" in ran(suite, "--slice", f"{empty}/1000", "test_apart.py").splitlines()[-1]
     for text in ("3", "a/2", "1/0", "-1/3"):
-        assert f"--slice {text}: expected two whole numbers k/n" in ran(suite, f"--slice={text}", code=4)
+        with pytest.raises(pytest.UsageError, match=f"--slice {text}: expected two whole numbers k/n"):
+            Slice(text)
 
 
 def test_in_turn_slices_draw_everything() -> None:

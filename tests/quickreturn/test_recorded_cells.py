@@ -1,0 +1,183 @@
+"""Two cells of every recorded study, drawn by the slice's number, come out again: a record that no longer holds is red.
+
+Every slice of the long tests computes them anew, without the store. `make verify` notes the commit in `about.csv`. A study whose cells do
+not come out alike is to be recorded anew (`python -m quickreturn.record NAME`).
+"""
+
+import json
+import random
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from quickreturn.cases.benchmark.findings import Point, completed
+from quickreturn.cases.benchmark.measurement import Benchmark
+from quickreturn.cases.benchmark.truth import confirmation_of, errors_of, run_of, truth_of
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.classes.measurement import measured, truth
+from quickreturn.cases.conformance import conform
+from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.judging.matrix import judge_scenes
+from quickreturn.cases.library import catalogue
+from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.runs.orbit import orbits
+from quickreturn.cases.studies import ACCURACY_CASE
+from quickreturn.cases.thesis.finding import study as finding
+from quickreturn.cases.thesis.finding.effects import PUBLISHED, effects
+from quickreturn.cases.thesis.runs import RUNS, run_case
+from quickreturn.cases.thesis.scatter import CLAIMED_RUNS, bands
+from quickreturn.engines.one_run import CompletedRun
+from quickreturn.engines.registry import engine
+from quickreturn.engines.settings import as_texts
+from quickreturn.record import confirm
+from quickreturn.reports import long_studies
+from quickreturn.reports.long_studies import STUDIES, ConformanceRow, table
+from quickreturn.reports.thesis import long_studies as of_the_thesis
+from tests.slices import slice_of
+
+#: Cells of a study.
+CELLS: Final = 2
+#: Solve time (s) of the slowest cell that is computed anew.
+SLOWEST: Final = 2.0
+#: Relative difference of an error that is computed anew: five digits are recorded, and rounding of another machine changes adaptive steps.
+SAME: Final = 1e-2
+#: Factor within which the ratio of two solve times is the recorded one, and repetitions of both, in turn, of which the least counts.
+PACE: Final = 2.0
+REPETITIONS: Final = 5
+
+Draw = Callable[[Sequence[Any]], list[Any]]
+
+
+def benchmark(draw: Draw, workshop: Workshop) -> None:
+    """The error of a point, and its solve time over that of the first point of its scene."""
+    cells = [(scene, *cell) for scene in long_studies.benchmarks().values() for cell in completed(scene.points)]
+    for scene, point, recorded in draw([cell for cell in cells if cell[2].solve_seconds < SLOWEST]):
+        case = load_case(scene.case)
+        run, (fixed, of_fixed) = runner(scene, point), completed(scene.points)[0]
+        right, other = truth_of(case), runner(scene, fixed)
+        error = errors_of(run().trajectory, right)["tip_deflection"]
+        unknown = scene.confirmation.differences.get("tip_deflection") or 0.0
+        assert error == pytest.approx(point.error(), rel=SAME, abs=unknown), (scene.case, point.method, point.settings)
+        other()  # what is compiled is compiled now
+        pairs = [(run().solve_seconds, other().solve_seconds) for _ in range(REPETITIONS)]
+        ratio = min(mine for mine, _ in pairs) / min(its for _, its in pairs)
+        assert 1.0 / PACE < ratio / (recorded.solve_seconds / of_fixed.solve_seconds) < PACE, (scene.case, point.method, point.settings)
+
+
+def runner(scene: Benchmark, point: Point) -> Callable[[], CompletedRun]:
+    """Runs a point of a benchmark."""
+    case, chosen = load_case(scene.case), engine(point.engine)
+    settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(point.settings))
+    return lambda: run_of(chosen, case, settings)
+
+
+def hard_scenes(draw: Draw, workshop: Workshop) -> None:
+    """The verdict on an engine in a scene, before the comparison with other engines, and whether its claim holds."""
+    cases = {entry.name: load_case(entry.name) for entry in catalogue(TAG)}
+    known = long_studies.matrix(cases.values())
+    assert known is not None
+    for scene, name in draw(sorted(known.cells)):
+        cell, again = known.cells[scene, name], judge_scenes([cases[scene]], workshop, (name,)).cells[scene, name]
+        if cell.verdict.claimed_error is None or again.verdict.claimed_error is None:
+            assert again.verdict.claimed_error == cell.verdict.claimed_error, (scene, name)
+            continue
+        assert (again.verdict.kind, again.holds) == (cell.verdict.kind, cell.holds), (scene, name)
+        assert again.verdict.claimed_error == pytest.approx(cell.verdict.claimed_error, rel=0.5), (scene, name)
+
+
+def confirmation(draw: Draw, workshop: Workshop) -> None:
+    """The distance of a second solution."""
+    case = load_case(ACCURACY_CASE)
+    right = truth_of(case)
+    for recorded in draw(long_studies.confirming()):
+        again = confirmation_of(case, right, recorded.engine)
+        assert again.confirms
+        assert again.differences["tip_deflection"] == pytest.approx(recorded.differences["tip_deflection"], rel=0.1), recorded.engine
+
+
+def conformance(draw: Draw, workshop: Workshop) -> None:
+    """The verdict on an engine."""
+    for recorded in draw(table("conformance", ConformanceRow)):
+        chosen = engine(recorded.engine)
+        if not chosen.unavailable():
+            again = ConformanceRow.of(conform(recorded.engine, workshop.executor, quiet=True), str(chosen.version()))
+            assert (again.verdict, again.failed) == (recorded.verdict, recorded.failed), again
+
+
+def classes(draw: Draw, workshop: Workshop) -> None:
+    """The status of a method in a class, and its error."""
+    known = long_studies.class_map()
+    scenes = {scene.name: scene for scene in known.scenes}
+    for reach in draw([each for each in known.reaches if each.solve_seconds is not None and each.solve_seconds < SLOWEST / 10.0]):
+        groups = scenes[reach.scene].groups
+        (again,) = (each for each in measured(groups, reach.engine, truth(groups)[0]) if each.level == reach.level)
+        assert again.status == reach.status, reach
+        assert again.error == pytest.approx(reach.error, rel=SAME, abs=scenes[reach.scene].difference or 0.0), reach
+
+
+def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:
+    """The change of the first frequency after the return by an effect in a run."""
+    rows = {(row.effect, row.strength): row for row in of_the_thesis.finding() if row.engine != finding.SECOND}
+    known = [(effect, run) for effect in effects() for run in RUNS if row_of(rows, effect).changes("post_frequency").get(run) is not None]
+    for effect, run in draw(known):
+        row = row_of(rows, effect)
+        (begin,) = orbits([run_case(run).mechanism], workshop)
+        jobs = {(each.id, run, ""): finding._job(each, run, "", begin) for each in (PUBLISHED, effect)}
+        outcomes = workshop.outcomes(list(jobs.values()), "effects")
+        responses = {name: outcome.value for name, outcome in zip(jobs, outcomes, strict=True) if outcome.value is not None}
+        change, _ = finding._frequency(finding._pair(effect, finding.MIDDLE, run, "", responses), "post")
+        assert change is not None
+        # in per cent; half a unit of the record, and what the study claims
+        within = 0.005 + max(row.claim[:1], default=0.1)
+        assert change == pytest.approx(100.0 * row.changes("post_frequency")[run], abs=within), (effect.id, run)
+
+
+def row_of(rows: dict[tuple[str, str], finding.Row], effect: Any) -> finding.Row:
+    return rows[effect.id, effect.words[finding.MIDDLE]]
+
+
+def unprinted(draw: Draw, workshop: Workshop) -> None:
+    """The bands of a run."""
+    known = {band.run: band for band in of_the_thesis.bands() if band.run not in CLAIMED_RUNS}
+    for run in draw(sorted(known)):
+        (again,) = bands(workshop, [run])
+        for name in ("pre", "post", "ratio", "strain"):
+            assert getattr(again, name) == pytest.approx(getattr(known[run], name), rel=SAME), (run, name)
+        assert (again.points, again.settled, again.compared, again.apart) == (
+            known[run].points,
+            known[run].settled,
+            known[run].compared,
+            known[run].apart,
+        ), run
+
+
+AGAIN: Final[dict[str, Callable[[Draw, Workshop], None]]] = {
+    "benchmark": benchmark,
+    "hard scenes": hard_scenes,
+    "confirmation": confirmation,
+    "conformance": conformance,
+    "classes": classes,
+    "finding": finding_of_the_thesis,
+    "unprinted": unprinted,
+}
+
+
+def test_cells_of_every_study_are_computed_anew() -> None:
+    assert list(AGAIN) == STUDIES
+
+
+@pytest.mark.verify
+@pytest.mark.every_slice
+@pytest.mark.parametrize("study", AGAIN)
+def test_two_recorded_cells_come_out_again(study: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    if (known := long_studies.about(study)) is None:
+        pytest.skip("not recorded")
+    chosen = slice_of(request.config)
+    generator = random.Random(json.dumps([study, known.confirmed or known.commit, chosen.number if chosen else 0]))
+    AGAIN[study](lambda cells: generator.sample(list(cells), min(CELLS, len(cells))), Workshop(Store(tmp_path), LocalProcesses()))
+    if request.config.getoption("--keep-ledger"):
+        confirm(study)
