@@ -63,7 +63,7 @@ def benchmark(draw: Draw, workshop: Workshop) -> None:
         unknown = scene.confirmation.differences.get("tip_deflection") or 0.0
         assert error == pytest.approx(point.error(), rel=SAME, abs=unknown), (scene.case, point.method, point.settings)
         other()  # what is compiled is compiled now
-        pairs = [(run().solve_seconds, other().solve_seconds) for _ in range(REPETITIONS)]
+        pairs = [(run().trajectory.solve_seconds, other().trajectory.solve_seconds) for _ in range(REPETITIONS)]
         ratio = min(mine for mine, _ in pairs) / min(its for _, its in pairs)
         assert 1.0 / PACE < ratio / (recorded.solve_seconds / of_fixed.solve_seconds) < PACE, (scene.case, point.method, point.settings)
 
