@@ -10,7 +10,7 @@ import csv
 import dataclasses
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -30,7 +30,7 @@ from quickreturn.cases.conformance import Conformance
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
 from quickreturn.cases.judging.conditioning import Conditioning
-from quickreturn.cases.judging.matrix import Judged, Matrix, judge_scenes
+from quickreturn.cases.judging.matrix import Judged, Matrix
 from quickreturn.engines.registry import MAIN
 
 T = TypeVar("T")
