@@ -4,7 +4,7 @@ from quickreturn.cases.thesis.finding.study import Row
 from quickreturn.cases.thesis.scatter import Band
 from quickreturn.reports.long_studies import STUDIES, table
 
-STUDIES += ["finding", "unprinted"]
+STUDIES.extend(("finding", "unprinted"))
 
 
 def finding() -> list[Row]:
