@@ -86,7 +86,7 @@ def reconstruct(mechanism: Mechanism, start: Start) -> StartState:
             "start with a smaller deflection or at another crank angle",
         )
     # The chord is never longer than the arc, so the root lies at or beyond `distance`.
-    s = distance if excess(distance) >= 0.0 else float(scipy.optimize.brentq(excess, distance, length, xtol=1e-15, rtol=1e-15))
+    s = distance if excess(distance) >= 0.0 else float(scipy.optimize.brentq(excess, distance, length, xtol=1e-15 * length, rtol=1e-15))
     at_slider = np.array([s])
     place, rate = shape.position(at_slider)[0], shape.velocity(at_slider)[0]
     q2 = math.atan2(chord[1], chord[0]) % (2.0 * math.pi) - math.atan2(place[1], place[0])

@@ -7,6 +7,7 @@ import numpy as np
 
 from quickreturn.reference_model import tip_force
 from quickreturn.reference_model.mechanism import Scene, TorqueDrive
+from quickreturn.reference_model.rigid import slow_speed
 
 _OF_CRANK = ("d", "LA", "crank_mass", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia")
 
@@ -42,13 +43,17 @@ def _of_drive(scene: Scene) -> dict[str, float]:
     return {**dict(zip(_OF_CRANK, values, strict=True)), "base_speed": 0.0, "base_time": 0.0}
 
 
-def characteristic_frequency(p: Any) -> float:
-    """Frequency (1/s) for the sizes of rates: near that of the first bending mode; 1 for a rigid follower or one without mass.
+def characteristic_frequency(scene: Scene, shapes: int) -> float:
+    """Frequency (1/s) for the sizes of rates: near that of the first bending mode; `slow_speed` for a follower without shapes."""
+    follower = scene.follower
+    if shapes and follower.mass_per_length > 0.0:
+        return 10.0 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / follower.length**2
+    return slow_speed(scene)
 
-    Args:
-        p: parameters with n, EI, rhoA and L.
-    """
-    return 10.0 * math.sqrt(p.EI / p.rhoA) / p.L**2 if p.n and p.rhoA > 0.0 else 1.0
+
+def crank_speed_scale(scene: Scene, crank_speed: float) -> float:
+    """Size of the crank's speed (rad/s), to which the relative tolerance refers: a tenth, also of a crank that has almost stopped."""
+    return 0.1 * max(abs(crank_speed), slow_speed(scene))
 
 
 def unslowed(modes: int) -> int:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, A
 from quickreturn.reference_model.integrate import (
     CEILING,
+    FIRST_STEP,
+    LEAST_STEP,
     LEFT_FOLLOWER,
     MAX_CALLS,
     NOT_A_NUMBER,
@@ -74,11 +76,12 @@ def _dop853(
     _copy(y, states[0])
     rows, calls = 1, 0
     if step <= 0.0:
-        step = min(1e-5, end)
+        step = FIRST_STEP * output_step
     rejected, first_stage = False, 0
     while t < end:
-        if step < 1e-13 or calls > MAX_CALLS:
-            return (STEP_TOO_SMALL if step < 1e-13 else TOO_MANY_CALLS), rows, t, calls, step
+        too_small = step < LEAST_STEP * output_step or t + step == t
+        if too_small or calls > MAX_CALLS:
+            return (STEP_TOO_SMALL if too_small else TOO_MANY_CALLS), rows, t, calls, step
         h = min(step, end - t)
         last = h >= end - t
         for stage in range(first_stage, STAGES + 1):

@@ -22,6 +22,9 @@ CEILING: Final = 5.7
 
 REACHED_END, LEFT_FOLLOWER, STEP_TOO_SMALL, TOO_MANY_CALLS, NOT_A_NUMBER = range(5)
 MAX_CALLS: Final = 200_000_000
+#: Size of the first step, and of the least, over the output step.
+FIRST_STEP: Final = 1e-2
+LEAST_STEP: Final = 1e-10
 
 
 #: The loop.
@@ -83,7 +86,7 @@ def dop853(
         intervals: number of output steps.
         scales: accepted local error of each controlled state, in its unit, shape (number of them,). The controlled states come first.
         limit: slider position at which the integration ends, m.
-        first_step: step size to begin with, s; 0 for 1e-5 s.
+        first_step: step size to begin with, s; 0 for a hundredth of the output step.
     """
     size, y, scales = len(y), np.array(y, dtype=float), np.ascontiguousarray(scales, dtype=float)
     states, scratch, K = np.empty((intervals + 1, size)), np.empty((2, size)), np.empty((STAGES + 1, size))

@@ -5,12 +5,8 @@ The functions are plain arithmetic: each model compiles them, or calls them as t
 
 import math
 from dataclasses import dataclass
-from typing import Final
 
 from quickreturn.reference_model.mechanism import Slider
-
-#: Rate (rad/s) of the follower's angle over which the friction of its pivot changes its sign.
-PIVOT_FRICTION_RATE: Final = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)

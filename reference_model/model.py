@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import ROW, recorded_columns
-from quickreturn.reference_model.constants import characteristic_frequency
+from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.machine.objects import Entry
@@ -194,7 +194,7 @@ class BeamModel:
             return abs(f.foot) - math.hypot(v1, v2)
 
         low, high = p.tables.low, p.tables.high
-        y[m] = scipy.optimize.brentq(excess, low, high, xtol=1e-15) if excess(low) <= 0.0 <= excess(high) else math.nan
+        y[m] = scipy.optimize.brentq(excess, low, high, xtol=1e-15 * p.L) if excess(low) <= 0.0 <= excess(high) else math.nan
         if not self.closes_loop:
             self.can_move(y)
             y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0
@@ -220,11 +220,11 @@ class BeamModel:
         An amplitude has the scene's deflection, the follower's angle 0.01 rad, the crank 0.1 rad, the slider 1 % of the follower's length.
         The rate of an amplitude or of the follower's angle has that size times a characteristic frequency, the crank's speed a tenth.
         """
-        p, frequency = self.parameters, characteristic_frequency(self.parameters)
+        p, frequency = self.parameters, characteristic_frequency(self.scene, self.parameters.n)
         base = [] if self.closes_loop or p.constraint == BASE else [0.01]
         # with a rigid follower the crank's angle gives the slider's place, so that this state needs no tight control
         at_rest = [0.1, *[self._size] * p.n, *base, 0.01 * p.L if p.n or base else p.L]
-        rates = [0.1 * max(abs(crank_speed), 1.0), *[self._size * frequency] * p.n, *[0.01 * frequency] * len(base)]
+        rates = [crank_speed_scale(self.scene, crank_speed), *[self._size * frequency] * p.n, *[0.01 * frequency] * len(base)]
         return np.array(at_rest + rates)
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:

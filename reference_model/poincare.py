@@ -135,7 +135,7 @@ class PoincareMap:
         Args:
             start: state vector, at any crank angle.
             duration: estimated time until the passage, s.
-            step: size of the first step, s; 0 for 1e-5 s.
+            step: size of the first step, s; 0 as in `integrate.dop853`.
 
         Raises:
             CycleBroken: the motion does not get there.

@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE
 from quickreturn.reference_model.mechanism import Base, Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.tip_force import tip_force
 
@@ -65,7 +64,7 @@ def follower_inertia(mechanism: Mechanism) -> tuple[float, float]:
 
 def pivot_torque(base: Base, rate: Array) -> Array:
     """Torque (N m) of the damping and friction in the pivot P against a follower that turns at `rate` (rad/s), equation 4.7."""
-    return np.asarray(base.damping * rate + base.friction_torque * np.tanh(rate / PIVOT_FRICTION_RATE))
+    return np.asarray(base.damping * rate + base.friction_torque * np.tanh(rate / base.friction_rate))
 
 
 def crank_pace(mechanism: Mechanism) -> float:
@@ -73,6 +72,24 @@ def crank_pace(mechanism: Mechanism) -> float:
     drive = mechanism.crank.drive
     balanced = abs(drive.torque) / drive.damping if isinstance(drive, TorqueDrive) and drive.damping > 0.0 else 0.0
     return max(abs(drive.initial_speed), balanced)
+
+
+#: Crank speed that counts as slow, over the speed of the start or of what the loads make of it: 1 rad/s in run 24.
+SLOW: Final = 1.0 / 16.0
+
+
+def slow_speed(scene: Scene) -> float:
+    """Crank speed (rad/s, positive) that counts as slow: a part of the speed at the start, or of the speed that loads give within a radian.
+
+    Where nothing moves, and for a follower alone, it is 1: its size does not matter.
+    """
+    if scene.crank is None:
+        return 1.0
+    drive, arm = scene.crank.drive, scene.crank.length
+    torque = (abs(drive.torque) if isinstance(drive, TorqueDrive) else 0.0) + math.hypot(*scene.tip_body.force) * arm
+    inertia = scene.crank_inertia + scene.follower.mass * arm**2
+    loads = (torque / inertia if inertia > 0.0 else 0.0) + math.hypot(*scene.gravity) / scene.pivot_distance
+    return SLOW * max(abs(drive.initial_speed), math.sqrt(loads)) or 1.0
 
 
 def mean_crank_speed(mechanism: Mechanism) -> float:

@@ -11,7 +11,7 @@ from quickreturn.cases.case import SECTIONS, Case
 from quickreturn.cases.measures.time_scale import TURN, time_scale
 from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
 from quickreturn.reference_model.columns import BENDING, COLUMNS
-from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE, rollers
+from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Slider, TorqueDrive
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 from quickreturn.reference_model.tip_force import WHOLE
@@ -49,7 +49,7 @@ def for_other_tools(case: Case, given: str) -> str:
         follower=follower,
         slider=mechanism.slider,
         friction_torque=mechanism.base.friction_torque,
-        pivot_rate=PIVOT_FRICTION_RATE,
+        pivot_rate=mechanism.base.friction_rate,
         torque=isinstance(mechanism.crank.drive, TorqueDrive),
         axial_stiffness=12.0 * follower.bending_stiffness / follower.thickness**2 if has_section else 0.0,
         law=rollers(mechanism.slider),

@@ -139,6 +139,7 @@ CHANGES: Final = (
     Change("base.inertia", {"base.inertia": 8e-3}),
     Change("base.damping", {"base.damping": 0.1}),
     Change("base.friction_torque", {"base.friction_torque": 0.1}),
+    Change("base.friction_rate", {"base.friction_rate": 2.0}, {"base.friction_torque": 0.1}),
     Change("follower.length", {"follower.length": 0.64}),
     Change("follower.mass_per_length", {"follower.mass_per_length": 0.6}),
     Change("follower.bending_stiffness", {"follower.bending_stiffness": 12.0}),

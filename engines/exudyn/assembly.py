@@ -16,14 +16,14 @@ from quickreturn.reference_model.tip_force import share_of_force
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True
 
-#: Mass (kg) of a pinned body, which keeps the mass matrix regular; it lies in the pin and has no influence.
+#: Mass (in the scene's unit) of a pinned body, which keeps the mass matrix regular; it lies in the pin and has no influence.
 PINNED_MASS = 1.0
 
-#: Mass (kg) of a compliant joint's carriage. Without it the initial accelerations are undetermined along the tangent, and Exudyn silently
+#: Mass (in the scene's unit, near the follower's mass) of a compliant joint's carriage. Without it the initial accelerations are undetermined along the tangent, and Exudyn silently
 #: begins with zeros: with a bent start the error of the tip deflection is then 1.5 %. The influence of the mass is in proportion to it:
 #: 1e-3 kg change the tip deflection of run 24 by 9e-5 at 2e4 N/m.
 CARRIAGE_MASS = 1e-9
-CARRIAGE = f"slider: carriage of {CARRIAGE_MASS:g} kg"
+CARRIAGE = f"slider: carriage of {CARRIAGE_MASS:g} of the follower's mass"
 
 
 class Assembly:

@@ -23,12 +23,12 @@ Array = NDArray[np.float64]
 #: Longest stretch of the simulation over which the dampers' points may stand still: s, and rad that the crank or the base turns meanwhile.
 #: 2 ms change no column of 26 scenes by more than 3.4e-5; Newton's Jacobian is as old as the stretch, and older ones cost more iterations
 #: than they save.
-LONGEST: Final = 2e-3
+LONGEST: Final = 0.032
 LONGEST_TURN: Final = 0.1
 
 
 def longest_stretch(scene: Scene) -> float:
-    """The longest stretch for a scene, s."""
+    """The longest stretch for a scene, in its units of time."""
     pace = abs(scene.spin_up.speed) if scene.crank is None else crank_pace(scene)
     return min(LONGEST, LONGEST_TURN / pace) if pace else LONGEST
 

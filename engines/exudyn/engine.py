@@ -15,6 +15,7 @@ from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.units import Units
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
 
@@ -75,15 +76,17 @@ class ExudynEngine(Engine[ExudynSettings]):
         self.check(scene)
         from quickreturn.engines.exudyn.simulation import ExudynSimulation
 
-        began = time.perf_counter()
-        return ExudynSimulation(self._model(scene, start, settings), settings, began)
+        began, units = time.perf_counter(), Units.of(scene)
+        model = self._model(units.scene(scene), start and units.start(start), settings)
+        return ExudynSimulation(model, settings, units, began)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from quickreturn.engines.exudyn import modes
 
-        return modes.natural_frequencies(mechanism, crank_angle, count, settings.elements)
+        units = Units.of(mechanism)
+        return modes.natural_frequencies(units.scene(mechanism), crank_angle, count, settings.elements) / units.time
 
     @staticmethod
     def _model(scene: Scene, start: Start | None, settings: ExudynSettings) -> "Model":

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 #: Number of elements from which on every other node has a damper: their quadrature is of fourth order, the elements of third.
 FEWEST_FOR_HALF_THE_DAMPERS: Final = 24
 
-_SHORT: Final = 1e-6  # s: a rate of change by differences, to eight digits
+_SHORT: Final = 1e-5  # in the scene's unit of time: a rate of change by differences, to eight digits
 
 _CLAMPED: Final = [1, 1, 0, 0, 0, 1]  # axes of a generic joint: both places and the rotation in the plane
 

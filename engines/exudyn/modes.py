@@ -21,11 +21,14 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState, reconstruct
 from quickreturn.reference_model.mechanism import Mechanism
 
-_LOWEST = 1e-3  # Hz; below it lies the round-off of a motion without stiffness
+_LOWEST = 1e-4  # in the scene's unit of time; below it lies the round-off of a motion without stiffness
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, elements: int) -> NDArray[np.float64]:
-    """The `count` lowest frequencies with the crank held, follower straight and at rest, Hz, ascending, shape (<= count,)."""
+    """The `count` lowest frequencies with the crank held, follower straight and at rest, ascending, shape (<= count,).
+
+    The mechanism, and so the frequencies, are in units of the scene's own.
+    """
     state = reconstruct(mechanism, Start(crank_angle, 0.0))
     assembly = Assembly(mechanism)
     if mechanism.follower.is_rigid:

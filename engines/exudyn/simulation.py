@@ -14,11 +14,12 @@ from quickreturn.engines.exudyn.damping import longest_stretch
 from quickreturn.engines.exudyn.record import Model, Record
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
+from quickreturn.engines.units import Units
 
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array, float, float]
 
-#: Change of the coordinates (m, and rad or slopes) that ends Newton's iteration whatever the first one was: round-off moves slopes and
+#: Change of the coordinates (lengths of the scene's, rad or slopes) that ends Newton's iteration whatever the first one was: round-off moves slopes and
 #: angles by 1e-15 to 1e-14 in an iteration, whatever the scene's size.
 LEAST_CHANGE: Final = 1e-12
 
@@ -30,11 +31,12 @@ class ExudynSimulation(Simulation):
 
     Exudyn's `SolveSteps` restarts its clock at `it.startTime` but continues from the present state. It is therefore called once
     per output step, or more often where that is long, always from 0: the steps are the same whether a time is covered in one call
-    or in many.
+    or in many. Exudyn's model is in units of the scene's own, and so are its times and rows.
     """
 
-    def __init__(self, model: Model, settings: ExudynSettings, begun: float) -> None:
+    def __init__(self, model: Model, settings: ExudynSettings, units: Units, begun: float) -> None:
         self.time = 0.0
+        self._units = units
         self._model = model
         self._mbs = model.assembly.mbs
         self._settings = settings
@@ -61,15 +63,17 @@ class ExudynSimulation(Simulation):
         count = round(duration / output_step)
         begun = time.perf_counter()
         steps = self._settings.steps_in(output_step)
-        at_once = max(1, math.floor(self._longest / output_step * (1.0 + 1e-9)))  # output steps that make up a stretch
+        interval = output_step / self._units.time
+        at_once = max(1, math.floor(self._longest / interval * (1.0 + 1e-9)))  # output steps that make up a stretch
         newton_before = self._solver.it.newtonStepsCount
         rows, failure = [self._last], None
         while len(rows) <= count and failure is None:
-            found, failure = self._output_steps(output_step, steps, min(at_once, count + 1 - len(rows)))
+            found, failure = self._output_steps(interval, steps, min(at_once, count + 1 - len(rows)))
             rows += found
         done = len(rows) - 1
         at = self.time + output_step * np.arange(done + 1, dtype=np.float64)
-        columns = self._model.columns(Record(at, *(np.array(values) for values in zip(*rows, strict=True))))
+        record = Record(at / self._units.time, *(np.array(values) for values in zip(*rows, strict=True)))
+        columns = self._units.columns_in_si(self._model.columns(record)) | {"time": at}
         for name in _ACCUMULATED:
             columns[name] = columns[name] + self._totals[name]
             self._totals[name] = float(columns[name][-1])
@@ -83,15 +87,15 @@ class ExudynSimulation(Simulation):
             raise EngineFailure(self.time, *failure, trajectory)
         return trajectory
 
-    def _output_steps(self, output_step: float, steps: int, outputs: int) -> tuple[list[_Row], tuple[str, str] | None]:
+    def _output_steps(self, interval: float, steps: int, outputs: int) -> tuple[list[_Row], tuple[str, str] | None]:
         """Solve up to the next output instants; their rows as far as they are good, and cause and advice where that fails.
 
         Several outputs are solved in one go, which saves Newton's method a Jacobian for each: those on the way are noted before the step
         that follows them.
         """
         rows: list[_Row] = []
-        parts = _stretches(output_step, steps, self._longest) if outputs == 1 else 1
-        self._set_step(outputs * output_step / parts, outputs * steps // parts)
+        parts = _stretches(interval, steps, self._longest) if outputs == 1 else 1
+        self._set_step(outputs * interval / parts, outputs * steps // parts)
         failure = next(filter(None, (self._stretch(rows, steps) for _ in range(parts))), None)
         if failure is None:
             rows.append(self._row())
@@ -159,7 +163,8 @@ class ExudynSimulation(Simulation):
         s = self._model.slider_position(coordinates)
         if s is None or 0.0 <= s <= self._length:
             return None
-        return f"the slider left the follower (s = {s:.6g} m of {self._length:.6g} m)", "use a longer follower or a slower crank"
+        place, length = s * self._units.length, self._length * self._units.length
+        return f"the slider left the follower (s = {place:.6g} m of {length:.6g} m)", "use a longer follower or a slower crank"
 
     def _row(self) -> _Row:
         data = self._mbs.systemData
@@ -170,9 +175,9 @@ class ExudynSimulation(Simulation):
         return self._reference + self._mbs.systemData.GetODE2Coordinates()
 
 
-def _stretches(output_step: float, steps: int, longest: float) -> int:
-    """Number of equal parts with whole steps in an output step: the least whose parts are no longer than `longest` (s), or the steps."""
-    fitting = (parts for parts in range(1, steps + 1) if steps % parts == 0 and output_step / parts <= longest * (1.0 + 1e-9))
+def _stretches(interval: float, steps: int, longest: float) -> int:
+    """Number of equal parts with whole steps in an interval: the least whose parts are no longer than `longest`, or the steps."""
+    fitting = (parts for parts in range(1, steps + 1) if steps % parts == 0 and interval / parts <= longest * (1.0 + 1e-9))
     return next(fitting, steps)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.mujoco.native import pointer
 from quickreturn.reference_model.machine.compilation import Function
 
-#: Record of a simulation. Lengths in m, angles in rad.
+#: Record of a simulation. Units of length, mass and time are those of `engines.units`, named here by the SI units that they stand for.
 CONTEXT = np.dtype(
     [
         # addresses of arrays of MjData, and the number of its coordinates
@@ -34,6 +34,7 @@ CONTEXT = np.dtype(
         ("base_inertia", "f8"),  # kg m^2
         ("base_damping", "f8"),  # N m s/rad
         ("base_friction", "f8"),  # N m
+        ("base_friction_rate", "f8"),  # rad/s
         ("pivot_distance", "f8"),
         ("crank_length", "f8"),
         ("crank_is_free", "i8"),

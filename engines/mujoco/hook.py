@@ -68,7 +68,7 @@ def _power_lost_in_hinges(ctx: Context, qvel: Array) -> float:
 @compiled
 def pivot_friction(ctx: Context, rate: float) -> float:
     """Friction of the pivot against the base's rate (rad/s), N m."""
-    return ctx.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE) if ctx.base_friction > 0.0 else 0.0
+    return ctx.base_friction * friction_share(rate, ctx.base_friction_rate) if ctx.base_friction > 0.0 else 0.0
 
 
 @compiled

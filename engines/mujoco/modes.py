@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.mujoco import chain
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
 from quickreturn.engines.mujoco.description import hinge_count
+from quickreturn.engines.units import Units
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, changed
 
@@ -19,7 +20,8 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
 
     The hinges have no armature here, which serves the time integration only.
     """
-    hinges = hinge_count(mechanism, links)
+    units = Units.of(mechanism)
+    mechanism, hinges = units.scene(mechanism), hinge_count(mechanism, links)
     held = changed(mechanism, {"crank.drive": PrescribedSpeed(speed=0.0)})
     mass, stiffness = chain.follower_matrices(chain.build(held, hinges, 0.0), held, hinges)
     constraint = support_row(mechanism, hinges, crank_angle)
@@ -29,7 +31,7 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
     else:
         free = scipy.linalg.null_space(constraint[None, :])
     squares = eigh(free.T @ stiffness @ free, free.T @ mass @ free)[0] if free.size else np.empty(0)
-    return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * math.pi)
+    return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * math.pi * units.time)
 
 
 def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArray[np.float64]:

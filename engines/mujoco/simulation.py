@@ -19,6 +19,7 @@ from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
+from quickreturn.engines.units import Units
 from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
@@ -36,7 +37,9 @@ _ROWS_AT_ONCE = 250  # from one call of compiled code, after which Python answer
 
 
 class ChainSimulation(Simulation):
-    """See `Simulation`. MuJoCo's data hold the state, a `CONTEXT` that of the constraint.
+    """See `Simulation`. MuJoCo's data hold the state, a `CONTEXT` that of the constraint, both in units of the scene's own.
+
+    MuJoCo has absolute thresholds, such as 1e-15 for masses, inertias and pivots of a factorisation.
 
     Args:
         scene: the mechanism, or the follower alone.
@@ -47,7 +50,8 @@ class ChainSimulation(Simulation):
     def __init__(self, scene: Scene, start: Start | None, settings: ChainSettings) -> None:
         began = time.perf_counter()
         self.time = 0.0
-        self._scene = scene
+        self._units = Units.of(scene)
+        self._scene = scene = self._units.scene(scene)
         self._hinges = hinge_count(scene, settings.links)
         self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
@@ -55,13 +59,13 @@ class ChainSimulation(Simulation):
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
         self._step_is_set = settings.step > 0.0
-        self._largest_step = settings.step or _largest_step(self._model, scene, self._hinges)
+        self._largest_step = settings.step / self._units.time or _largest_step(self._model, scene, self._hinges)
         if start is not None:
-            self._place(start)
+            self._place(self._units.start(start))
         self.setup_seconds = time.perf_counter() - began
 
     def _step_over(self, duration: float) -> float:
-        """Step (s) for the next `duration` (s): small enough for the chain's fastest rate, and for the motion that drives it."""
+        """Step for the next `duration`, in the scene's units: small enough for the chain's fastest rate, and for the motion that drives it."""
         if self._step_is_set:
             return self._largest_step
         if self._scene.crank is None:
@@ -70,7 +74,7 @@ class ChainSimulation(Simulation):
         return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
 
     def _largest_crank_speed(self, mechanism: Mechanism, duration: float) -> float:
-        """Largest crank speed, rad/s, that the drive alone can reach within `duration` (s), or at all against its damping."""
+        """Largest crank speed that the drive alone can reach within `duration`, or at all against its damping, in the scene's units."""
         drive = mechanism.crank.drive
         if not isinstance(drive, TorqueDrive):
             return abs(drive.speed)
@@ -95,15 +99,18 @@ class ChainSimulation(Simulation):
         self._context["prescribed_angle"] = start.crank_angle
         gap = time_loop.assemble(self._context, qpos, qvel, start.crank_angle, start.crank_speed)
         if not abs(gap) < 1e-12 * length:
-            raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {gap:.3g} m is left", "try more links (engine.links)")
+            left = gap * self._units.length
+            raise EngineFailure(0.0, f"the chain does not reach the slider, a gap of {left:.3g} m is left", "try more links (engine.links)")
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         began = time.perf_counter()
         table = np.zeros(round(duration / output_step) + 1, ROW)
         times = self.time + output_step * np.arange(len(table), dtype=np.float64)
-        steps = max(1, math.ceil(output_step / self._step_over(duration) * (1.0 - 1e-9)))
-        self._model.opt.timestep = output_step / steps
-        self._data.time = self.time
+        unit = self._units.time
+        interval = output_step / unit
+        steps = max(1, math.ceil(interval / self._step_over(duration / unit) * (1.0 - 1e-9)))
+        self._model.opt.timestep = interval / steps
+        self._data.time = self.time / unit
         rows = 1
         with _hooks():
             while True:
@@ -113,7 +120,7 @@ class ChainSimulation(Simulation):
                     self._model._address,
                     self._data._address,
                     self._context,
-                    output_step / steps,
+                    interval / steps,
                     steps,
                     self._gauges,
                     piece,
@@ -121,7 +128,8 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != time_loop.GOOD or rows == len(table):
                     break
-        columns = recorded_columns(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
+        recorded = recorded_columns(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
+        columns = self._units.columns_in_si(recorded)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
         trajectory = trajectory_type(self._scene)(columns, time.perf_counter() - began, statistics)
@@ -134,16 +142,18 @@ class ChainSimulation(Simulation):
     def _reason(self, state: int) -> tuple[str, str]:
         """Cause of a failure, and advice, see `EngineFailure`."""
         if state == time_loop.SLIDER_LEFT:
-            place, length = float(self._context["slider_position"][0]), self._scene.follower.length
+            unit = self._units.length
+            place, length = float(self._context["slider_position"][0]) * unit, self._scene.follower.length * unit
             return (
                 f"the slider left the follower (arc length {place:.6g} m, follower.length {length:.6g} m)",
                 "lengthen the follower or slow the crank",
             )
-        return "the motion grew beyond all bounds", f"try a step below {self._model.opt.timestep:.3g} s (engine.step) or more links"
+        step = self._model.opt.timestep * self._units.time
+        return "the motion grew beyond all bounds", f"try a step below {step:.3g} s (engine.step) or more links"
 
 
 def _largest_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
-    """Largest step (s) that the straight chain's fastest rate allows; infinite for a rigid follower on a rigid joint."""
+    """Largest step that the straight chain's fastest rate allows; infinite for a rigid follower on a rigid joint."""
     if hinges > 0:
         return _SAFETY * _STABILITY_LIMIT / modes.fastest_rate(model, scene, hinges)
     if not scene.slider.is_rigid:
@@ -152,7 +162,7 @@ def _largest_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
 
 
 def _armature(mechanism: Scene, settings: ChainSettings) -> float:
-    """Inertia added to a hinge, kg m^2. With the power 1.5 its error falls with the number of links as fast as the chain's own."""
+    """Inertia added to a hinge. With the power 1.5 its error falls with the number of links as fast as the chain's own."""
     follower = mechanism.follower
     return settings.armature * follower.mass_per_length * (follower.length**2 / settings.links) ** 1.5
 
@@ -190,6 +200,7 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "base_inertia": scene.base.inertia,
         "base_damping": scene.base.damping,
         "base_friction": scene.base.friction_torque,
+        "base_friction_rate": scene.base.friction_rate,
         "mass_per_length": follower.mass_per_length,
         "tip_mass": scene.tip_body.mass,
         "tip_inertia": scene.tip_body.inertia,

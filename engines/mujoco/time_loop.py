@@ -16,7 +16,7 @@ from quickreturn.reference_model.columns import ROW
 
 GOOD, SLIDER_LEFT, NOT_FINITE = 0, 1, 2
 
-_LARGEST_RATE = 1e7  # rad/s: above, a run has diverged; MuJoCo itself warns at 1e10
+_LARGEST_RATE = 1e7  # rad in the scene's unit of time: above, a run has diverged; MuJoCo itself warns at 1e10
 _ROWS = numba.from_dtype(ROW)[::1]
 
 

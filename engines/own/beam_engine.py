@@ -16,6 +16,7 @@ from quickreturn.engines.base import Engine, EngineFailure, ModelDescription, Mo
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
+from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 
@@ -40,6 +41,10 @@ S = TypeVar("S", bound=BeamSettings)
 
 #: `stiffness_ratio` of run 24, on which the ladders were measured.
 RATIO_OF_RUN_24: Final = 4.1
+
+#: `characteristic_frequency` (1/s) of run 24, and of run 24 with a rigid follower.
+FREQUENCY_OF_RUN_24: Final = 107.0
+RATE_OF_RUN_24: Final = 1.04
 
 #: Description of the slider's joint where the closed loop gives the follower's angle.
 ELIMINATED_SLIDER: Final = "slider on the centre line (eliminated)"
@@ -103,6 +108,15 @@ def gain_of(scene: Scene) -> float:
     """
     ratio = stiffness_ratio(scene)
     return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
+
+
+def time_over_run_24(scene: Scene) -> float:
+    """Time of a scene over that of run 24, to two digits, to which rates and time constants of settings are in proportion.
+
+    It is the follower's sqrt(rho A / EI) L^2, or of a rigid follower the time of the crank.
+    """
+    frequency = RATE_OF_RUN_24 if scene.follower.is_rigid else FREQUENCY_OF_RUN_24
+    return float(f"{frequency / characteristic_frequency(scene, 0 if scene.follower.is_rigid else 1):.2g}")
 
 
 def description(scene: Scene, beam: str, joint: str, coordinates: int) -> ModelDescription:

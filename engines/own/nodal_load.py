@@ -5,7 +5,7 @@ from typing import Final
 
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.beam_engine import BeamSettings, gain_of
+from quickreturn.engines.own.beam_engine import BeamSettings, gain_of, time_over_run_24
 from quickreturn.engines.own.staying_shapes import RivalEngine
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
@@ -40,13 +40,13 @@ class NodalLoadSettings(BeamSettings):
         "slider force on the nodes by the lever rule, or as Hermite interpolation distributes it, or lever rule and slider on the chords",
         choices=tuple(_DISTRIBUTIONS),
     )
-    stabilization: float = setting(100.0, "rate at which a gap decays (Baumgarte, critically damped)", unit="1/s", low=0.0, high=1e4)
+    stabilization: float = setting(100.0, "rate at which a gap decays (Baumgarte, critically damped)", unit="1/s", low=0.0, high=1e12)
     bending_damping: float = setting(
         3e-6,
         "damping moment over EI, per rate of curvature; only with the lever rule, which flutters without it",
         unit="s",
         low=0.0,
-        high=1e-2,
+        high=1e6,
     )
 
     @property
@@ -84,8 +84,9 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
         return f"slider on the elements (force on two nodes, {settings.distribution})"
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> NodalLoadSettings:
-        """Number of elements from the measured table; fewer where the follower is stiffer than run 24's."""
-        return LADDER.pick(accuracy, gain_of(mechanism))
+        """Number of elements from the measured table, fewer where the follower is stiffer than run 24's; times as the follower's."""
+        rung, time = LADDER.pick(accuracy, gain_of(mechanism)), time_over_run_24(mechanism)
+        return rung.replaced(stabilization=rung.stabilization / time, bending_damping=time * rung.bending_damping)
 
     def comparisons(self, settings: NodalLoadSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         """Runs with two other numbers of elements, coarser ones where they run."""

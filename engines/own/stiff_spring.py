@@ -6,7 +6,7 @@ from typing import Final
 
 from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.beam_engine import gain_of
+from quickreturn.engines.own.beam_engine import gain_of, time_over_run_24
 from quickreturn.engines.own.staying_shapes import LADDER as SHAPES
 from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, compared_shapes
 from quickreturn.engines.settings import setting
@@ -15,14 +15,16 @@ from quickreturn.reference_model.joint import Rollers, friction_in_words, joint_
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.slider_constraint import SliderConstraint
 
-LEAST_STIFFNESS: Final = 1.0  # N/m
-MOST_STIFFNESS: Final = 1e12  # N/m
-MOST_DAMPING: Final = 1e8  # N s/m
+LEAST_STIFFNESS: Final = 1e-30  # N/m
+MOST_STIFFNESS: Final = 1e30  # N/m
+MOST_DAMPING: Final = 1e30  # N s/m
 #: EI / L^3 (N/m) in run 24. The spring's stiffness is in proportion to the follower's.
 FOLLOWER_OF_RUN_24: Final = 23.9
 #: In run 24: the spring's damping / stiffness (s), and the follower's sqrt(rho A / EI) L^2 (s), to which it is in proportion.
 TIME_CONSTANT: Final = 3e-5
 TIME_OF_RUN_24: Final = 0.0935
+#: Mass of the follower in run 24, kg.
+MASS_OF_RUN_24: Final = 0.208
 #: Fractions of the accuracy for the errors of the shapes and of the spring.
 _SHARE_OF_SHAPES: Final = 0.65
 _SHARE_OF_SPRING: Final = 0.3
@@ -123,9 +125,10 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
 
 
 def _follower(mechanism: Mechanism) -> tuple[float, float]:
-    """Stiffness EI / L^3 and time sqrt(rho A / EI) L^2 of a follower over those of run 24's; 1 for a rigid follower."""
+    """Stiffness EI / L^3 and time sqrt(rho A / EI) L^2 of a follower over those of run 24's; of a rigid one by its mass and the crank."""
     follower = mechanism.follower
     if follower.is_rigid:
-        return 1.0, 1.0
+        time = time_over_run_24(mechanism)
+        return follower.mass / MASS_OF_RUN_24 / time**2, time
     time = math.sqrt(follower.mass_per_length / follower.bending_stiffness) * follower.length**2
     return follower.bending_stiffness / follower.length**3 / FOLLOWER_OF_RUN_24, time / TIME_OF_RUN_24

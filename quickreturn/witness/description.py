@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from quickreturn.derive import Beam, System, turned, vector
 from quickreturn.derive.system import column
-from quickreturn.reference_model.joint import PIVOT_FRICTION_RATE
 from quickreturn.reference_model.mechanism import ROUNDING, Mechanism, TorqueDrive
 from quickreturn.reference_model.motion.layout import ShapeRow, Tables
 
@@ -46,7 +45,7 @@ def constants(scene: Mechanism) -> dict[str, float]:
         "crank_mass": crank.mass, "crank_center": crank.center_of_mass, "crank_inertia": crank.inertia,
         "torque": torque, "crank_damping": damping, "start_angle": crank.initial_angle, "speed": drive.initial_speed,
         "base_inertia": base.inertia, "base_damping": base.damping,
-        "pivot_friction": base.friction_torque, "pivot_friction_rate": PIVOT_FRICTION_RATE,
+        "pivot_friction": base.friction_torque, "pivot_friction_rate": base.friction_rate,
         "mass_per_length": follower.mass_per_length, "beam_damping": follower.damping,
         "damping_moment": follower.bending_stiffness * follower.material_damping,
         "tip_mass": tip.mass, "tip_inertia": tip.inertia, "tip_center": tip.center_of_mass,

@@ -11,6 +11,7 @@ from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.units import Units
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.layout import Tables
@@ -25,20 +26,24 @@ Array = NDArray[np.float64]
 SMALL: Final = 0.01
 #: Relative tolerance of scipy's integrator, as small as rounding: the fixed scales of `_sizes` control the error.
 ROUNDING: Final = 3e-14
+#: Rate at which the gap of the loop decays, over the scene's unit of time: 96 1/s in run 24.
+FEEDBACK: Final = 6.0
 #: Part of the way to the follower's end. If the integration stops beyond it, the slider has left the follower.
 NEARLY: Final = 0.97
 
 
 class DerivedSimulation(Simulation):
-    """Advances the state of the described system."""
+    """Advances the state of the described system, in units of the scene's own: its feedback is in the unit of time."""
 
     def __init__(self, mechanism: Mechanism, start: Start, modes: int, tolerance: float) -> None:
         from quickreturn.witness.description import constants
 
         began = time.perf_counter()
-        self.mechanism, self.modes, self.tolerance, self.time = mechanism, modes, tolerance, 0.0
-        self.shapes = following(mechanism, modes)
-        values = constants(mechanism)
+        self.units = Units.of(mechanism)
+        self.mechanism, start = self.units.scene(mechanism), self.units.start(start)
+        self.modes, self.tolerance, self.time = modes, tolerance, 0.0
+        self.shapes = following(self.mechanism, modes)
+        values = constants(self.mechanism)
         if not mechanism.crank_is_free:
             values["start_angle"] = start.crank_angle
         self.values = self.model().values(values)
@@ -56,7 +61,8 @@ class DerivedSimulation(Simulation):
         from quickreturn.witness.recovery import columns
 
         began, equations = time.perf_counter(), self.model()
-        times = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
+        in_si = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
+        times = in_si / self.units.time
         solution = solve_ivp(
             equations.rates, (times[0], times[-1]), self.state, "DOP853", times, args=(self.values,), rtol=ROUNDING,
             atol=self.tolerance * self.sizes,
@@ -67,9 +73,10 @@ class DerivedSimulation(Simulation):
         states = states[: max(int(np.argmax(beyond_end)), 1)] if beyond_end.any() else states
         rows = equations.observe(times[: len(states)], states, self.values)
         shown = {str(name): values.to_numpy(dtype=np.float64) for name, values in rows.items()}
-        table = {"time": times[: len(states)]} | columns(self.mechanism, shown, self.mechanism.follower.material_damping)
+        table = columns(self.mechanism, shown, self.mechanism.follower.material_damping)
+        table = {"time": in_si[: len(states)]} | self.units.columns_in_si(table)
         trajectory = Trajectory(table, time.perf_counter() - began, {"right_hand_side_calls": float(solution.nfev)})
-        self.state, self.time = states[-1], float(times[len(states) - 1])
+        self.state, self.time = states[-1], float(in_si[len(states) - 1])
         if len(states) < len(times):
             gone = beyond_end.any() or states[-1, place] > NEARLY * self.shapes.reach
             cause = "the slider has left the follower's end" if gone else "the integration does not get on"
@@ -117,10 +124,12 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
     from quickreturn.derive import natural_frequencies
     from quickreturn.witness.description import constants
 
+    units = Units.of(mechanism)
+    mechanism = units.scene(mechanism)
     still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False)
     at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "torque"), 0.0)
     at = {"crank_angle": crank_angle} | _rigid_place(mechanism, crank_angle)
-    return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest))
+    return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest)) / units.time
 
 
 _MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
@@ -133,7 +142,7 @@ def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
 
     key = (modes, tables.gauss_points, rigid, prescribed)
     if key not in _MODELS:
-        _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed))
+        _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed), feedback=FEEDBACK)
     _MODELS[key].system.tables[0].put(tables.low, tables.step, tables.coefficients)
     return _MODELS[key]
 

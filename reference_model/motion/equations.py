@@ -7,7 +7,7 @@ the base's motion is prescribed, time takes the place of q1 (equation 11.4).
 """
 
 import math
-from typing import Any, Final
+from typing import Any
 
 import numba
 import numpy as np
@@ -41,9 +41,6 @@ from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLL
 Array = NDArray[np.float64]
 
 rows_at = array_at(types.Array(from_dtype(ROW), 1, "C"))
-
-#: Rate (1/s) at which errors of the slider's arc length decay.
-FEEDBACK: Final = 100.0
 
 
 @inlined
@@ -185,7 +182,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
         return 0
     for k in range(m):
         out[k], out[m + 1 + k] = y[m + 1 + k], w.acceleration[k]
-    out[m] = w.facts.s_rate + FEEDBACK * (w.facts.missed + w.facts.s - y[m])
+    out[m] = w.facts.s_rate + p.feedback * (w.facts.missed + w.facts.s - y[m])
     out[2 * m + 1] = dissipation(p, t, w, y)
     if m > n + 1:
         out[2 * m + 3] = joint_power(p, w, y)

@@ -144,7 +144,7 @@ def pivot_torque(p: Parameters, w: Workspace) -> float:
     rate = w.facts.q2_rate
     if p.base_friction == 0.0:
         return p.base_damping * rate
-    return p.base_damping * rate + p.base_friction * friction_share(rate, joint.PIVOT_FRICTION_RATE)
+    return p.base_damping * rate + p.base_friction * friction_share(rate, p.base_friction_rate)
 
 
 @stage

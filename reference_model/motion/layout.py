@@ -122,6 +122,7 @@ class Parameters(NamedTuple):
     base_inertia: float
     base_damping: float
     base_friction: float  # N m
+    base_friction_rate: float  # rad/s
     rhoA: float
     EI: float
     beam_damping: float
@@ -149,6 +150,7 @@ class Parameters(NamedTuple):
     joint_inertia: float  # kg, force over the gap's acceleration: slows the vibration of a stiff joint
     stabilization: float  # 1/s, see `SliderConstraint`
     bending_damping: float  # s, damping moment over EI, per rate of curvature
+    feedback: float  # 1/s, rate at which errors of the slider's arc length decay
     base_speed: float  # rad/s, of BASE after its spin-up
     base_time: float  # s, of the spin-up
     thickness: float

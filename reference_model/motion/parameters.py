@@ -1,12 +1,18 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
+from typing import Final
+
 import numpy as np
 
-from quickreturn.reference_model.constants import constants, unslowed
+from quickreturn.reference_model.constants import characteristic_frequency, constants, unslowed
 from quickreturn.reference_model.machine.memory import Vector
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import Parameters, ShapeRow, Tables
+from quickreturn.reference_model.rigid import slow_speed
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
+
+#: Rate of the feedback over the slow speed of a crank, at least: it is then six times the crank's own.
+FEEDBACK: Final = 96.0
 
 
 def parameters(
@@ -41,6 +47,7 @@ def parameters(
         EI=scene.follower.bending_stiffness,
         damps_along=0.0 if transverse_damping else 1.0,
         base_friction=scene.base.friction_torque,
+        base_friction_rate=scene.base.friction_rate,
         plus=rollers.plus,
         minus=rollers.minus,
         plus_from=rollers.plus_from,
@@ -53,6 +60,7 @@ def parameters(
         joint_inertia=constraint.inertia,
         stabilization=constraint.stabilization,
         bending_damping=constraint.bending_damping + scene.follower.material_damping if shapes else 0.0,
+        feedback=max(characteristic_frequency(scene, shapes), FEEDBACK * slow_speed(scene)),
         added_inertia=np.zeros(shapes) if slowed_to is None else added_inertia(tables, shapes, slowed_to),
         reach=reach,
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.constants import characteristic_frequency, constants
+from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Mechanism
@@ -113,7 +113,7 @@ class MovingBoundariesModel:
 
     def _scales(self, y: Array, tolerance: float) -> Array:
         """Accepted local error of each controlled state; sizes as in `reference_model.model.BeamModel.error_scales`."""
-        follower, n, frequency = self.scene.follower, self.shapes, characteristic_frequency(self.parameters)
+        follower, n, frequency = self.scene.follower, self.shapes, characteristic_frequency(self.scene, self.shapes)
         size = deflection_scale(self.scene) * np.sqrt((follower.mass_per_length or 1.0) * follower.length)
-        speed = 0.1 * max(abs(float(y[n + 1])), 1.0)
+        speed = crank_speed_scale(self.scene, float(y[n + 1]))
         return tolerance * np.array([0.1, *[size] * n, speed, *[size * frequency] * n])

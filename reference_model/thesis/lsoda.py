@@ -20,6 +20,7 @@ def integrate_lsoda(
     intervals: int,
     scales: Array,
     limit: float,
+    unseen: float,
 ) -> Integration:
     """States on a uniform grid.
 
@@ -31,6 +32,7 @@ def integrate_lsoda(
         intervals: number of output steps.
         scales: accepted local error of each controlled state, in its unit. The controlled states come first.
         limit: slider position at which the integration ends, m.
+        unseen: accepted local error of the energies, J: so large that they do not matter, because they are quadratures.
     """
     size = len(y)
     rate = np.empty(size)
@@ -39,7 +41,7 @@ def integrate_lsoda(
         equations(state, rate)
         return rate
 
-    errors = np.full(size, 1e3 * scales.max())  # energies are quadratures: not controlled
+    errors = np.full(size, unseen)
     errors[: len(scales)] = scales
     times = output_step * np.arange(intervals + 1)
     with warnings.catch_warnings():
@@ -50,7 +52,7 @@ def integrate_lsoda(
     good, status, last = len(states), REACHED_END, intervals - 1
     if info["message"] != "Integration successful.":
         # odeint does not initialise what comes after the first output step whose end it did not reach
-        last = int(np.argmax(info["tcur"] < times[1:] - 1e-12))
+        last = int(np.argmax(info["tcur"] < times[1:] - 1e-9 * output_step))
         good, status = 1 + last, TOO_MANY_CALLS if info["message"].startswith("Excess work") else STEP_TOO_SMALL
     for row in range(good):
         if not (np.all(np.isfinite(states[row])) and equations(states[row], rate)):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW, recorded_columns
-from quickreturn.reference_model.constants import characteristic_frequency
+from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
 from quickreturn.reference_model.integrate import Integration
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Scene
@@ -42,6 +42,8 @@ class ThesisModel:
         self._alone = scene.crank is None
         self._function = base_right_hand_side if self._alone else right_hand_side
         self._at = Placed(self.parameters), Placed(self.workspace)
+        inertia = scene.follower.mass * scene.follower.length**2 + (scene.crank_inertia if scene.crank else 0.0)
+        self._unseen = 1e3 * inertia * characteristic_frequency(scene, shapes.count) ** 2  # J, beside which no energy matters
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -75,15 +77,15 @@ class ThesisModel:
     def error_scales(self, crank_speed: float) -> Array:
         """Size of each controlled state, to which the relative tolerance refers, as in `reference_model.model.BeamModel.error_scales`."""
         p = self.parameters
-        frequency = characteristic_frequency(p)
-        shape, speed = p.deflection_scale, 0.1 * max(abs(crank_speed), 1.0)
+        frequency = characteristic_frequency(self.scene, p.n)
+        shape, speed = p.deflection_scale, crank_speed_scale(self.scene, crank_speed)
         return np.array([0.1, *[shape] * p.n, speed, *[shape * frequency] * p.n])
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y` by LSODA (thesis, section 5.2), which ignores `first_step`."""
         scales = self.error_scales(float(y[self.parameters.n + 1])) * tolerance
         limit = math.inf if self._alone else self.parameters.L
-        return integrate_lsoda(self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit)
+        return integrate_lsoda(self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit, tolerance * self._unseen)
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`.

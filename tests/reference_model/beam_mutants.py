@@ -118,7 +118,7 @@ def _of_feedback(state: State) -> Check:
     """How fast a slider that is not where it belongs goes there."""
     y = state.y.copy()
     y[state.model.parameters.speeds] += OFF
-    expected = equations.FEEDBACK * state.witness.missed(state, OFF)
+    expected = state.model.parameters.feedback * state.witness.missed(state, OFF)
     return Check(lambda functions: _asked(state, y, functions), {"feedback": (expected, TOLERANCE * abs(expected))})
 
 

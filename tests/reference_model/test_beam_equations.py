@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.model import KERNEL
-from quickreturn.reference_model.motion.equations import FEEDBACK, evaluate
+from quickreturn.reference_model.motion.equations import evaluate
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
@@ -108,7 +108,7 @@ def off_the_loop(state: State) -> float:
 def test_a_slider_off_the_loop_comes_back_at_the_stated_rate(name: str) -> None:
     """Equation 5.8, with the chord from P to the crank tip, or along the tangent where the loop is open."""
     state = derived(name).random_state(1)
-    assert off_the_loop(state) == pytest.approx(FEEDBACK * state.witness.missed(state, OFF), rel=1e-9)
+    assert off_the_loop(state) == pytest.approx(state.model.parameters.feedback * state.witness.missed(state, OFF), rel=1e-9)
 
 
 def test_a_violated_loop_is_drawn_back() -> None:
