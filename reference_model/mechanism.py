@@ -92,7 +92,7 @@ class Base:
     friction_torque: float = quantity(
         "N*m", "friction of the pivot, of constant size against the follower angle's rate", sign="not negative", default=0.0, named=True
     )
-    friction_rate: float = quantity("rad/s", "follower angle's rate over which that friction changes its sign", sign="positive", default=0.1)
+    friction_rate: float = quantity("rad/s", "rate over which that friction changes its sign", sign="positive", default=0.1)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,7 @@
 """Jobs on a cluster: a Dask scheduler distributes them, and each worker computes its jobs in processes of their own.
 
-If a worker is killed, other workers compute its jobs again. Results go into the store of the machine that runs the command.
+If a worker is killed, other workers compute its jobs again; a job that kills four of them is given up. Results go into the store of the
+machine that runs the command.
 """
 
 import asyncio
@@ -64,9 +65,14 @@ class Cluster:
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`; `watch` is not called, because the workers do not report their progress."""
+        from distributed import KilledWorker
+
         executor = self._client.get_executor(pure=False)
         yield from computed(
-            lambda job: executor.submit(_on_worker, job, key_of(job), self.limits), jobs, partial(executor.shutdown, wait=False)
+            lambda job: executor.submit(_on_worker, job, key_of(job), self.limits),
+            jobs,
+            partial(executor.shutdown, wait=False),
+            blamed=KilledWorker,  # by Dask also of the jobs that waited on the workers that a job killed
         )
 
     def __enter__(self) -> "Cluster":

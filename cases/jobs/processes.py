@@ -19,17 +19,32 @@ def available_cores() -> int:
 
 
 def computed(
-    submit: Callable[[Job[V]], "Future[Outcome[V]]"], jobs: Sequence[Job[V]], cancel: Callable[[], object] = lambda: None
+    submit: Callable[[Job[V]], "Future[Outcome[V]]"],
+    jobs: Sequence[Job[V]],
+    cancel: Callable[[], object] = lambda: None,
+    blamed: type[Exception] | None = None,
 ) -> Generator[Outcome[V], None, None]:
     """Outcomes as they come from the executor behind `submit`.
 
-    Closing the generator, or Ctrl-C, calls `cancel` and then cancels the remaining jobs one by one, which may take long.
+    Closing the generator, or Ctrl-C, calls `cancel` and then cancels the remaining jobs one by one, which may take long. An executor may
+    end a job by an error `blamed` although another job that was there too is at fault: such jobs are computed once more after all others,
+    one at a time.
     """
     waiting: dict[Future[Outcome[V]], Job[V]] = {}
+    suspected: list[Job[V]] = []
     try:
         waiting.update((submit(job), job) for job in jobs)
         for future in as_completed(list(waiting)):
-            yield _outcome(waiting.pop(future), future)
+            job = waiting.pop(future)
+            if blamed is not None and len(jobs) > 1 and not future.cancelled() and isinstance(future.exception(), blamed):
+                suspected.append(job)
+            else:
+                yield _outcome(job, future)
+        for job in suspected:
+            alone = submit(job)
+            waiting[alone] = job
+            for future in as_completed([alone]):
+                yield _outcome(waiting.pop(future), future)
     finally:
         cancel()
         for future in waiting:

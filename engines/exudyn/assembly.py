@@ -19,9 +19,9 @@ exu.config.suppressWarnings = True
 #: Mass (in the scene's unit) of a pinned body, which keeps the mass matrix regular; it lies in the pin and has no influence.
 PINNED_MASS = 1.0
 
-#: Mass (in the scene's unit, near the follower's mass) of a compliant joint's carriage. Without it the initial accelerations are undetermined along the tangent, and Exudyn silently
-#: begins with zeros: with a bent start the error of the tip deflection is then 1.5 %. The influence of the mass is in proportion to it:
-#: 1e-3 kg change the tip deflection of run 24 by 9e-5 at 2e4 N/m.
+#: Mass of a compliant joint's carriage, in the scene's unit, which is near the follower's mass. Without it the initial accelerations are
+#: undetermined along the tangent, and Exudyn silently begins with zeros: with a bent start the error of the tip deflection is then 1.5 %.
+#: The influence of the mass is in proportion to it: 1e-3 kg change the tip deflection of run 24 by 9e-5 at 2e4 N/m.
 CARRIAGE_MASS = 1e-9
 CARRIAGE = f"slider: carriage of {CARRIAGE_MASS:g} of the follower's mass"
 

@@ -19,8 +19,8 @@ from quickreturn.engines.units import Units
 Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array, float, float]
 
-#: Change of the coordinates (lengths of the scene's, rad or slopes) that ends Newton's iteration whatever the first one was: round-off moves slopes and
-#: angles by 1e-15 to 1e-14 in an iteration, whatever the scene's size.
+#: Change of the coordinates (in the scene's unit of length, rad or slopes) that ends Newton's iteration whatever the first one was:
+#: round-off moves slopes and angles by 1e-15 to 1e-14 in an iteration.
 LEAST_CHANGE: Final = 1e-12
 
 _ACCUMULATED = ("dissipated_energy", "drive_work")

@@ -65,7 +65,7 @@ class ChainSimulation(Simulation):
         self.setup_seconds = time.perf_counter() - began
 
     def _step_over(self, duration: float) -> float:
-        """Step for the next `duration`, in the scene's units: small enough for the chain's fastest rate, and for the motion that drives it."""
+        """Step for the next `duration`, in the scene's units: small enough for the chain's fastest rate and the motion that drives it."""
         if self._step_is_set:
             return self._largest_step
         if self._scene.crank is None:

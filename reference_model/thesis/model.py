@@ -85,7 +85,9 @@ class ThesisModel:
         """States on a uniform grid from the state `y` by LSODA (thesis, section 5.2), which ignores `first_step`."""
         scales = self.error_scales(float(y[self.parameters.n + 1])) * tolerance
         limit = math.inf if self._alone else self.parameters.L
-        return integrate_lsoda(self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit, tolerance * self._unseen)
+        return integrate_lsoda(
+            self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit, tolerance * self._unseen
+        )
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`.

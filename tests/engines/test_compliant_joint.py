@@ -188,7 +188,7 @@ def test_what_is_built_is_listed() -> None:
     settings = ExudynSettings(elements=8)
     stiff, soft, damped = (ExudynEngine().describe(scene, settings) for scene in (run_24(), with_joint(2e4), with_joint(2e4, 5.0)))
     assert soft.degrees_of_freedom == stiff.degrees_of_freedom + 1  # the gap
-    assert "slider: carriage of 1e-09 kg" in soft.bodies
+    assert "slider: carriage of 1e-09 of the follower's mass" in soft.bodies
     assert soft.joints[-1] == "slider on the follower, beside the crank tip: compliant joint, 20000 N/m, 0 N*s/m"
     assert damped.joints[-1] == "slider on the follower, beside the crank tip: compliant joint, 20000 N/m, 5 N*s/m"
     assert ExudynEngine().describe(rigid_mechanism(), settings).degrees_of_freedom == 2

@@ -24,7 +24,7 @@ import pytest
 
 from quickreturn.cases.jobs.isolation import end_waiting, isolated
 from quickreturn.cases.jobs.job import Job, Limits, Outcome
-from quickreturn.cases.jobs.processes import LocalProcesses, Pool
+from quickreturn.cases.jobs.processes import LocalProcesses, Pool, computed
 from quickreturn.engines.base import EngineFailure
 
 PRELOAD = ("quickreturn.cases.jobs.worker",)  # these jobs need nothing slow
@@ -200,6 +200,34 @@ def test_what_the_executor_loses_is_named() -> None:
 
     (outcome,) = Pool(Loses()).run([Job("job", len, ((),))])
     assert (outcome.failure, outcome.error) == ("was lost (RuntimeError: the machine burned down)", None)
+
+
+def test_jobs_that_are_blamed_together_are_computed_alone() -> None:
+    """As on a cluster: what waits on a worker that another job kills is lost with it."""
+
+    class Burned(Exception):
+        """A machine is lost."""
+
+    jobs, handed = [Job("good", len, ((),)), Job("burns", len, ((),)), Job("raises", len, ((),))], list[str]()
+
+    def submit(job: Job[Any]) -> "Future[Outcome[Any]]":
+        handed.append(job.name)
+        future: Future[Outcome[Any]] = Future()
+        if job.name == "raises":
+            future.set_exception(ValueError("its own"))
+        elif job.name == "burns" or len(handed) <= len(jobs):
+            future.set_exception(Burned("all is lost"))
+        else:
+            future.set_result(Outcome(job, value=0))
+        return future
+
+    outcomes = {outcome.job.name: outcome for outcome in computed(submit, jobs, blamed=Burned)}
+    assert outcomes["good"].value == 0
+    assert outcomes["burns"].failure == "was lost (Burned: all is lost)"
+    assert sorted(handed) == ["burns", "burns", "good", "good", "raises"]
+    handed.clear()
+    assert [outcome.failure for outcome in computed(submit, jobs[1:2], blamed=Burned)] == ["was lost (Burned: all is lost)"]
+    assert handed == ["burns"]  # it was alone
 
 
 def test_outcomes_come_as_jobs_end() -> None:

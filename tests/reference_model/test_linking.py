@@ -1,0 +1,92 @@
+"""The same bits on one processor, whether a process has compiled the code or loaded it, and wherever the package lies."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import FunctionType
+
+import llvmlite.binding as llvm
+import numba
+import numpy as np
+import pytest
+
+from quickreturn.reference_model.machine import linking, objects
+from quickreturn.reference_model.machine.compilation import FASTMATH
+from tests.package_copy import copied_package
+
+#: Prints what engines make of a vibrating start, to the last bit. The models' code is compiled in several ways.
+CODE = """
+import hashlib
+import sys
+from quickreturn.engines.registry import engine
+from quickreturn.engines.scene import simulate_scene
+from tests.engines.scenes import run_24
+for name in sys.argv[1:]:
+    columns = simulate_scene(engine(name), run_24(), 0.02, 1e-3, estimate=False).trajectory.columns
+    print(name, hashlib.sha256(b"".join(columns[each].tobytes() for each in sorted(columns))).hexdigest())
+"""
+ENGINES = ("reference", "thesis", "mujoco")
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def total(x, y):
+    sums = 0.0
+    for i in range(len(x)):
+        sums += x[i] * y[i]
+    return sums
+
+
+def both(x, y):
+    return total(x, x) + total(x, y)
+
+
+def weak(library: object) -> list[str]:
+    """Names of this package's functions that a library's object defines by weak symbols."""
+    code = llvm.ObjectFileRef.from_data(library._get_compiled_object())  # type: ignore[attr-defined]
+    return [*_weak(code)]
+
+
+def _weak(code: llvm.ObjectFileRef) -> Iterator[str]:
+    sections = {section.name(): section.data() for section in code.sections()}
+    names = sections[b".strtab"]
+    for symbol in np.frombuffer(sections[b".symtab"], objects._SYMBOL)[1:]:
+        name = names[symbol["name"] : names.index(b"\0", symbol["name"])].decode()
+        if symbol["kind"] >> 4 == 2 and symbol["section"] and linking._OURS in name:
+            yield name
+
+
+def made_up(function: FunctionType, **names: object) -> FunctionType:
+    """A copy of a function of a module of the package."""
+    return FunctionType(function.__code__, {"__name__": "quickreturn.made_up", "range": range, "len": len, **names}, function.__name__)
+
+
+def test_a_compiled_function_calls_its_own_copies() -> None:
+    """A weak symbol would be replaced by whatever of this name the process has loaded before."""
+    inner = numba.njit(fastmath=FASTMATH, _dbg_optnone=True)(made_up(total))
+    outer = numba.njit(fastmath=FASTMATH)(made_up(both, total=inner))
+    assert outer(np.ones(7), np.ones(7)) == 14.0
+    for compiled, own in ((inner, "total"), (outer, "both")):
+        (found,) = (made.library for made in compiled.overloads.values())
+        defined = [each.name for each in found.get_defined_functions() if linking._OURS in each.name]
+        assert any(own in name for name in defined)
+        assert weak(found) == []
+    assert any("total" in name for name in defined), "the callee was inlined, so that nothing was tested"
+
+
+@pytest.mark.verify
+def test_results_are_the_same_bits_compiled_loaded_and_installed(tmp_path: Path) -> None:
+    """They differed by up to 1e-4 of an acceleration: callees, copied into each caller, were taken from another one."""
+    package = copied_package(tmp_path / "installed", "reference_model", "engines", "cases", "reports")
+
+    def printed(cache: str, path: Path) -> str:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / cache), "PYTHONPATH": os.pathsep.join((str(path), str(ROOT)))}
+        done = subprocess.run([sys.executable, "-P", "-c", CODE, *ENGINES], env=environment, capture_output=True, text=True, check=True)
+        return done.stdout
+
+    compiled = printed("cache", ROOT)
+    assert compiled.count("\n") == len(ENGINES)
+    assert printed("cache", ROOT) == compiled  # loaded
+    assert printed("another", package.parent) == compiled  # compiled at another place
+    assert printed("another", package.parent) == compiled
