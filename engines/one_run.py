@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulation, first_line
+from quickreturn.engines.memory import lacks_memory
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
@@ -42,6 +43,8 @@ def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: flo
     except (Refusal, SettingError, EngineFailure, *OF_THE_MACHINE):
         raise
     except Exception as error:  # a third-party engine may raise anything
+        if lacks_memory(error):
+            raise MemoryError(first_line(error)) from error
         raise EngineFailure(0.0, raised(error), "report this to the author of the engine") from error
     check_trajectory(trajectory, duration, output_step)
     return CompletedRun(trajectory, simulation)

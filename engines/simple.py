@@ -11,7 +11,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,6 +106,10 @@ class Model(ABC):
             done = reached
 
 
+#: Attributes that an engine's class states.
+_NEEDED: Final = ("name", "method", "model", "library", "errors", "order")
+
+
 class SimpleEngine(Engine[SimpleSettings]):
     """An engine with one resolution."""
 
@@ -118,6 +122,12 @@ class SimpleEngine(Engine[SimpleSettings]):
     errors: ClassVar[Mapping[int, float]]
     #: Order of the error in the resolution, for the column that converges most slowly.
     order: ClassVar[float]
+
+    def __new__(cls) -> Self:
+        """Raises TypeError: the class lacks attributes that every engine needs."""
+        if missing := [name for name in _NEEDED if not hasattr(cls, name)]:
+            raise TypeError(f"class {cls.__name__} lacks {', '.join(missing)}; docs/engine.md says what each of them is")
+        return super().__new__(cls)
 
     def version(self) -> str:
         return f"{self.library} {installed(self.library) or 'not installed'}"

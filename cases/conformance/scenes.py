@@ -126,6 +126,20 @@ CHANGES: Final = (
             "gravity does not act on the crank": {"gravity": _ASLANT, **_NO_MOMENT},
         },
     ),
+    Change(
+        "mechanism.gravity at a prescribed speed",
+        {"gravity": _ASLANT},
+        {"crank.drive": PrescribedSpeed(speed=SPEED), "crank.initial_angle": _ELSEWHERE},
+        {
+            "gravity does not act on the crank": {"gravity": _ASLANT, **_NO_MOMENT},
+            "the crank's weight has the wrong sign": {"gravity": _ASLANT, "crank.center_of_mass": -BASE.crank.center_of_mass},
+            "the crank's weight is taken at the slider": {
+                "gravity": _ASLANT,
+                "crank.center_of_mass": BASE.crank.length,
+                "crank.inertia": 0.0,
+            },
+        },
+    ),
     Change("crank.length", {"crank.length": 0.09}),
     Change("crank.mass", {"crank.mass": 4.0}),
     Change("crank.center_of_mass", {"crank.center_of_mass": 0.06}),

@@ -40,13 +40,13 @@ _UNDERSTATED: Final = 1.5
 def settings_at_work(bench: Bench) -> Iterator[Check]:
     """A check for each setting."""
     for field in dataclasses.fields(bench.engine.settings_type):
-        yield check_by(f"setting {field.name}", _does_something, bench, field)
+        yield check_by(f"setting {field.name}", does_something, bench, field)
 
 
-def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
+def does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
     """Check that another value of a setting changes the motion or its cost."""
     tried = list[Any]()
-    for scene, settings in _where_it_may_act(bench):
+    for scene, settings in _where_it_may_act(bench, field):
         motion = Motion(scene, _DURATION)
         for value in _others(field, getattr(settings, field.name)):
             try:
@@ -65,13 +65,19 @@ def _does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
     raise Fault(f"{field.name} does nothing: with {words} neither the motion nor its cost is another", "use it, or leave it out")
 
 
-def _where_it_may_act(bench: Bench) -> Iterator[tuple[Mechanism, Settings]]:
+def _where_it_may_act(bench: Bench, field: "dataclasses.Field[Any]") -> Iterator[tuple[Mechanism, Settings]]:
     """Scenes with settings: a setting may act only on what a scene has, or only where others are fine."""
     yield bench.scene, bench.settings(bench.scene)
     with contextlib.suppress(Unjudged):
         scene = everything(bench)[0]
         yield scene, bench.settings(scene)
     yield bench.scene, bench.engine.ladder(bench.scene)[-1]
+    settings = bench.settings(bench.scene)
+    for other in dataclasses.fields(settings):  # where another setting is larger: an inertia of the higher modes needs some
+        if other.name != field.name and isinstance(present := getattr(settings, other.name), int) and not isinstance(present, bool):
+            for value in _others(other, present):
+                with contextlib.suppress(SettingError):
+                    yield bench.scene, settings.replaced(**{other.name: value})
 
 
 def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Settings]) -> bool:

@@ -11,7 +11,7 @@ Every end of it becomes an `Outcome` with one clause:
 | is killed by the user or by a system that lacks memory | killed by SIGKILL (by the user, or by the system for lack of memory) |
 | ends its process | ended without a result (exit code 7) |
 | takes longer than it may | stopped at the time limit of 60 s |
-| asks for more memory than it may have | ran out of memory (limit 1024 MiB); a native library may die of SIGABRT or SIGSEGV instead |
+| asks for more memory than it may have | ran out of memory (memory limit of 1 GiB); a native library may die of SIGABRT instead |
 | closes the pipe for its result and goes on | cut its connection to the runner |
 | cannot be started: no process, file handle or temporary folder left | could not be started (...) |
 | is not wanted any more | stopped |
@@ -216,7 +216,7 @@ class _Worker:
         raised, description = content
         if not isinstance(raised, MemoryError):
             return self._ended(failure=f"raised {description}", error=raised)
-        limit = "" if self._limits.memory is None else f" (limit {self._limits.memory / 2**20:.0f} MiB)"
+        limit = "" if self._limits.memory is None else f" (memory limit of {self._limits.memory / 2**30:.3g} GiB)"
         return self._ended(failure=f"ran out of memory{limit}", error=raised)
 
     def _cause_of_death(self) -> str:

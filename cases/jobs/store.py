@@ -61,7 +61,7 @@ class Store:
     """
 
     def __init__(self, folder: Path | None = None, tell: Callable[[str], object] | None = None) -> None:
-        self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER)
+        self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER).expanduser()
         self.notices: list[str] = []  # sentences on damaged entries and on results that could not be written, so far
         self.written = self.lost = 0  # numbers of results that were written, and that could not be
         self._tell = tell

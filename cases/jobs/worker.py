@@ -12,6 +12,7 @@ import traceback
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
+from quickreturn.engines.memory import lacks_memory
 from quickreturn.engines.progress import listen
 
 #: Exit code of a worker whose runner is gone.
@@ -60,6 +61,8 @@ def _done(work: bytes) -> bytes:
     except BaseException as error:
         _limit_memory(None)  # the report of the error also takes memory
         traceback.print_exc()
+        if not isinstance(error, MemoryError) and lacks_memory(error):
+            error = MemoryError(str(error))
         lines = str(error).splitlines()
         description = f"{type(error).__name__}: {lines[0]}" if lines else type(error).__name__
         return pickle.dumps(("error", _portable(error), description))

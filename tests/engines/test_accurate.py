@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
 from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, Compared, shown_factor
 from quickreturn.engines.one_run import run_once
-from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
@@ -166,6 +166,18 @@ def test_times_are_of_the_delivered_run_only() -> None:
     result = run(accuracy=4e-4)
     assert (result.setup_seconds, result.solve_seconds) == (0.25, 0.125)
     assert result.estimate_seconds >= 0.0
+
+
+def test_an_engine_whose_library_gets_no_memory_is_not_accused() -> None:
+    """The caller, who knows the limit, tells of the lack."""
+
+    class Hungry(ReferenceEngine):
+        def prepare(self, *_: Any) -> Any:
+            raise ValueError("Error: engine error: Could not allocate memory")
+
+    scene = run_24()
+    with pytest.raises(MemoryError, match="Could not allocate memory"):
+        run_once(Hungry(), scene, standard_start(scene), 0.01, 1e-3, ReferenceSettings())
 
 
 def test_without_an_estimate_there_is_one_run_and_nothing_is_claimed() -> None:

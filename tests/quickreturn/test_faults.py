@@ -4,7 +4,7 @@
 |---|---|---|---|
 | an engine raises, returns NaN, returns what cannot be stored | engine X failed: what it did | 3 | all other engines' results |
 | an engine hangs | engine X failed: stopped at the time limit of S s | 3 | likewise |
-| an engine allocates without end | engine X failed: ran out of memory (limit M MiB), or a native library's last words | 3 | likewise |
+| an engine allocates without end | engine X failed: ran out of memory (memory limit of M GiB), or a library's last words | 3 | likewise |
 | an engine dies of SIGSEGV, is killed, quits, cuts its pipe | engine X failed: killed by SIGSEGV, ... | 3 | likewise |
 | an engine's library is not installed | engine X unavailable: why; asked for by name: engine X is not available: why | 3; 2 | likewise |
 | ... in a benchmark | engine X was left out: why | 3 | the others are measured |
@@ -50,7 +50,7 @@ _PLACE = f"faulty_engines.py, line {next(number for number, line in enumerate(_L
 FAULTS = {
     "raises": f"failed at t = 0 s: the engine raised ZeroDivisionError at {_PLACE}: a bug; report this to the author of the engine",
     "returns-nan": "failed at t = 0.0008 s: strain_2 is no longer a finite number; try finer settings",
-    "hoards": "ran out of memory (limit 1024 MiB)",
+    "hoards": "ran out of memory (memory limit of 1 GiB)",
     "hoards-in-c": 'killed by SIGABRT (its last words: "fatal error: cannot allocate memory")',
     "segfaults": "killed by SIGSEGV",
     "is-killed": "killed by SIGKILL (by the user, or by the system for lack of memory)",
@@ -198,7 +198,7 @@ def test_an_engine_that_is_not_installed_is_refused_by_name_and_passed_over_as_o
 
 
 def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, call: Call) -> None:
-    words = {"hangs": "stopped at the time limit of 1.5 s", "hoards": "ran out of memory (limit 512 MiB)"}
+    words = {"hangs": "stopped at the time limit of 1.5 s", "hoards": "ran out of memory (memory limit of 0.5 GiB)"}
     for engine, said in words.items():
         limits = ("--time-limit", "1.5" if engine == "hangs" else "1 min", "--memory-limit", "0.5")
         code, _, errors = call("simulate", "small.toml", "--engine", engine, "--output", "out.csv", *limits)

@@ -4,7 +4,9 @@ import dataclasses
 import math
 import re
 import time
+from typing import Any
 
+import numpy as np
 import pytest
 
 from quickreturn.cases.conformance import GROUPS, checks_of, conform
@@ -14,7 +16,7 @@ from quickreturn.cases.conformance.checks import Fault, check_by
 from quickreturn.cases.conformance.quantities import followed
 from quickreturn.cases.conformance.repetition import PARTS, OtherProcesses, elsewhere, repetition, scenes_in_turn
 from quickreturn.cases.conformance.scenes import BASE, CHANGES
-from quickreturn.cases.conformance.settings import stated_errors
+from quickreturn.cases.conformance.settings import does_something, stated_errors
 from quickreturn.cases.conformance.together import PARTS as PARTS_AT_ONCE
 from quickreturn.cases.conformance.together import everything
 from quickreturn.engines.base import AnyEngine, Comparison, Simulation
@@ -25,11 +27,14 @@ from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import rms
+from quickreturn.engines.settings import setting
+from quickreturn.engines.simple import SimpleEngine
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Mechanism, Scene, changed
 from quickreturn.reference_model.scene_values import NAMED
 from tests.cases.conformance.joint_mutants import JOINT
 from tests.cases.conformance.mutants import MUTANTS as FIRST
+from tests.cases.conformance.mutants import Columns, Mutant
 from tests.cases.conformance.second_mutants import SECOND
 from tests.cases.conformance.third_mutants import (
     THIRD,
@@ -248,6 +253,98 @@ def test_a_quick_trial_without_time_for_the_motion_is_not_judged() -> None:
 def test_an_engine_that_is_coarse_by_default_is_not_accused_of_its_order_of_accuracies() -> None:
     found = {check.check: check for check in conform(Coarse(), groups=("resolution",), quiet=True).checks}
     assert found["ladder: a smaller accuracy is finer"].status == "passed"
+
+
+class WeightOfTheCrank(Mutant):
+    """At a prescribed speed the crank's weight is in its torque with the wrong sign."""
+
+    def spoil(self, columns: Columns, mechanism: Mechanism) -> None:
+        if not mechanism.crank_is_free:
+            angle, (g1, g2) = columns["crank_angle"], mechanism.gravity
+            weight = mechanism.crank_moment * (g1 * np.sin(angle) - g2 * np.cos(angle))  # what holds the crank against it
+            columns["crank_torque"] = columns["crank_torque"] - 2.0 * weight
+
+
+@pytest.mark.parametrize(
+    ("kind", "status"), [(WeightOfTheCrank, "failed"), pytest.param(ReferenceEngine, "passed", marks=pytest.mark.verify)]
+)
+def test_the_weight_of_an_offset_crank_at_a_prescribed_speed_is_looked_at(kind: type[AnyEngine], status: str) -> None:
+    bench = Bench(kind())
+    (change,) = (each for each in CHANGES if each.name == "mechanism.gravity at a prescribed speed")
+    found = check_by("weight", followed, bench, bench.scene, change, False, set())
+    assert found.status == status, found
+    assert kind is ReferenceEngine or "crank" in found.cause
+
+
+class TwoModes(ReferenceEngine):
+    """Right in the first frequency, and as far off in the second as its accuracy of 30 % lets expect; no finer rung shows it."""
+
+    name, default_accuracy, off = "two-modes", 0.3, 1.25
+
+    def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> None:
+        return None
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> Any:
+        return super().natural_frequencies(mechanism, crank_angle, min(count, 2), settings) * np.array([1.0, self.off])[: min(count, 2)]
+
+
+class TwoModesThatBoast(TwoModes):
+    """The same, with an accuracy of 5 %."""
+
+    default_accuracy = 0.05
+
+
+class InOtherUnits(TwoModes):
+    """A mistake that is within the error stated is one all the same."""
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> Any:
+        return 2.0 * np.pi * ReferenceEngine.natural_frequencies(self, mechanism, crank_angle, count, settings)
+
+
+@pytest.mark.parametrize(("kind", "status"), [(TwoModes, "passed"), (TwoModesThatBoast, "failed"), (InOtherUnits, "failed")])
+def test_frequencies_are_judged_by_the_error_stated(kind: type[AnyEngine], status: str) -> None:
+    checks = {check.check: check for check in conform(kind(), groups=("frequencies",), quiet=True).checks}
+    assert checks["frequencies: values"].status == status
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class FewModes(ReferenceSettings):
+    """One mode by default, so that `added_inertia`, which slows higher ones, can do nothing."""
+
+    modes: int = setting(1, "number of modes", low=1, high=5)
+
+
+class OneModeByDefault(ReferenceEngine):
+    """All rungs have one mode."""
+
+    name, settings_type = "one-mode", FewModes
+
+    def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
+        return FewModes(tolerance=max(1e-4 * accuracy, 1e-9))
+
+    def ladder(self, mechanism: Mechanism) -> tuple[ReferenceSettings, ...]:
+        return (self.settings_for(0.05, mechanism),)
+
+
+class IgnoresAddedInertia(OneModeByDefault):
+    """The setting is read nowhere."""
+
+    def prepare(self, scene: Any, start: Start | None, settings: Any) -> Simulation:
+        return super().prepare(scene, start, settings.replaced(added_inertia=True))
+
+
+@pytest.mark.parametrize(
+    ("kind", "status"), [(OneModeByDefault, "passed"), pytest.param(IgnoresAddedInertia, "failed", marks=pytest.mark.verify)]
+)
+def test_a_setting_that_acts_only_beside_another_value_is_not_accused(kind: type[AnyEngine], status: str) -> None:
+    (field,) = (each for each in dataclasses.fields(FewModes) if each.name == "added_inertia")
+    assert check_by("setting", does_something, Bench(kind()), field).status == status
+
+
+def test_a_simple_engine_without_attributes_says_what_is_missing() -> None:
+    bare = type("Bare", (SimpleEngine,), {"name": "bare", "order": 2.0})
+    with pytest.raises(TypeError, match=r"^class Bare lacks method, model, library, errors; docs/engine.md says what each of them is$"):
+        bare()
 
 
 def test_guessed_errors_are_measured() -> None:

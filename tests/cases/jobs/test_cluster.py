@@ -155,7 +155,7 @@ def test_what_a_job_does_to_itself_is_named_and_costs_that_job(executor: Cluster
     assert {name: outcome.failure for name, outcome in outcomes.items()} == {
         "good": "",
         "dies": "killed by SIGABRT",
-        "greedy": "ran out of memory (limit 1024 MiB)",
+        "greedy": "ran out of memory (memory limit of 1 GiB)",
         "raises": "raised ZeroDivisionError: division by zero",
         "hangs": "stopped at the time limit of 0.3 s",
         "says": "",

@@ -112,8 +112,16 @@ def test_function_that_the_worker_cannot_import_is_a_failure_of_the_job() -> Non
 
 def test_memory_limit_ends_a_job_that_hoards() -> None:
     outcome = done(bytearray, 2 * GIB, limits=Limits(memory=GIB))
-    assert outcome.failure == "ran out of memory (limit 1024 MiB)"
+    assert outcome.failure == "ran out of memory (memory limit of 1 GiB)"
     assert done(bytearray, 1000, limits=Limits(memory=GIB)).completed
+
+
+@pytest.mark.parametrize("words", ["Error: engine error: Could not allocate memory", "std::bad_alloc", "Unable to allocate 2 GiB for it"])
+def test_a_library_that_gets_no_memory_is_named_as_such(words: str) -> None:
+    """MuJoCo raises ValueError, which was the author's fault by the message."""
+    outcome = done(exec, f"raise ValueError({words!r})", limits=Limits(memory=GIB))
+    assert outcome.failure == "ran out of memory (memory limit of 1 GiB)"
+    assert isinstance(outcome.error, MemoryError)
 
 
 def test_one_failing_job_takes_no_other_with_it() -> None:

@@ -89,6 +89,15 @@ def test_folder_from_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert (tmp_path / ".quickreturn").is_dir()
 
 
+def test_a_tilde_in_the_environment_is_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A shell leaves it as it is inside quotation marks."""
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("QUICKRETURN_STORE", "~/st")
+    assert Store().folder == tmp_path / "home" / "st"
+    assert not (tmp_path / "~").exists()
+
+
 def test_file_where_the_folder_should_be(tmp_path: Path) -> None:
     (tmp_path / "store").write_text("")
     with pytest.raises(StoreError, match=r"cannot be created or written .* set QUICKRETURN_STORE"):
