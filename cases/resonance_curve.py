@@ -18,7 +18,9 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.loads.peak import Peak, peak_of
 from quickreturn.cases.loads.resonance import resonance
+from quickreturn.cases.runs import endings
 from quickreturn.cases.runs.request import PeriodicOrbit
+from quickreturn.cases.runs.stability import UNSTABLE
 from quickreturn.cases.sweep.grid import OF_START
 from quickreturn.cases.units import in_si
 from quickreturn.engines import progress
@@ -162,6 +164,12 @@ class ResonanceCurve:
         **dict.fromkeys(("errors", "value_errors"), SpecialPoint.witnesses["error"]),
         "multipliers": PeriodicOrbit.witnesses["multipliers"],
     }
+
+    def stability(self, at: int) -> str:
+        """Whether a point is stable, "neutral" where its largest multiplier is 1 within its error, or how it is unstable."""
+        if abs(math.hypot(*self.multipliers[at]) - 1.0) <= MULTIPLIER_TOLERANCE:
+            return endings.Ending.NEUTRAL
+        return UNSTABLE.format(self.kinds[at]) if self.kinds[at] else "stable"
 
     def kind_after(self, at: int) -> str:
         """How the motion is unstable between a point and the next one, "" if it is stable."""

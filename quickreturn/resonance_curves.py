@@ -47,7 +47,7 @@ class Resonance(Shown):
         real, imaginary = curve.multipliers.T
         columns |= {"multiplier": np.hypot(real, imaginary), "multiplier.real": real, "multiplier.imag": imaginary}
         table = pd.DataFrame(columns)
-        table["stability"] = [f"unstable: {kind}" if kind else "stable" for kind in curve.kinds]
+        table["stability"] = [str(curve.stability(at)) for at in range(len(table))]
         table["special"] = [special.get(at, "") for at in range(len(table))]
         orders = {each.at: each.order for each in curve.peaks}
         table["peak_order"] = pd.array([orders.get(at) for at in range(len(table))], dtype="Int64")
@@ -113,7 +113,8 @@ class Resonance(Shown):
     def _parts(self) -> Iterator[Cell]:
         curve, unit = self.curve, self.curve.range.unit
         drive = ", the crank's speed prescribed in place of its drive" if curve.prescribed else ""
-        yield f"{self.case}: {len(curve.values)} points along {curve.range.key}, {curve.kinds.count('')} of them stable{drive}"
+        stable = sum(curve.stability(at) == "stable" for at in range(len(curve.values)))
+        yield f"{self.case}: {len(curve.values)} points along {curve.range.key}, {stable} of them stable{drive}"
         first = next(iter(curve.measures))
         rows = [
             (each.kind, f"{self._of_range(each.value)} {unit}", f"+- {self._of_range(each.error, '.2g')}", each.reason)

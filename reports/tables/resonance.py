@@ -53,14 +53,14 @@ def resonance_curve(cases: Sequence[Around]) -> Table:
         if curve is None:
             continue
         special = {point.at: point.kind for point in curve.special}
-        for at, kind in enumerate(curve.kinds):
+        for at in range(len(curve.values)):
             table.add(
                 case=around.case.name,
                 arclength=float(curve.arclength[at]),
                 speed=float(curve.values[at]),
                 tip_acceleration=float(around.heights[at]),
                 multiplier=math.hypot(*curve.multipliers[at]),
-                stability=f"unstable: {kind}" if kind else "stable",
+                stability=str(curve.stability(at)),
                 special=special.get(at, ""),
             )
     return table

@@ -14,7 +14,7 @@ import quickreturn as qr
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.jobs.records import encoded
-from quickreturn.cases.resonance_curve import checked_scenes, job, job_around, range_of
+from quickreturn.cases.resonance_curve import MULTIPLIER_TOLERANCE, checked_scenes, job, job_around, range_of
 from quickreturn.reference_model.continuation import Array, Image
 from quickreturn.reference_model.cycle_family import CycleFamily
 from quickreturn.reports.drawing.style import picture
@@ -38,7 +38,9 @@ def test_a_table_in_si_with_claims(found: qr.Resonance) -> None:
     assert frame["crank.prescribed_speed"].between(237.5 * RPM, 241.0 * RPM).all()
     assert (np.diff(frame["arclength"]) > 0.0).all()
     np.testing.assert_allclose(np.hypot(frame["multiplier.real"], frame["multiplier.imag"]), frame["multiplier"], rtol=1e-12)
-    assert ((frame["multiplier"] < 1.0) == (frame["stability"] == "stable")).all()
+    assert ((frame["multiplier"] < 1.0 - MULTIPLIER_TOLERANCE) == (frame["stability"] == "stable")).all()
+    assert ((frame["multiplier"] > 1.0 + MULTIPLIER_TOLERANCE) == frame["stability"].str.startswith("unstable")).all()
+    assert (frame["stability"][frame["special"] == "fold"] == "neutral").all()
     (fold,) = found.special.itertuples()
     assert fold.kind == "fold"
     assert (frame["special"] == "fold").sum() == 1
@@ -97,7 +99,7 @@ def test_files_of_every_kind(found: qr.Resonance, tmp_path: Path) -> None:
     (tmp_path / "curve.nc").write_bytes(found.written(".nc"))
     dataset = xr.open_dataset(tmp_path / "curve.nc", engine="h5netcdf")
     assert dataset["peak.tip_acceleration"].attrs["units"] == "m/s^2"
-    assert set(dataset["stability"].values) == {"stable", "unstable: fold"}
+    assert set(dataset["stability"].values) == {"stable", "neutral", "unstable: fold"}
 
 
 def test_a_picture_tells_stable_from_unstable(found: qr.Resonance) -> None:
