@@ -35,7 +35,7 @@ class Pieces:
         key = f"{self.key}-{number}"
         if (record := self._store.get(key)) is not None:
             try:
-                return decoded(kind, replace(record, document=record.document["piece"]))  # type: ignore[no-any-return]
+                return decoded(kind, replace(record, document=record.document["piece"]))
             except (TypeError, ValueError, KeyError) as error:
                 self._store.note_damage(key, f"cannot be read ({error})")
         value = compute()
