@@ -42,9 +42,13 @@ class TrajectoryRequest:
         return Job(name, answer_to, (self,), "trajectory", inputs=self, **_kept(self.engine))
 
     def loads_job(self, result: Result) -> Job[Loads]:
-        """The loads on the parts in the trajectory, as a job; estimates are the columns' largest errors at any instant."""
+        """The loads on the parts in the trajectory, as a job; estimates are the columns' largest errors at any instant.
+
+        What a time limit cut short has other estimates, or other settings: its loads are not those of the full answer.
+        """
         arguments = self.scene, result.trajectory.columns, result.largest_errors
-        return Job("loads", _loads, arguments, "loads of a trajectory", inputs=self, **_kept(self.engine))
+        inputs = self, result.settings.as_dict(), result.largest_errors
+        return Job("loads", _loads, arguments, "loads of a trajectory", inputs=inputs, **_kept(self.engine))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,16 +23,33 @@ from quickreturn.reference_model.mechanism import Follower, Scene
 
 Array = NDArray[np.float64]
 
+#: Largest error of a stress, as a part of it, with which the arm is judged: with tens of percent it is not resolved.
+LARGEST_JUDGED: Final = 0.1
 #: Least number of rows of a cycle for the search of the worst place; at that place all rows count.
 SEARCHED: Final = 400
 
 
 @dataclass(frozen=True)
 class Factor:
-    """Strength of the material over its stress, and the error of this factor; None if it is not known."""
+    """Strength of the material over its stress, and the interval for it, that of the stress inverted; None if the error is not known."""
 
     value: float
-    error: float | None
+    lowest: float | None  # of the largest stress that the claim allows
+    highest: float | None  # of the least one; infinite where that is zero
+    error: float | None  # of the stress, as a part of it
+
+    @property
+    def judged(self) -> bool:
+        """Whether the stress is good enough to say that the arm holds, or does not."""
+        return self.error is not None and self.error <= LARGEST_JUDGED
+
+    @property
+    def text(self) -> str:
+        """The factor, with its interval where the error of the stress forbids a judgement."""
+        value = f"{self.value:.3g}"
+        if self.judged or self.lowest is None or self.highest is None:
+            return value
+        return f"{value} ({self.lowest:.3g} or more)" if math.isinf(self.highest) else f"{value} ({self.lowest:.3g} to {self.highest:.3g})"
 
 
 @dataclass(frozen=True)
@@ -74,7 +91,10 @@ def safety(strength: float | None, stress: Peak) -> Factor | None:
     if strength is None or stress.value == 0.0:
         return None
     factor = strength / stress.value
-    return Factor(factor, None if stress.error is None else factor * stress.error / stress.value)
+    if stress.error is None:
+        return Factor(factor, None, None, None)
+    error = stress.error / stress.value
+    return Factor(factor, factor / (1.0 + error), factor / (1.0 - error) if error < 1.0 else math.inf, error)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.loads import Loads, Resonance, loads_of_run, resonance, shift_of_motion
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.units import in_si
-from quickreturn.reports.words import degrees, off_by, percent, quantity, size
+from quickreturn.reports.words import TIED, degrees, off_by, percent, quantity, size
 
 if TYPE_CHECKING:
     from quickreturn.cases.runs.comparison import CaseResult
@@ -87,14 +87,18 @@ def leading_loads(result: "CaseResult") -> CaseLoads:
 
 
 def verdict(loads: Loads) -> str:
-    """Whether the arm holds (a sentence); "" where no strength is given."""
+    """Whether the arm holds (a sentence), not judged by a stress with an error of tens of percent; "" where no strength is given."""
     both = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
     factors = {against: factor for against, factor in both.items() if factor is not None}
     if not factors:
         return ""
-    values = " and ".join(f"{factor.value:.3g} against {against}" for against, factor in factors.items())
-    broken = any(factor.value + (factor.error or 0.0) < 1.0 for factor in factors.values())
-    close = any(abs(factor.value - 1.0) <= (factor.error or 0.0) for factor in factors.values())
+    values = " and ".join(f"{factor.text} against {against}" for against, factor in factors.items())
+    if unjudged := [factor for factor in factors.values() if not factor.judged]:
+        errors = [factor.error for factor in unjudged if factor.error is not None]
+        why = f"is{TIED}{size(max(errors))} of it" if errors else "is not known"
+        return f"Whether the arm holds cannot be judged, as the error of its stress {why}: the safety factor is {values}."
+    broken = any(factor.highest is not None and factor.highest < 1.0 for factor in factors.values())
+    close = any(factor.lowest is not None and factor.lowest <= 1.0 for factor in factors.values())
     begin = "The arm does not hold" if broken else "Whether the arm holds is too close to tell" if close else "The arm holds"
     below = ", below one" if broken and len(factors) == 1 else ""
     return f"{begin}: the safety factor is {values}{below}."

@@ -1,5 +1,6 @@
 """Loads on the parts of a machine: a row for each number of each engine on each case."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -7,7 +8,7 @@ from typing import Any, Final
 from quickreturn.cases.loads import UNITS, Factor, Loads, Peak
 from quickreturn.reports.findings.loads import CaseLoads
 from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Table
-from quickreturn.reports.words import TIED, off_by, quantity
+from quickreturn.reports.words import TIED, off_by, quantity, span
 
 #: Number -> its name and unit in the page.
 NAMES: Final = {
@@ -34,9 +35,11 @@ class Number:
     quantity: str  # key of `NAMES`
     value: float  # the number
     unit: str  # SI
-    error: float | None = None  # estimated error, SI
+    error: float | None = None  # estimated error, SI; of a safety factor the farther end of its interval, None where that has none
     place: float | None = None  # arc length from P, m
     crank_angle: float | None = None  # rad, from 0 to a turn
+    lowest: float | None = None  # least and greatest value of a safety factor by the stress's error
+    highest: float | None = None  # None where it has no bound
 
 
 def numbers(loads: Loads) -> Iterator[Number]:
@@ -48,7 +51,7 @@ def numbers(loads: Loads) -> Iterator[Number]:
         yield _peak("stress_amplitude", loads.stress.amplitude, "Pa")
         yield Number("stress_mean", loads.stress.mean, "Pa", place=loads.stress.amplitude.place)
     factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
-    yield from (Number(name, factor.value, "1", factor.error) for name, factor in factors.items() if factor is not None)
+    yield from (_factor(name, factor) for name, factor in factors.items() if factor is not None)
     yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)
 
 
@@ -76,14 +79,31 @@ def strength(cases: Sequence[CaseLoads]) -> Table:
         Column("unit", in_page=False),
         Column("place", "from P", "mm", ".0f", meaning="arc length"),
         Column("crank_angle", "crank at", "°", ".0f"),
+        Column("lowest", in_page=False),
+        Column("highest", in_page=False),
     )
     table = Table("strength", columns)
     for case in cases:
         for engine, number in of_case(case):
             text = quantity(number.value, NAMES[number.quantity][1]).strip(TIED)
-            error = Cell(None) if number.error is None else Cell(number.error, off_by(number.error, number.value))
+            error = Cell(number.error, _off(number))
             table.add(number, case=case.case.name, engine=engine, value=Cell(number.value, text), error=error)
     return table
+
+
+def _off(number: Number) -> str:
+    """The error in words; of a safety factor its interval, which is not even about the value."""
+    if number.lowest is not None:
+        return f"{number.lowest:.3g} or more" if number.highest is None else span(number.lowest, number.highest, ".3g")
+    return "" if number.error is None else off_by(number.error, number.value)
+
+
+def _factor(name: str, factor: Factor) -> Number:
+    if factor.lowest is None or factor.highest is None:
+        return Number(name, factor.value, "1")
+    if math.isinf(factor.highest):
+        return Number(name, factor.value, "1", lowest=factor.lowest)
+    return Number(name, factor.value, "1", factor.highest - factor.value, lowest=factor.lowest, highest=factor.highest)
 
 
 def _peak(name: str, peak: Peak, unit: str) -> Number:

@@ -10,7 +10,8 @@ import pytest
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.key import hash_of
 from quickreturn.cases.loads import loads_of, resonance
-from quickreturn.cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out
+from quickreturn.cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out, missing
+from quickreturn.cases.loads.peak import Peak
 from quickreturn.cases.loads.stress import arm_stress, safety, section_modulus
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
@@ -119,7 +120,7 @@ def test_forces_and_safety(rigid: Columns) -> None:
     assert loads.yield_factor.value == pytest.approx(200e6 / loads.stress.largest.value)
     error = loads.stress.largest.error
     assert error is not None
-    assert loads.yield_factor.error == pytest.approx(loads.yield_factor.value * error / loads.stress.largest.value)
+    assert loads.yield_factor.error == pytest.approx(error / loads.stress.largest.value)
     assert loads.fatigue_factor is not None
     assert loads.fatigue_factor.value == pytest.approx(80e6 / loads.stress.amplitude.value)
     assert safety(None, loads.stress.largest) is None
@@ -176,6 +177,38 @@ def test_gauges_anywhere_read_what_is_recovered_there() -> None:
     _, strains = with_gauges(strain.place + 1e-4 * np.array([-1.0, 0.0, 1.0]))
     assert np.abs(strains).max() == pytest.approx(strain.value, rel=1e-3)
     assert np.abs(strains[:, 1]).argmax() == pytest.approx(strain.time / 1e-3, abs=1.0)
+
+
+def test_the_interval_of_a_factor_is_that_of_the_stress_inverted() -> None:
+    """A stress of 100 ± 50 MPa gives 240 MPa a factor from 1.6 to 4.8; one of 508,164 MPa ± 369 % gives no bound above."""
+    for value, error in ((100e6, 50e6), (508164e6, 3.69 * 508164e6), (100e6, 1e6), (100e6, 100e6)):
+        factor = safety(240e6, Peak(value, None, 0.0, 0.0, error))
+        assert factor is not None
+        assert factor.lowest == pytest.approx(240e6 / (value + error))
+        assert factor.highest == (pytest.approx(240e6 / (value - error)) if error < value else math.inf)
+        assert factor.judged == (error < 0.1 * value)
+    unknown = safety(240e6, Peak(100e6, None, 0.0, 0.0, None))
+    assert unknown is not None
+    assert (unknown.lowest, unknown.highest, unknown.judged) == (None, None, False)
+
+
+def test_without_the_moment_of_a_body_at_the_end_there_is_no_stress(rigid: Columns) -> None:
+    """Differentiating the end's angle twice amplifies: a third party's table without the column gets no number."""
+    for name, scene in (("moment_tip", LOADED), ("moment_base", LOADED), ("moment_inboard", LOADED), ("moment_03", LOADED)):
+        lacking = {column: values for column, values in rigid.items() if column != name}
+        assert name in missing(scene, lacking)
+        assert arm_stress(scene, lacking, nothing_known) is None
+    bare = dataclasses.replace(
+        LOADED, base=Base(), tip=None, slider=Slider(), follower=dataclasses.replace(LOADED.follower, bending_stiffness=1e3, damping=0.0)
+    )
+    found = rigid_cycle(dataclasses.replace(bare, follower=LOADED.follower))
+    ends = {"moment_tip", "moment_base", "moment_inboard"}
+    without = arm_stress(bare, {name: values for name, values in found.items() if name not in ends}, lambda column, angle: 0.0)
+    with_ends = arm_stress(bare, found, lambda column, angle: 0.0)
+    assert without is not None
+    assert with_ends is not None
+    assert without.largest.value == pytest.approx(with_ends.largest.value, rel=1e-9)
+    assert without.largest.estimate == 0.0
 
 
 def test_what_the_material_bears_does_not_change_what_a_result_is_stored_under() -> None:

@@ -79,6 +79,19 @@ def test_what_a_time_limit_leaves_out_is_computed_the_next_time() -> None:
     assert not qr.simulate("small.toml", "fake").stored
 
 
+def test_loads_of_what_a_time_limit_cut_short_are_not_those_of_the_full_answer() -> None:
+    scene = qr.case("small.toml")
+    short = qr.simulate(scene, "fake", time_limit=1e-9)
+    full = qr.simulate(scene, "fake")
+    assert short.result.hurried
+    assert not full.result.hurried
+    for solution in (short, full):
+        deflection = solution.loads.peaks["tip_deflection"]
+        assert deflection is not None
+        assert deflection.estimate == solution.result.largest_errors.get("tip_deflection")
+    assert full.loads.peaks["tip_deflection"].estimate is not None  # type: ignore[union-attr]
+
+
 def test_a_folder_that_cannot_be_used_is_told_and_keeps_nothing_from_working(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("QUICKRETURN_STORE", "small.toml/store")
     with pytest.warns(UserWarning, match="cannot be created or written"):

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from quickreturn.cases.loads import loads_of_run, resonance
+from quickreturn.cases.loads.stress import section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.reports.findings.loads import leading_loads, loads_of_case
 from quickreturn.reports.page.chapters import chapters_of
@@ -76,6 +77,25 @@ def test_one_factor_below_one_is_enough(example: CaseResult) -> None:
     material = {"yield_strength": 0.5 * loads.stress.largest.value, "fatigue_strength": loads.stress.amplitude.value}
     told = loads_of_case(with_strength(example, **material)).verdict
     assert told == "The arm does not hold: the safety factor is 0.5 against yielding and 1 against fatigue."
+
+
+@pytest.mark.parametrize(("part", "words"), [(0.3, "30 % of it: the safety factor is 0.5 (0.38"), (2.0, " or more)")])
+def test_an_error_of_tens_of_percent_lets_nobody_judge(example: CaseResult, part: float, words: str) -> None:
+    run = example.runs["reference"]
+    stress = loads_of_case(example).loads["reference"].stress
+    assert stress is not None
+    moment = stress.largest.value * section_modulus(example.case.mechanism.follower)
+    unsure = {name: dict.fromkeys(("pre", "post"), part * moment) for name in run.cycle}
+    result = with_run(
+        with_strength(example, yield_strength=0.5 * stress.largest.value, fatigue_strength=None), "reference", extreme_estimates=unsure
+    )
+    told = loads_of_case(result).verdict.replace("\N{NO-BREAK SPACE}", " ")
+    assert told.startswith("Whether the arm holds cannot be judged")
+    assert words in told
+    page = text_of(one_run(result))
+    assert "The arm does not hold" not in page
+    assert "cannot be judged" in page
+    assert words.rpartition("(")[2] in page
 
 
 def test_without_strengths_the_page_says_which_keys_to_give(example: CaseResult) -> None:

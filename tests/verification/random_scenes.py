@@ -102,6 +102,15 @@ def braked_machines(seed: int) -> Iterator[Scene]:
     return _stiff_enough("braked-{:02d}", np.random.default_rng([seed, 11]), _braked, BRAKED_DURATION)
 
 
+def heavy_ends(seed: int) -> Iterator[Scene]:
+    """Sensible machines whose bodies at the ends bend the arm there, without end, the same ones for the same seed.
+
+    A tip body of 0.3 to 3 times the arm's mass, with its centre up to a sixth of the length beyond the end and a radius of gyration of 3 to
+    20 % of it; a base with up to a tenth of the arm's inertia and, in half of them, damping. The soft arms of `sensible_machines` are here.
+    """
+    return _stiff_enough("heavy-{:03d}", np.random.default_rng([seed, 13]), _with_heavy_ends, MACHINE_DURATION)
+
+
 def _stiff_enough(name: str, generator: Generator, draw: Callable[[Generator], Mechanism], duration: float) -> Iterator[Scene]:
     """Sensible scenes whose first bending frequency is `LEAST_STIFFNESS_RATIO` times the crank's or more."""
     number = 0
@@ -298,6 +307,21 @@ def _braked(generator: Generator) -> Mechanism:
         follower=dataclasses.replace(
             follower, strain_gauges=(length * uniform(0.001, 0.03), length * uniform(0.3, 0.7), length * uniform(0.97, 0.995))
         ),
+    )
+
+
+def _with_heavy_ends(generator: Generator) -> Mechanism:
+    """A machine with heavy bodies at both ends of its arm, see `heavy_ends`."""
+    machine, uniform = _machine(generator), generator.uniform
+    length = machine.follower.length
+    arm = machine.follower.mass_per_length * length
+    mass, radius = arm * uniform(0.3, 3.0), length * uniform(0.03, 0.2)
+    inertia = arm * length**2
+    damping = 0.3 * inertia * abs(crank_pace(machine)) * uniform() if uniform() < 0.5 else 0.0
+    return dataclasses.replace(
+        machine,
+        tip=Tip(mass=mass, inertia=mass * radius**2, center_of_mass=length * uniform(0.0, 1.0 / 6.0)),
+        base=Base(inertia=inertia * uniform(0.0, 0.1), damping=damping),
     )
 
 
