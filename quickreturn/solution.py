@@ -26,7 +26,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS
+from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS, MOMENTS
 from quickreturn.reference_model.machine import machine_code
 
 if TYPE_CHECKING:
@@ -156,6 +156,7 @@ class Solution(Shown):
             kept: the file that has the trajectory's rows, if any.
             notes: words that say where the notes on the case are.
         """
+        from quickreturn.cases.loads.arm import missing
         from quickreturn.reports.findings.loads import stress_text
         from quickreturn.reports.words import TIED, settings_words
 
@@ -170,6 +171,8 @@ class Solution(Shown):
             yield self._estimates()
         if (loads := self.loads).stress is not None:
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
+        elif {*MOMENTS} <= set(self.trajectory.columns):
+            yield "arm", f"no stress along it: {missing(self.case.scene, self.trajectory.columns)}"
         then = " (comes from the store; times of its computation)" if self.stored else ""
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items()) + then
         yield "settings", settings_words(self.settings)
