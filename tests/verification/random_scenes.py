@@ -108,7 +108,7 @@ def heavy_ends(seed: int) -> Iterator[Scene]:
     A tip body of 0.3 to 3 times the arm's mass, with its centre up to a sixth of the length beyond the end and a radius of gyration of 3 to
     20 % of it; a base with up to a tenth of the arm's inertia and, in half of them, damping. The soft arms of `sensible_machines` are here.
     """
-    return _stiff_enough("heavy-{:03d}", np.random.default_rng([seed, 13]), _with_heavy_ends, MACHINE_DURATION)
+    return _stiff_enough("heavy-{:03d}", np.random.default_rng([seed, 11]), _with_heavy_ends, MACHINE_DURATION)
 
 
 def _stiff_enough(name: str, generator: Generator, draw: Callable[[Generator], Mechanism], duration: float) -> Iterator[Scene]:
