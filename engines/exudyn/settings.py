@@ -75,7 +75,7 @@ STIFFER: Final = (1.0, 4.0, 16.0)  # factors of the axial stiffness from one run
 
 #: Sum of the parts over the accuracy that climbing aims at: below one, for the orders are not exactly those.
 AIM: Final = 0.95
-#: Where no rung gets there, one is enough that leaves up to this factor of the least that any leaves ...
+#: Where no rung gets there, one is enough that leaves up to this factor of the least that any leaves, and is worth its time ...
 NEAREST: Final = 1.2
 #: ... and none is worth its time if the least is more than this part of what there is.
 WORTHWHILE: Final = 0.9
@@ -191,6 +191,6 @@ def finer(own: ExudynSettings, excess: Excess | None, output_step: float) -> Exu
     least = min(map(left, rungs), default=math.inf)
     if least > WORTHWHILE * sum(excess):
         return None
-    enough = max(AIM, NEAREST * least)
+    enough = max(AIM, min(NEAREST * least, WORTHWHILE * sum(excess)))
     chosen = min((rung for rung in rungs if left(rung) <= enough), key=cost)
     return own.replaced(elements=chosen[1], step=output_step / chosen[0], axial_factor=chosen[2] * own.axial_factor)
