@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from quickreturn.cases.loads.resonance import Resonance
+from quickreturn.cases.loads.stress import ArmStress, Factor
 from quickreturn.cases.measures.cycle import Measure as CycleMeasure
 from quickreturn.cases.resonance_curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.cases.runs.request import PeriodicOrbit
@@ -21,6 +22,8 @@ from quickreturn.reference_model.witnesses import Witness
 #: Classes of results besides trajectories and measures -> what they are called.
 RESULTS: Final[dict[type[Any], str]] = {
     CycleMeasure: "half cycle",
+    ArmStress: "stress along the arm",
+    Factor: "safety factor",
     Resonance: "distance to resonance",
     PeriodicOrbit: "periodic orbit",
     ResonanceCurve: "resonance curve",

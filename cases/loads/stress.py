@@ -11,7 +11,7 @@ Nisbett, Shigley's Mechanical Engineering Design, 10th edition, sections 6-7 and
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from quickreturn.cases.loads.arm import ALONG, KnownMoments, between, interpolat
 from quickreturn.cases.loads.peak import ErrorAt, Peak, peak_of
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.reference_model.mechanism import Follower, Scene
+from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
@@ -37,6 +38,18 @@ class Factor:
     lowest: float | None  # of the largest stress that the claim allows
     highest: float | None  # of the least one; infinite where that is zero
     error: float | None  # of the stress, as a part of it
+
+    witnesses: ClassVar[Witnesses] = {
+        "value": Witness("the closed form of a rigid arm", 1e-6, "tests/cases/test_loads.py::test_forces_and_safety"),
+        **dict.fromkeys(
+            ("lowest", "highest", "error"),
+            Witness(
+                "intervals inverted by hand",
+                1e-6,
+                "tests/cases/test_loads.py::test_the_interval_of_a_factor_is_that_of_the_stress_inverted",
+            ),
+        ),
+    }
 
     @property
     def judged(self) -> bool:
@@ -62,6 +75,11 @@ class ArmStress:
     places: Array  # arc lengths from P, m, shape (places,)
     lowest: Array  # least stress at each place over the rows, shape (places,); positive where W'' > 0
     highest: Array  # greatest stress, likewise
+
+    witnesses: ClassVar[Witnesses] = dict.fromkeys(
+        ("mean", "places", "lowest", "highest"),
+        Witness("the closed form of a rigid arm", 0.02, "tests/cases/test_loads.py::test_largest_stress_and_amplitude_of_a_rigid_arm"),
+    )
 
 
 def section_modulus(follower: Follower) -> float:
