@@ -52,7 +52,7 @@ def constants(scene: Mechanism) -> dict[str, float]:
         "force_1": tip.force[0], "force_2": tip.force[1], "force_from": tip.force_from,
         "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp,
         "slider_mass": slider.mass, "slider_inertia": slider.inertia, "gravity_1": scene.gravity[0], "gravity_2": scene.gravity[1],
-        "joint_stiffness": 0.0 if slider.is_rigid else slider.joint_stiffness, "joint_damping": slider.joint_damping,
+        "joint_stiffness": 0.0 if slider.is_rigid else slider.sides[0], "joint_damping": slider.joint_damping,
     }  # fmt: skip
 
 
