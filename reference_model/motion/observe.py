@@ -115,7 +115,7 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int, r
     about_pivot = cross(tip + f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN] + w.inboard_moment[end] + cross(tip, f.tip_force)
     for j in range(N):
         w.moment[j] = about_pivot - w.inboard_moment[j] - cross(point(w.z, j, N), outboard - point(w.inboard_force, j, N))
-    row.moment_base = about_pivot
+    row.moment_base = about_pivot  # at the ends: equation 6.12
     if p.constraint != BASE:
         row.moment_base += cross(point(w.z, slider_point, N), f.slider_force) + f.slider_moment
         # at the slider the moment jumps by the slider's moment, and the outboard side counts

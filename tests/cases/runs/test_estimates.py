@@ -40,7 +40,8 @@ def measures(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS) -> CycleM
 def cycle(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS, tilt: float = 0.0) -> MeasuredCycle:
     """A cycle whose signals are higher by `tilt` at the end of each half and lower by as much at its beginning."""
     signal = np.sin(np.linspace(0.0, np.pi, GRID)) + np.linspace(-tilt, tilt, GRID)
-    return MeasuredCycle(measures(error, resolved), {(half, channel): signal[None] for half in ("pre", "post") for channel in CHANNELS})
+    signals = {(half, channel): signal[None] for half in ("pre", "post") for channel in CHANNELS}
+    return MeasuredCycle(measures(error, resolved), signals, rms={}, change={})
 
 
 def test_parts_are_differences_over_the_factor_less_one_and_add_up() -> None:
