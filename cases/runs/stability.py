@@ -89,30 +89,50 @@ def multiplier_of(state: "FoundOrbit", compared: "Sequence[Compared[FoundOrbit]]
         NoSteadyState: a cycle of the whole model is broken.
     """
     whole = _Whole()
-    value = whole(state)
+    value = whole(state).largest
     if not compared:
         return Multiplier(value)
     wholes = [runs.mapped(whole) for runs in compared]
-    floor = max(SECOND_ORDER * _apart(value, complex(state.multipliers[0])), LEFT + OF_TOLERANCE * state.simulation.tolerance)
-    distance = max(sum(runs.part(_apart) for runs in wholes), floor)
-    modulus = sum(runs.part(lambda one, other: abs(abs(one) - abs(other))) for runs in wholes)
+    floor = max(SECOND_ORDER * whole(state).corrected, LEFT + OF_TOLERANCE * state.simulation.tolerance)
+    distance = max(sum(runs.part(lambda one, other: other.apart(one.largest)) for runs in wholes), floor)
+    modulus = sum(runs.part(lambda one, other: abs(abs(one.largest) - abs(other.largest))) for runs in wholes)
     return Multiplier(value, max(modulus, floor, ALONG * distance), distance)
 
 
-class _Whole:
-    """The multipliers of whole models, each computed once.
+@dataclass(frozen=True)
+class _Largest:
+    """The largest multiplier of a whole model.
 
-    Where the search found that a higher mode grows, its multiplier takes the place of that of the slow quantities.
+    Several multipliers may be equally large: without damping all of them lie on the unit circle, and the last digits decide which one is
+    the largest. Each is therefore compared with its own counterpart, the nearest one, in the slow model as in a finer whole model.
     """
 
-    def __init__(self) -> None:
-        self._known: dict[int, complex] = {}
+    largest: complex
+    corrected: float  # distance in the complex plane to the slow model's same multiplier; 0 where the whole Jacobian is known
+    others: tuple[complex, ...] = ()  # all multipliers of the whole model, where one comes close to the unit circle
 
-    def __call__(self, state: "FoundOrbit") -> complex:
+    def apart(self, value: complex) -> float:
+        """Distance in the complex plane of another model's multiplier to its counterpart here."""
+        return min(_apart(value, each) for each in (self.largest, *self.others))
+
+
+class _Whole:
+    """The multipliers of whole models, each computed once."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, _Largest] = {}
+
+    def __call__(self, state: "FoundOrbit") -> _Largest:
         if id(state) not in self._known:
-            value, found = state.whole_multiplier(), complex(state.multipliers[0])
-            self._known[id(state)] = found if abs(found) > max(1.0, abs(value)) else value
+            self._known[id(state)] = self._of(state)
         return self._known[id(state)]
+
+    @staticmethod
+    def _of(state: "FoundOrbit") -> _Largest:
+        if nearly_one(state):  # the search has the whole Jacobian
+            return _Largest(complex(state.multipliers[0]), 0.0, tuple(map(complex, state.multipliers)))
+        value = state.whole_multiplier()
+        return _Largest(value, _apart(value, complex(state.multipliers[0])))
 
 
 def _apart(one: complex, other: complex) -> float:

@@ -8,8 +8,8 @@ import pytest
 
 from quickreturn.cases.library import library_case
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.cases.runs.stability import NOT_CONVERGED, Multiplier
+from quickreturn.cases.runs.request import DIRECT, Run, RunRequest
+from quickreturn.cases.runs.stability import NOT_CONVERGED, UNCOMPARED, Multiplier
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
 from quickreturn.cases.sweep.rows import MeasureRequest, row
@@ -40,8 +40,8 @@ def error_over_claim(number: int, accuracy: float) -> float:
     return float((abs(found.values[0, 0] - TRUE[number - 1]) - WRITTEN) / found.errors[0, 0])
 
 
-def run_of(mechanism: Mechanism) -> Run:
-    settings = {"modes": "4", "tolerance": "1e-6"}
+def run_of(mechanism: Mechanism, modes: int = 4, tolerance: float = 1e-6) -> Run:
+    settings = {"modes": str(modes), "tolerance": f"{tolerance:g}"}
     return steady_state(RunRequest(mechanism=mechanism, duration=0.1, engine="reference", settings=settings))
 
 
@@ -97,6 +97,30 @@ def test_a_machine_without_damping_is_neutral() -> None:
     found = row([mechanism], asked)
     assert found.statuses == (Ending.NEUTRAL,)
     assert found.values[0, 1] == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("modes", "tolerance", "speed"), [(2, 1e-6, 1.0), (3, 1e-5, 1.0), (5, 1e-7, 1.0), (4, 1e-6, 0.99), (4, 1e-6, 1.1)])
+def test_last_digits_do_not_decide_whether_a_machine_is_neutral(modes: int, tolerance: float, speed: float) -> None:
+    """All multipliers are equally large, so the last digits decide which is the largest: on the real axis or anywhere on the circle."""
+    assert_neutral(modes, tolerance, speed)
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("modes", [2, 3, 4, 5])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize("speed", [0.99, 1.0, 1.01])
+def test_last_digits_decide_nowhere_whether_a_machine_is_neutral(modes: int, tolerance: float, speed: float) -> None:
+    assert_neutral(modes, tolerance, speed)
+
+
+def assert_neutral(modes: int, tolerance: float, speed: float) -> None:
+    mechanism = library_case("hard-undamped").mechanism
+    faster = changed(mechanism, {"crank.drive.initial_speed": speed * mechanism.crank.drive.initial_speed})  # type: ignore[union-attr]
+    run = run_of(faster, modes, tolerance)
+    assert (run.status, run.start) == (Ending.NEUTRAL, DIRECT)
+    assert run.periodic_orbit is not None
+    claim = run.periodic_orbit.multiplier_error
+    assert np.hypot(*run.periodic_orbit.multipliers[0]) == pytest.approx(1.0, abs=UNCOMPARED if claim is None else claim)
 
 
 def test_an_engine_that_marches_is_not_sent_to_a_neutral_motion() -> None:
