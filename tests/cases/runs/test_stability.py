@@ -115,7 +115,7 @@ def test_last_digits_decide_nowhere_whether_a_machine_is_neutral(modes: int, tol
 
 def assert_neutral(modes: int, tolerance: float, speed: float) -> None:
     mechanism = library_case("hard-undamped").mechanism
-    faster = changed(mechanism, {"crank.drive.initial_speed": speed * mechanism.crank.drive.initial_speed})  # type: ignore[union-attr]
+    faster = changed(mechanism, {"crank.drive.initial_speed": speed * mechanism.crank.drive.initial_speed})
     run = run_of(faster, modes, tolerance)
     assert (run.status, run.start) == (Ending.NEUTRAL, DIRECT)
     assert run.periodic_orbit is not None
