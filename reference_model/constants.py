@@ -1,13 +1,16 @@
 """The constants of a scene by their symbols, for the equations of motion of any model (DERIVATION.md, section 1), SI."""
 
 import math
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from quickreturn.reference_model import tip_force
 from quickreturn.reference_model.mechanism import Scene, TorqueDrive
 from quickreturn.reference_model.rigid import slow_speed
+
+#: `pace` over the slow speed of a crank, at least: it is then six times the crank's own speed.
+PACE_OF_CRANK: Final = 96.0
 
 _OF_CRANK = ("d", "LA", "crank_mass", "crank_inertia", "crank_moment", "torque", "crank_damping", "slider_inertia")
 
@@ -49,6 +52,12 @@ def characteristic_frequency(scene: Scene, shapes: int) -> float:
     if shapes and follower.mass_per_length > 0.0:
         return 10.0 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / follower.length**2
     return slow_speed(scene)
+
+
+def pace(scene: Scene, shapes: int) -> float:
+    """Rate (1/s) of the quicker of bending and crank, for the integrator's smallest steps and the slider's feedback (equation 5.8)."""
+    of_crank = 0.0 if scene.crank is None else PACE_OF_CRANK * slow_speed(scene)
+    return max(characteristic_frequency(scene, shapes), of_crank)
 
 
 def crank_speed_scale(scene: Scene, crank_speed: float) -> float:

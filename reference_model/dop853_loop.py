@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, A
 from quickreturn.reference_model.integrate import (
     CEILING,
-    FIRST_STEP,
-    LEAST_STEP,
     LEFT_FOLLOWER,
     MAX_CALLS,
     NOT_A_NUMBER,
@@ -61,6 +59,7 @@ def _dop853(
     scales: NDArray[np.float64],
     limit: float,
     step: float,
+    least_step: float,
     states: NDArray[np.float64],
     K: NDArray[np.float64],
     scratch: NDArray[np.float64],
@@ -75,11 +74,9 @@ def _dop853(
     new, trial = scratch[0], scratch[1]
     _copy(y, states[0])
     rows, calls = 1, 0
-    if step <= 0.0:
-        step = FIRST_STEP * output_step
     rejected, first_stage = False, 0
     while t < end:
-        too_small = step < LEAST_STEP * output_step or t + step == t
+        too_small = step < least_step or t + step == t
         if too_small or calls > MAX_CALLS:
             return (STEP_TOO_SMALL if too_small else TOO_MANY_CALLS), rows, t, calls, step
         h = min(step, end - t)
@@ -174,6 +171,7 @@ def _by_address(
     controlled: int,
     limit: float,
     step: float,
+    least_step: float,
     states: int,
     K: int,
     scratch: int,
@@ -181,7 +179,7 @@ def _by_address(
 ) -> int:
     """As `_dop853`, with arrays by address; the status, and in `reached` (4,) number of rows, last instant, calls and next step."""
     at = function, parameters, workspace, numbers_at(watched, 2), numbers_at(y, size)
-    how = output_step, intervals, numbers_at(scales, controlled), limit, step
+    how = output_step, intervals, numbers_at(scales, controlled), limit, step, least_step
     arrays = matrix_at(states, intervals + 1, size), matrix_at(K, STAGES + 1, size), matrix_at(scratch, 2, size)
     ended = numbers_at(reached, 4)
     status, ended[0], ended[1], ended[2], ended[3] = _dop853(*at, *how, *arrays)
@@ -191,4 +189,4 @@ def _by_address(
 def loop() -> Any:
     """The loop, compiled."""
     whole, real = types.int64, types.float64
-    return numba.cfunc(whole(*[whole] * 6, real, *[whole] * 3, real, real, *[whole] * 4), cache=True, **KERNEL)(_by_address)
+    return numba.cfunc(whole(*[whole] * 6, real, *[whole] * 3, real, real, real, *[whole] * 4), cache=True, **KERNEL)(_by_address)

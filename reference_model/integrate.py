@@ -22,13 +22,13 @@ CEILING: Final = 5.7
 
 REACHED_END, LEFT_FOLLOWER, STEP_TOO_SMALL, TOO_MANY_CALLS, NOT_A_NUMBER = range(5)
 MAX_CALLS: Final = 200_000_000
-#: Size of the first step, and of the least, over the output step.
-FIRST_STEP: Final = 1e-2
-LEAST_STEP: Final = 1e-10
+#: Size of the first step, and of the least, over the time of the motion: that of the output would make the rows change the steps.
+FIRST_STEP: Final = 1e-3
+LEAST_STEP: Final = 1e-11
 
 
 #: The loop.
-LOOP: Final = Entry("quickreturn.reference_model.dop853_loop:loop", 6 * "i" + "fiii" + "ff" + "iiii")
+LOOP: Final = Entry("quickreturn.reference_model.dop853_loop:loop", 6 * "i" + "fiii" + "fff" + "iiii")
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,7 @@ def dop853(
     intervals: int,
     scales: NDArray[np.float64],
     limit: float,
+    pace: float,
     first_step: float = 0.0,
 ) -> Integration:
     """Integrate from the state `y` over `intervals` output steps with the compiled DOP853.
@@ -86,13 +87,14 @@ def dop853(
         intervals: number of output steps.
         scales: accepted local error of each controlled state, in its unit, shape (number of them,). The controlled states come first.
         limit: slider position at which the integration ends, m.
-        first_step: step size to begin with, s; 0 for a hundredth of the output step.
+        pace: rate of the motion, 1/s, such as `constants.pace`, which gives the sizes of the first step and of the least.
+        first_step: step size to begin with, s; 0 for `FIRST_STEP`.
     """
     size, y, scales = len(y), np.array(y, dtype=float), np.ascontiguousarray(scales, dtype=float)
     states, scratch, K = np.empty((intervals + 1, size)), np.empty((2, size)), np.empty((STAGES + 1, size))
     watched, end = equations.watched, np.empty(4)
     at = equations.function, equations.parameters, equations.workspace
-    sizes = size, output_step, intervals, scales.ctypes.data, len(scales), limit, first_step
+    sizes = size, output_step, intervals, scales.ctypes.data, len(scales), limit, first_step or FIRST_STEP / pace, LEAST_STEP / pace
     status = LOOP(*at, watched.ctypes.data, y.ctypes.data, *sizes, *(each.ctypes.data for each in (states, K, scratch, end)))
     rows, calls, (time, step) = int(end[0]), int(end[2]), end[1::2].tolist()
     if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose stages are left in K

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import ROW, recorded_columns
-from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
+from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.machine.objects import Entry
@@ -230,7 +230,8 @@ class BeamModel:
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
         scales = self.error_scales(float(y[self.parameters.speeds + 1])) * tolerance
-        return dop853(self.equations, y, output_step, intervals, scales, self.parameters.reach, first_step)
+        p = self.parameters
+        return dop853(self.equations, y, output_step, intervals, scales, p.reach, pace(self.scene, p.n), first_step)
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, size), each of shape (k,), by the names in `reference_model.columns`; see `recorded_columns`.

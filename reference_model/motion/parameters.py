@@ -1,18 +1,12 @@
 """The constants of a scene for the equations of motion (DERIVATION.md, section 1)."""
 
-from typing import Final
-
 import numpy as np
 
-from quickreturn.reference_model.constants import characteristic_frequency, constants, unslowed
+from quickreturn.reference_model.constants import constants, pace, unslowed
 from quickreturn.reference_model.machine.memory import Vector
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import Parameters, ShapeRow, Tables
-from quickreturn.reference_model.rigid import slow_speed
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
-
-#: Rate of the feedback over the slow speed of a crank, at least: it is then six times the crank's own.
-FEEDBACK: Final = 96.0
 
 
 def parameters(
@@ -60,7 +54,7 @@ def parameters(
         joint_inertia=constraint.inertia,
         stabilization=constraint.stabilization,
         bending_damping=constraint.bending_damping + scene.follower.material_damping if shapes else 0.0,
-        feedback=max(characteristic_frequency(scene, shapes), FEEDBACK * slow_speed(scene)),
+        feedback=pace(scene, shapes),
         added_inertia=np.zeros(shapes) if slowed_to is None else added_inertia(tables, shapes, slowed_to),
         reach=reach,
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale
+from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale, pace
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Mechanism
@@ -88,7 +88,8 @@ class MovingBoundariesModel:
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
-        return dop853(self.equations, y, output_step, intervals, self._scales(y, tolerance), self._shapes.reach, first_step)
+        scales, rate = self._scales(y, tolerance), pace(self.scene, self.shapes)
+        return dop853(self.equations, y, output_step, intervals, scales, self._shapes.reach, rate, first_step)
 
     def multipliers(self, crank_speed: float, tolerance: float = 1e-9) -> NDArray[np.complex128]:
         """Eigenvalues of the monodromy matrix of a turn (equation 5.4), largest modulus first, shape (2 n,).
@@ -101,8 +102,8 @@ class MovingBoundariesModel:
         scales = self._scales(straight, tolerance)
         sizes, starts = scales[free] / tolerance, np.tile(straight, (1 + len(free), 1))
         starts[1:, free] = np.diag(sizes)
-        turn = 2.0 * np.pi / abs(crank_speed)
-        ends = np.array([dop853(self.equations, y, turn, 1, scales, np.inf).states[-1, free] for y in starts])
+        turn, rate = 2.0 * np.pi / abs(crank_speed), pace(self.scene, self.shapes)
+        ends = np.array([dop853(self.equations, y, turn, 1, scales, np.inf, rate).states[-1, free] for y in starts])
         return eigenvalues((ends[1:] - ends[0]).T / sizes[:, None])
 
     def observe(self, states: Array) -> dict[str, Array]:

@@ -77,16 +77,29 @@ def _oscillator(parameters: int, workspace: int, state: int, rate: int, with_for
     return 1
 
 
+def _equations() -> integrate.Equations:
+    return integrate.Equations(numba.cfunc(types.int64(*[types.uintp] * 5))(_oscillator).address, 0, 0, np.zeros(2))
+
+
+@pytest.mark.parametrize("intervals", [1, 3, 800, 12000])
+def test_steps_do_not_depend_on_the_rows(intervals: int) -> None:
+    """Whatever is shown of 30 rad, the same rates are asked, and the same state is the last; to round-off of the rows' times."""
+    start, scales = np.array([1.0, 0.0, 0.0]), np.full(2, 1e-9)
+    expected = integrate.dop853(_equations(), start, 0.5, 60, scales, math.inf, 1.0)
+    found = integrate.dop853(_equations(), start, 30.0 / intervals, intervals, scales, math.inf, 1.0)
+    assert found.calls == expected.calls
+    np.testing.assert_allclose(found.states[-1], expected.states[-1], rtol=0.0, atol=1e-13)
+
+
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-8, 1e-11])
 def test_rows_are_as_exact_as_steps(tolerance: float) -> None:
     """An oscillator over 200 rad; what ends of steps are off is seen from integrations of 10 rad each, which end there."""
-    code = numba.cfunc(types.int64(*[types.uintp] * 5))(_oscillator)
-    equations = integrate.Equations(code.address, 0, 0, np.zeros(2))
+    equations = _equations()
     start, scales = np.array([1.0, 0.0, 0.0]), np.full(2, tolerance)
     ends = [start]
     for _ in range(20):
-        ends.append(integrate.dop853(equations, ends[-1], 10.0, 1, scales, math.inf).states[-1])
-    rows = integrate.dop853(equations, start, 0.05, 4000, scales, math.inf).states
+        ends.append(integrate.dop853(equations, ends[-1], 10.0, 1, scales, math.inf, 1.0).states[-1])
+    rows = integrate.dop853(equations, start, 0.05, 4000, scales, math.inf, 1.0).states
 
     def error(states: np.ndarray, t: np.ndarray) -> np.ndarray:
         exact = np.column_stack([np.cos(t), -np.sin(t), 0.5 * t - 0.25 * np.sin(2.0 * t)])
