@@ -42,8 +42,9 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     # the tip's place and the follower's first moment (equation 6.1)
     end, mass = from_pivot(L, t.PULLED, t.END), from_pivot(moment, t.HANGING, t.WEIGHT)
     place, base = mechanism.pivot_distance + unit * end[:, 0], signals[:, t.BASE, VALUE]
+    base_moment, tip_moment = _end_moments(mechanism, line, signals, end, gravity * np.conj(unit))
     places = L * np.arange(1, PLACES + 1) / (PLACES + 1)
-    shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L, 0.0], (len(q1), 1))])
+    shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L], (len(q1), 1))])
     across_base, slope, bend = _fields(shapes, distance, L, states[:, 1 : n + 1], shown)
     across, slope = across_base + base[:, None] * shown, slope + base[:, None]
 
@@ -61,7 +62,7 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "tip_x": place.real,
         "tip_y": place.imag,
         "tip_deflection": (np.exp(-1j * base) * end[:, 0]).imag,
-        "tip_acceleration": (np.exp(-1j * slope[:, -2]) * _acceleration(line, end)).imag,
+        "tip_acceleration": (np.exp(-1j * slope[:, -1]) * _acceleration(line, end)).imag,
         **{f"strain_{k}": 0.5 * follower.thickness * bend[:, k] for k in (1, 2, 3)},
         "slider_force": facts[:, FORCE],
         "crank_torque": facts[:, TORQUE],
@@ -75,11 +76,11 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "pivot_force_y": at_pivot.imag,
         "crank_force_x": at_crank.real,
         "crank_force_y": at_crank.imag,
-        **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 4:-2] - np.sin(base)[:, None] * places).T, strict=True)),
+        **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 4:-1] - np.sin(base)[:, None] * places).T, strict=True)),
     }
     if n:
-        moments = follower.bending_stiffness * bend
-        columns |= dict(zip(BENDING, moments[:, [*range(4, 4 + PLACES), 0, 0, -1, -2]].T, strict=True))  # no moment acts at the slider
+        inner = follower.bending_stiffness * bend[:, [*range(4, 4 + PLACES), 0, 0]].T  # no moment acts at the slider
+        columns |= dict(zip(BENDING, (*inner, base_moment, tip_moment), strict=True))
     return {name: np.ascontiguousarray(values) for name, values in columns.items()}
 
 
@@ -100,6 +101,25 @@ def _fields(shapes: t.Shapes, distance: Array, L: float, eta: Array, x: Array) -
         return np.asarray(np.einsum("kmd,kmd->km", polynomials[:, :, : series.shape[2]], chosen))
 
     return at(deflection), at(angle), at(legendre.legder(angle, axis=2) * (2.0 / lengths))
+
+
+def _end_moments(mechanism: Mechanism, line: RigidMotion, signals: Array, end: Array, gravity: Array) -> tuple[Array, Array]:
+    """Bending moments that base block and tip body require (equations 6.5 and 6.6): the series of curvatures has them last of all.
+
+    Args:
+        mechanism: the scene.
+        line: the line's motion.
+        signals: as in `observables`.
+        end: the tip's place from P and its two rates, in the line's frame, (k, 3).
+        gravity: in the line's frame, (k,).
+    """
+    base, tip, turn = mechanism.base, mechanism.tip_body, line.follower_acceleration
+    pivot = base.damping * (line.follower_speed + signals[:, t.BASE, RATE])
+    at_base = base.inertia * (turn + signals[:, t.BASE, ACCELERATION]) + pivot - mechanism.follower.damping * signals[:, t.DRAG_LEVER, RATE]
+    slope = signals[:, t.END_SLOPE][:, _RATES]
+    arm = tip.center_of_mass * (np.array([1.0, 0.0, 0.0]) + 1j * slope)
+    lever = (np.conj(arm[:, 0]) * (_acceleration(line, end + arm) - gravity)).imag
+    return at_base, -tip.inertia * (turn + slope[:, 2]) - tip.mass * lever
 
 
 def _acceleration(line: RigidMotion, z: Array) -> NDArray[Any]:

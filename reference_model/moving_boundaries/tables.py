@@ -17,9 +17,9 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-#: Vectors in a row, in this order: omega_i^2, b, a, W(L) and W'(0) (equations 2.3, 2.5 and 2.6).
-SQUARES, TURNING, WEIGHT, END, BASE = range(5)
-VECTORS: Final = 5
+#: Vectors in a row, in this order: omega_i^2, b, a, W(L), W'(0), W'(L) and d (equations 2.3, 2.5 and 2.6).
+SQUARES, TURNING, WEIGHT, END, BASE, END_SLOPE, DRAG_LEVER = range(7)
+VECTORS: Final = 7
 #: Matrices behind them: B, D, D^l, D^ll, C, R, H, P and S (equations 2.5 to 2.9).
 CARRIED, DRAG, DRAG_CARRIED, DRAG_CARRIED_TWICE, CARRIED_TWICE, ROTATED, HANGING, PULLED, SHORTENED = range(9)
 #: The first of the matrices whose signals are kept, from which on all are symmetric; and the number of all matrices.
@@ -137,7 +137,10 @@ def _rows(mechanism: Mechanism, family: ModeFamily, places: Array, foreshortenin
         rotated -= tightened(0.5 * rhoA * (L**2 - x**2) + m * (L + e), m * e * (L + e))
         hanging, pulled = tightened(rhoA * (L - x) + m, m * e), tightened(0.0 * x + 1.0)
     end = V[:, -1] + L * base[:, 0]
-    vectors = (family.squares_at(places), product(masses, rigid, moves)[:, 0], np.einsum("kp,kpi->ki", moved, moves), end, base[:, 0])
+    vectors = (
+        *(family.squares_at(places), product(masses, rigid, moves)[:, 0], np.einsum("kp,kpi->ki", moved, moves)),
+        *(end, base[:, 0], slope[:, -1], np.einsum("kp,kpi->ki", x * dx, V)),
+    )
     matrices = (
         0.5 * (carried - carried.transpose(0, 2, 1)),  # (2.5) makes it antisymmetric, the tabulated modes do so only nearly
         *(product(dx, V, V), product(dx, V, V_l), product(dx, V_l, V_l)),

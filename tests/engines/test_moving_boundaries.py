@@ -14,10 +14,14 @@ from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, Tip
 from tests.engines.scenes import run_24
 
 ENGINE = MovingBoundariesEngine()
+
+#: Moments by the laws of the bodies at the ends: their angular accelerations are off by more than the places. 3.5e-3 was found; the
+#: curvatures of six modes are 0.86 of the base's moment off, where the base block is light.
+ENDS, OF_BODIES = ("moment_base", "moment_tip"), 5e-3
 
 
 def turning(part: float = 1.0) -> Mechanism:
@@ -53,7 +57,18 @@ def test_every_column_is_that_of_exact_geometry_at_low_speed() -> None:
     assert set(expected.columns) == set(found.columns)
     for column in set(found.columns) - {"time", "constraint_gap", "gravity_energy", "crank_speed"}:
         shown = column.startswith(("strain_", "moment_", "shape_", "dissipated_"))
-        assert relative_error(found[column], expected[column]) < (0.1 if shown else 1e-3), column
+        within = OF_BODIES if column in ENDS else 0.1 if shown else 1e-3
+        assert relative_error(found[column], expected[column]) < within, column
+
+
+def test_moments_at_the_ends_are_those_of_bodies_and_of_the_damping_between_them() -> None:
+    """A base without inertia carries what the beam's damping leaves, a tip body beside the end weighs on its lever."""
+    scene = turning(0.5)
+    damped = dataclasses.replace(scene.follower, damping=0.5)
+    scene = dataclasses.replace(scene, base=Base(), follower=damped, tip=Tip(mass=0.02, inertia=1e-5, center_of_mass=0.02))
+    expected, found = truth(scene), run(scene, 6, True)
+    for column in ENDS:
+        assert relative_error(found[column], expected[column]) < OF_BODIES, column
 
 
 def test_bends_that_are_not_small_are_beyond_it() -> None:
