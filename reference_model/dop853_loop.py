@@ -179,10 +179,10 @@ def _by_address(
 ) -> int:
     """As `_dop853`, with arrays by address; the status, and in `reached` (4,) number of rows, last instant, calls and next step."""
     at = function, parameters, workspace, numbers_at(watched, 2), numbers_at(y, size)
-    how = output_step, intervals, numbers_at(scales, controlled), limit, step, least_step
+    how = output_step, intervals, numbers_at(scales, controlled)
     arrays = matrix_at(states, intervals + 1, size), matrix_at(K, STAGES + 1, size), matrix_at(scratch, 2, size)
     ended = numbers_at(reached, 4)
-    status, ended[0], ended[1], ended[2], ended[3] = _dop853(*at, *how, *arrays)
+    status, ended[0], ended[1], ended[2], ended[3] = _dop853(*at, *how, limit, step, least_step, *arrays)
     return status
 
 
