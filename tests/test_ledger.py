@@ -1,6 +1,7 @@
 """The ledger of the long tests notices a change of what a test imports, and of nothing else."""
 
 import dataclasses
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -101,7 +102,9 @@ def pytest_configure(config):
 def run(checkout: Path, *options: str, code: int = 0) -> str:
     (checkout / "conftest.py").write_text(CONFTEST.format(place=str(ROOT / "tests/ledger.py")))
     command = [sys.executable, "-P", "-m", "pytest", "-p", "no:cacheprovider", *options]
-    found = subprocess.run(command, cwd=checkout, capture_output=True, text=True, check=False)
+    # no bytecode: that of a file which is changed within a second, and keeps its size, would count as current
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
+    found = subprocess.run(command, cwd=checkout, capture_output=True, text=True, check=False, env=environment)
     assert found.returncode == code, found.stdout + found.stderr
     return found.stdout + found.stderr
 
