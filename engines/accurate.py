@@ -51,8 +51,8 @@ class Assessment:
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
         largest_errors: largest error at any instant of each column with an estimate, in its unit; empty where unknown.
-        error_estimates: RMS error over RMS for each column of `ESTIMATED` and each existing one of `LOADS`; None where unknown or where
-            the column is zero throughout.
+        error_estimates: RMS error over `scale` for each column of `ESTIMATED` and each existing one of `LOADS`; None where unknown or
+            where the scale is 0.
         estimate_of: the error that is estimated.
         further_run_skipped: whether a still finer run, which checks how fast the error falls, was not needed (`Comparison.alike`).
         hurried: whether the time limit prevented a run, so that a faster machine would give a better answer.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import Comparison, EngineFailure
-from quickreturn.engines.relative import rms
+from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING
@@ -87,7 +87,7 @@ class EstimatedPart(NamedTuple):
     """A part of the error of a trajectory."""
 
     tip: float  # relative, see `Assessment.error_estimate`
-    columns: dict[str, float | None]  # of `ESTIMATED` and the existing ones of `LOADS`: RMS error over RMS; None for a column of zeros
+    columns: dict[str, float | None]  # of `ESTIMATED` and the existing ones of `LOADS`: RMS error over `scale`; None where that is 0
     largest: dict[str, float]  # of the same: largest error at any instant, in the column's unit
 
 
@@ -95,7 +95,7 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
     """A part of the error of `delivered`, from two or three runs on the same output grid (see `Comparison`).
 
     Args:
-        delivered: the run; differences are relative to the size of its columns.
+        delivered: the run; differences are relative to the scale of its columns.
         runs: the runs that show the part.
         length: follower length, m.
     """
@@ -104,7 +104,7 @@ def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: fl
         return runs.part(lambda a, b: rms(a[name] - b[name]))
 
     names: list[str] = [name for name in (*ESTIMATED, *LOADS) if name in delivered.columns]
-    parts = {name: relative_size(part(name), rms(delivered[name])) for name in names}
+    parts = {name: relative_size(part(name), scale(name, delivered.columns)) for name in names}
     largest = {name: runs.part(partial(_largest_difference, name)) for name in names}
     tip = parts["tip_deflection"]
     if tip is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:

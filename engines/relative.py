@@ -1,14 +1,25 @@
 """Size of a signal, and its distance from another."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+
+from quickreturn.reference_model.columns import BENDING, ENDS
 
 
 def rms(values: NDArray[np.float64]) -> float:
     """Root mean square; 0 for an empty array."""
     return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
+
+
+def scale(name: str, columns: Mapping[str, NDArray[np.float64]]) -> float:
+    """Size that the error of a column is relative to, in its unit: its RMS.
+
+    A moment at an end is tiny where the body there is light: its scale is the largest RMS of the moments along the arm.
+    """
+    return max(rms(columns[each]) for each in BENDING if each in columns) if name in ENDS else rms(columns[name])
 
 
 def relative_error(values: NDArray[np.float64], truth: NDArray[np.float64]) -> float:

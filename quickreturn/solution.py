@@ -80,7 +80,7 @@ class Solution(Shown):
 
     @property
     def estimates(self) -> "pd.Series[float]":
-        """Estimated error of each column, RMS relative to the column's RMS; NaN where unknown."""
+        """Estimated error of each column, RMS relative to its `scale`, for most the column's RMS; NaN where unknown."""
         import pandas as pd
 
         of = {"total": "error", "integration": "integration error", "unverified": "error, not verified"}[self.result.estimate_of]

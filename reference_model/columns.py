@@ -142,8 +142,10 @@ COLUMNS: Final = MappingProxyType(
 SHAPE: Final = tuple(name for name in COLUMNS if name.startswith("shape_"))
 #: Bending moments at the places of `SHAPE`.
 MOMENTS: Final = tuple(f"moment_{name.removeprefix('shape_')}" for name in SHAPE)
+#: Bending moments at the ends of the arm, which are those that the bodies there ask for.
+ENDS: Final = ("moment_base", "moment_tip")
 #: All bending moments: what an engine leaves out for a rigid follower if it knows moments by curvature alone.
-BENDING: Final = (*MOMENTS, "moment_slider", "moment_inboard", "moment_base", "moment_tip")
+BENDING: Final = (*MOMENTS, "moment_slider", "moment_inboard", *ENDS)
 BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")
 
 #: Columns that the compiled models record.

@@ -31,6 +31,17 @@ def test_a_fault_at_the_peak_alone_is_claimed_there() -> None:
     assert part.largest["strain_2"] == pytest.approx(0.1)
 
 
+def test_the_error_of_a_moment_at_a_light_end_is_relative_to_the_arm() -> None:
+    """The base of a light bearing block asks for a thousandth of the moment in the arm, half of which is ringing."""
+    time = np.linspace(0.0, 1.0, 1001)
+    arm = np.sin(2.0 * np.pi * time)
+    right, wrong = ({"moment_05": 2.0 * arm, "moment_11": 0.1 * arm, "moment_base": size * arm} for size in (2e-3, 1e-3))
+    run, finer = (Trajectory({"time": time, **dict.fromkeys(REQUIRED, arm), **moments}, 0.0) for moments in (wrong, right))
+    part = estimated_part(run, Compared(run, finer, 0.0), 1.0)
+    assert part.columns["moment_base"] == pytest.approx(5e-4)
+    assert part.largest["moment_base"] == pytest.approx(1e-3)
+
+
 def test_loads_of_a_trajectory_claim_the_largest_error_of_a_column() -> None:
     case = library_case("thesis-17")
     result = simulate(ReferenceEngine(), case.mechanism, standard_start(case.mechanism), 0.1, 1e-3)
