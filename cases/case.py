@@ -1,14 +1,14 @@
 """A case: a scene with its simulation times; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.shown import Cell, Rows, Shown
-from quickreturn.cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity
+from quickreturn.cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity, unit_size
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
 from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
@@ -139,6 +139,13 @@ def si_text(path: str, value: float) -> str:
     """The shortest text of a case file that reads back as exactly this SI value of the quantity at a dotted path."""
     unit = PATHS[path].unit
     return "inf" if math.isinf(value) else f"{repr(float(value)).removesuffix('.0')} {unit}".removesuffix(" 1")
+
+
+def unit_given(path: str, texts: Iterable[str]) -> tuple[str, float]:
+    """The unit in which values of the quantity at a dotted path are written, and its size in SI; the SI unit if they have several."""
+    units = {unit for text in texts if (unit := text.strip().partition(" ")[2])}
+    unit = units.pop() if len(units) == 1 else PATHS[path].unit
+    return unit, 1.0 if unit == "1" else unit_size(unit, dimension_of(path))
 
 
 def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:

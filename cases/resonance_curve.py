@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from quickreturn.cases.case import PATHS, Case, si_text, si_value
+from quickreturn.cases.case import PATHS, Case, si_text, si_value, unit_given
 from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
@@ -198,8 +198,7 @@ def range_of(key: str, text: str, option: str = "--vary") -> Range:
     low, high = (si_value(key, end, option, finite=True) for end in ends)
     if not low < high or low * high < 0.0 or (key == SPEED and low * high == 0.0):
         raise CaseError(option, key, as_written(text), "is no range to follow", f"give a smaller and a larger value of one sign, {example}")
-    unit = ends[1].partition(" ")[2]
-    return Range(key, low, high, unit, si_value(key, f"1 {unit}", option) if unit else 1.0)
+    return Range(key, low, high, *unit_given(key, ends))
 
 
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:

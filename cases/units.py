@@ -94,6 +94,8 @@ _NEEDED: Final = (
 )  # fmt: skip
 #: By the SI unit with which a quantity is declared.
 DIMENSIONS: Final = MappingProxyType({dimension.si_unit: dimension for dimension in _NEEDED})
+#: SI unit -> unit in which numbers are shown to people: on axes, in tables and sentences. Files, JSON and datasets are in SI.
+_SHOWN: Final = MappingProxyType({"Pa": "MPa", "m": "mm"})
 _FREQUENCY: Final = (0, 0, -1, 0)
 #: Names of dimensions that are given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
@@ -140,6 +142,11 @@ def unit_size(unit: str, dimension: Dimension) -> float:
 def in_si(unit: str) -> float:
     """A unit that the code names, in SI units: `in_si("rpm")` is pi / 30 rad/s."""
     return PURE_UNITS[unit] if unit in PURE_UNITS else float(_read_unit(unit)[0])
+
+
+def shown_unit(unit: str) -> tuple[str, float]:
+    """The unit in which numbers of an SI unit are shown to people, and its size in SI."""
+    return (_SHOWN[unit], in_si(_SHOWN[unit])) if unit in _SHOWN else (unit, 1.0)
 
 
 def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Decimal:

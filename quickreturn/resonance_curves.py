@@ -12,6 +12,7 @@ from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.sweeping import ERROR
@@ -116,13 +117,14 @@ class Resonance(Shown):
         stable = sum(curve.stability(at) == "stable" for at in range(len(curve.values)))
         yield f"{self.case}: {len(curve.values)} points along {curve.range.key}, {stable} of them stable{drive}"
         first = next(iter(curve.measures))
+        unit_of_height, size = shown_unit(self._unit(first))
         rows = [
             (each.kind, f"{self._of_range(each.value)} {unit}", f"+- {self._of_range(each.error, '.2g')}", each.reason)
             for each in curve.special
         ]
         for each in curve.peaks:
             error = curve.errors[first][each.at]
-            height = f"{each.height:.4g} {self._unit(first)}" + ("" if math.isnan(error) else f" +- {error:.2g}")
+            height = f"{each.height / size:.4g} {unit_of_height}" + ("" if math.isnan(error) else f" +- {error / size:.2g}")
             claim = f"+- {self._of_range(curve.value_errors[each.at], '.2g')}"
             rows.append((f"peak of order {each.order}", f"{self._of_range(each.value)} {unit}", claim, height))
         if rows:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 import numpy as np
 
 from quickreturn.accuracy import checked
-from quickreturn.cases.case import Case, si_text
+from quickreturn.cases.case import Case, si_text, unit_given
 from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.reading import parse_case
@@ -16,6 +16,7 @@ from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
 from quickreturn.cases.sweep.measures import MEASURES, Measure, measure
 from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import Path, Study, study
+from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, Listing, one_case
 from quickreturn.cross_validation import given_settings, opened
 from quickreturn.engines.registry import usable_engine
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 USUAL: Final = ("peak.tip_acceleration", "multiplier")
 #: Suffix of a measure's name for the variable of its error.
 ERROR: Final = ".error"
+#: Attribute of a varied key: the unit in which its values were given. Its values are in SI.
+GIVEN: Final = "given_in"
 #: Attribute of a dataset that holds the study's case file.
 FILE: Final = "case_file"
 
@@ -135,7 +138,7 @@ def dataset_of(study: Study) -> "xr.Dataset":
     if both:
         variables["two_motions"] = (dimensions[1:], study.two_motions, {"long_name": "whether the ways settle on two stable motions"})
     coordinates: dict[str, tuple[Any, ...]] = {
-        each.key: (each.key, np.array(each.values), {"units": each.unit} if each.unit else {}) for each in axes
+        each.key: (each.key, np.array(each.values), {"units": each.unit, GIVEN: each.given[0]} if each.unit else {}) for each in axes
     }
     coordinates["path"] = ("path", list(study.ways))
     case = study.grid.case
@@ -182,19 +185,23 @@ def summary(dataset: "xr.Dataset") -> list[str]:
     if "two_motions" in dataset and (two := int(dataset["two_motions"].sum())):
         lines.append(f"two stable motions at {two} of {dataset['two_motions'].size} points")
     for name in (str(each) for each in dataset.data_vars if str(each) in MEASURES):
-        values = dataset[name]
+        unit, size = shown_unit(dataset[name].attrs["units"])
+        values = dataset[name] / size
         if not values.notnull().any():
             lines.append(f"{name}: no point has a value")
             continue
         ends = (("least", values.argmin(...)), ("greatest", values.argmax(...)))
         ends_text = [f"{which} {float(values[at]):.6g} at {_place(values[at], values)}" for which, at in ends]
-        lines.append(f"{name} [{values.attrs['units']}]: {', '.join(ends_text)}")
+        lines.append(f"{name} [{unit}]: {', '.join(ends_text)}")
     return lines
 
 
 def _place(end: "xr.DataArray", values: "xr.DataArray") -> str:
     def text(key: str) -> str:
-        value, unit = end[key].item(), values[key].attrs.get("units", "")
-        return f"{key} = {value:.6g} {unit}".rstrip() if isinstance(value, float) else f"{key} = {value}"
+        value = end[key].item()
+        if not isinstance(value, float):
+            return f"{key} = {value}"
+        unit, size = unit_given(key, [f"1 {values[key].attrs[GIVEN]}"])
+        return f"{key} = {value / size:.6g} {unit}".removesuffix(" 1")
 
     return ", ".join(text(str(key)) for key in values.dims)

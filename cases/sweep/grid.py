@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.case import PATHS, Case, si_value
+from quickreturn.cases.case import PATHS, Case, si_value, unit_given
 from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
@@ -37,6 +37,11 @@ class Axis:
     texts: tuple[str, ...]  # the values as in a case file
     values: tuple[float, ...] | tuple[str, ...]  # the values in SI; of engines and vectors the texts
     unit: str  # SI; "" of texts
+
+    @property
+    def given(self) -> tuple[str, float]:
+        """The unit in which the numbers were given, and its size in SI."""
+        return unit_given(self.key, self.texts)
 
 
 def axis(text: str) -> Axis:

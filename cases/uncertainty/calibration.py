@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
-from quickreturn.cases.case import Case, si_text
+from quickreturn.cases.case import Case, si_text, unit_given
 from quickreturn.cases.copies import scenes
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.recorded import RecordedTable
@@ -65,6 +65,7 @@ class Free:
     parameter: Parameter
     start: float  # SI
     ends: tuple[float, float] | None  # of the range, SI; None: there is no range
+    unit: str  # in which the range is given; SI without one
 
     @classmethod
     def of_text(cls, text: str, case: Case) -> "Free":
@@ -75,12 +76,13 @@ class Free:
         if sign:
             given = distribution(f"uniform {range_}", parameter, _SOURCE)
             low, high = given.first, given.second
-            return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high))
+            unit, _ = unit_given(parameter.path, range_.split(".."))
+            return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high), unit)
         if not math.isfinite(start) or start == 0.0:
             ends = (si_text(parameter.path, end) for end in (0.1 if parameter.quantity.sign == "positive" else 0.0, 1.0))
             accepted = f'give a range, such as "{key} = {" .. ".join(ends)}"'
             raise CaseError(_SOURCE, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
-        return cls(parameter, start, None)
+        return cls(parameter, start, None, parameter.quantity.unit)
 
     @property
     def first(self) -> float:
@@ -209,6 +211,7 @@ class _Search:
                 FittedParameter(
                     key=each.parameter.key,
                     unit=each.parameter.quantity.unit,
+                    given_in=each.unit,
                     start=each.start,
                     value=each.value(float(at[k])),
                     low=min(ends),
@@ -258,7 +261,8 @@ class _Search:
         step = LOOSE * direction / np.max(np.abs(direction))
         parts = []
         for each, part, slope in zip(self.frees, step, per, strict=True):
-            change = f"{100.0 * math.expm1(part):+.3g} %" if each.ends is None else f"{part * slope:+.3g} {each.parameter.quantity.unit}"
+            _, size = unit_given(each.parameter.path, [f"1 {each.unit}"])
+            change = f"{100.0 * math.expm1(part):+.3g} %" if each.ends is None else f"{part * slope / size:+.3g} {each.unit}"
             parts += [f"{each.parameter.key} {change}"] if abs(part) >= 0.05 * LOOSE else []
         shown = float(np.sqrt(np.mean((sensitivities @ step) ** 2)))
         return f"{' with '.join(parts)} (changes the columns by {100.0 * shown:.2g} % of their RMS)"

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from scipy import stats
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.case import Case, unit_given
 from quickreturn.cases.copies import LONGEST_NAME
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.uncertainty.parameters import Parameter, overrides
@@ -24,6 +24,7 @@ class FittedParameter:
 
     key: str  # of the parameter
     unit: str  # SI
+    given_in: str  # unit of the range of the search, in which the numbers are shown; SI without a range
     start: float  # value with which the search began
     value: float  # the best value
     low: float  # lower end of the 95 % interval: noise, the simulation's error and the table's own
@@ -53,16 +54,17 @@ class FittedParameter:
     @property
     def shown(self) -> tuple[str, ...]:
         """The parameter as a row of a printed table."""
-        interval = f"{self.low:.6g} .. {self.high:.6g}" if self.determined else "not determined by this table"
+        _, size = unit_given(self.key.partition("[")[0], [f"1 {self.given_in}"])
+        interval = f"{self.low / size:.6g} .. {self.high / size:.6g}" if self.determined else "not determined by this table"
         end = " (at an end of its range)" if self.at_end else ""
         return (
             self.key,
-            f"{self.value:.6g}{end}",
-            self.unit,
+            f"{self.value / size:.6g}{end}",
+            self.given_in,
             interval,
-            f"{self.simulation_error:.1e}",
-            f"{self.table_error:.1e}",
-            f"{self.start:.6g}",
+            f"{self.simulation_error / size:.1e}",
+            f"{self.table_error / size:.1e}",
+            f"{self.start / size:.6g}",
         )
 
 

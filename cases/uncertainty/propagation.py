@@ -27,6 +27,7 @@ from quickreturn.cases.sweep.measures import measure
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import computed, joined
 from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
+from quickreturn.cases.units import shown_unit
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
@@ -147,8 +148,9 @@ class Scatter(Shown):
         yield f"{self.case.name}: {len(self.statuses)} points in {len(self.distributions)} parameters: {counts}"
         rows = []
         for name in self.measures:
-            texts = [f"{each.value:.5g} ± {each.error:.1g}" for each in self.quantiles(name)]
-            rows.append((name, measure(name).unit, *(texts or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name):.1g}"))
+            unit, size = shown_unit(measure(name).unit)
+            texts = [f"{each.value / size:.5g} ± {each.error / size:.1g}" for each in self.quantiles(name)]
+            rows.append((name, unit, *(texts or ["-"] * len(PROBABILITIES)), f"{self.simulation_error(name) / size:.1g}"))
         heads = [f"{100.0 * each:g} %" for each in PROBABILITIES]
         yield Rows(rows, ("measure", "unit", *heads, "simulation's error"))
         for name in self.measures:

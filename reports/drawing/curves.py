@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from quickreturn.cases.columns import UnknownColumn, known_column
-from quickreturn.cases.units import in_si
+from quickreturn.cases.units import in_si, shown_unit
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, Drawing, look, new_figure, tidy
 
@@ -16,8 +16,6 @@ USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force"
 
 WIDE: Final = 8.0  # in, of several panels
 PANEL: Final = 1.9  # in, height
-#: Unit -> the unit in a picture, and the divisor that converts a value to it.
-_SHOWN: Final = {"m": ("mm", in_si("mm")), "1": ("10⁻⁶", in_si("microstrain"))}
 
 
 def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
@@ -59,7 +57,8 @@ def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Se
 
 
 def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: str, over: str) -> None:
-    unit, scale = _SHOWN.get(COLUMNS[column].unit, (COLUMNS[column].unit, 1.0))
+    in_si_unit = COLUMNS[column].unit
+    unit, scale = ("10⁻⁶", in_si("microstrain")) if in_si_unit == "1" else shown_unit(in_si_unit)
     for label, trajectory in trajectories.items():
         if column in trajectory:
             along: Any = trajectory["time"]

@@ -3,6 +3,7 @@
 from matplotlib.figure import Figure
 
 from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve
+from quickreturn.cases.units import shown_unit
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, logarithmic, look, tidy
 from quickreturn.reports.looks import looks
@@ -19,7 +20,9 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, mark: float | None = 
     """
     panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
     shown = curve.values / curve.range.size
-    for axes, (name, heights) in zip(panels, curve.measures.items(), strict=True):
+    for axes, (name, found) in zip(panels, curve.measures.items(), strict=True):
+        unit, size = shown_unit(COLUMNS[PEAKS[name]].unit)
+        heights = found / size
         for part, unstable in curve.stretches():
             kind = "unstable" if unstable else "stable"
             labelled = axes.get_legend_handles_labels()[1]
@@ -28,13 +31,13 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, mark: float | None = 
             places, style = [point.at for point in curve.special if point.kind == kind], looks([kind])[kind]
             axes.plot(shown[places], heights[places], MARKERS[style.marker], markersize=4.0, color=style.light, label=kind, zorder=3.0)
         for peak in curve.peaks if name == next(iter(curve.measures)) else ():
-            place = (peak.value / curve.range.size, peak.height)
+            place = (peak.value / curve.range.size, peak.height / size)
             axes.annotate(f"{peak.order}×", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)
         if mark is not None:
             axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
         logarithmic(axes)
         axes.margins(y=0.1)
-        tidy(axes, f"{name} [{COLUMNS[PEAKS[name]].unit.replace('^2', '²')}]")
+        tidy(axes, f"{name} [{unit.replace('^2', '²')}]")
     panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
     panels[0].legend(fontsize=SMALL, frameon=False)
     figure.suptitle(f"{case}; at peaks the multiple of the crank's speed", fontsize=FONT_SIZE)

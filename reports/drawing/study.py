@@ -16,14 +16,13 @@ from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from quickreturn.cases.case import dimension_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.stability import NOT_CONVERGED, UNSTABLE
 from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.measures import MEASURES
 from quickreturn.cases.sweep.rows import LEFT, OPEN
 from quickreturn.cases.sweep.study import Study
-from quickreturn.cases.units import unit_size
+from quickreturn.cases.units import shown_unit
 from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
 #: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
@@ -70,13 +69,14 @@ def draw(study: Study) -> Figure:
     handles: list[Artist] = []
     for (measure, direction), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
         about = MEASURES[study.asked.measures[measure]]
-        label = f"{about.name} [{about.unit.replace('^2', '²')}]"
+        unit, size = shown_unit(about.unit)
+        label, shown = f"{about.name} [{unit.replace('^2', '²')}]", study.values[..., measure] / size
         if mapped:
-            values, endings = (np.moveaxis(each[direction], along, 1) for each in (study.values[..., measure], study.statuses))
+            values, endings = (np.moveaxis(each[direction], along, 1) for each in (shown, study.statuses))
             handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)
             panel.set_title(f"the way {directions[direction]}" if len(directions) > 1 else "", fontsize=SMALL)
         else:
-            handles = _lines(panel, study, along, measure, statuses)
+            handles = _lines(panel, study, along, shown, statuses)
             tidy(panel, label)
     panel.set_xlabel(_scaled(axes[along])[1], fontsize=FONT_SIZE)
     if handles:
@@ -86,10 +86,8 @@ def draw(study: Study) -> Figure:
 
 def _scaled(axis: Axis) -> tuple[Array, str]:
     """The values in the unit in which they were given, or in SI if there are several units, and the label with the unit."""
-    units = {text.partition(" ")[2] for text in axis.texts}
-    unit = units.pop() if len(units) == 1 else axis.unit
-    size = unit_size(unit, dimension_of(axis.key)) if unit and unit != "1" else 1.0
-    return np.array(axis.values, dtype=float) / size, f"{axis.key} [{unit or 1}]"
+    unit, size = axis.given
+    return np.array(axis.values, dtype=float) / size, f"{axis.key} [{unit}]"
 
 
 def _spans_decade(values: Array) -> bool:
@@ -98,13 +96,16 @@ def _spans_decade(values: Array) -> bool:
     return bool(finite.size and finite.min() > 0.0 and finite.max() > DECADE * finite.min())
 
 
-def _lines(panel: Axes, study: Study, along: int, measure: int, statuses: Sequence[str]) -> list[Artist]:
-    """Draw a measure over a key, a line for each direction and each value of the other key; return the entries of the legend."""
+def _lines(panel: Axes, study: Study, along: int, shown: Array, statuses: Sequence[str]) -> list[Artist]:
+    """Draw a measure, `shown` in the unit of its axis, over a key; return the entries of the legend.
+
+    There is a line for each direction and each value of the other key.
+    """
     x, lines = _scaled(study.grid.axes[along])[0], list(_each_line(study, along))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.75, len(lines)))
     handles: list[Artist] = []
     for (label, place), colour, dash in zip(lines, colours, itertools.cycle(("-", "--", "-.", ":"))):
-        values = study.values[(*place, measure)]
+        values = shown[place]
         handles += panel.plot(x, values, color=colour, linestyle=dash, linewidth=1.2, label=label)
         look: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": colour}
         for status in statuses:
@@ -112,7 +113,7 @@ def _lines(panel: Axes, study: Study, along: int, measure: int, statuses: Sequen
             lost = marked & ~np.isfinite(values)
             panel.plot(x[marked], values[marked], marker=mark, **look)
             panel.plot(x[lost], np.full(lost.sum(), 0.04), marker=mark, transform=panel.get_xaxis_transform(), **look)
-    if _spans_decade(study.values[..., measure]):
+    if _spans_decade(shown):
         logarithmic(panel)
     panel.set_xscale("log" if _is_geometric(x) else "linear")
     of_points: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgecolor": _DARK}

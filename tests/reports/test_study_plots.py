@@ -15,6 +15,7 @@ from quickreturn.cases.sweep.rows import LEFT, MeasureRequest
 from quickreturn.cases.sweep.study import Study
 from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
 from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
+from quickreturn.sweeping import dataset_of, summary
 from tests.reports.test_looks import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")
@@ -52,6 +53,36 @@ def test_one_key_is_a_line_in_the_unit_given() -> None:
     assert panel.get_yscale() == "log"
     marks = {each.get_marker(): float(each.get_xdata()[0]) for each in panel.lines[1:] if len(each.get_xdata())}
     assert marks == {ENDINGS[DOUBLING][1]: pytest.approx(115.0), ENDINGS[LEFT][1]: pytest.approx(120.0)}
+
+
+def test_people_see_megapascals_and_the_unit_given_and_datasets_are_in_si() -> None:
+    found = made_up(SPEEDS, measures=("peak.stress",))
+    (panel,) = draw(found).axes
+    np.testing.assert_allclose(panel.lines[0].get_ydata(), 1e-6 * found.values[0, :, 0])
+    assert panel.get_ylabel() == "peak.stress [MPa]"
+    dataset = dataset_of(found)
+    assert summary(dataset)[1] == (
+        "peak.stress [MPa]: least 1e-06 at crank.prescribed_speed = 60 rpm, greatest 0.000562341 at crank.prescribed_speed = 115 rpm"
+    )
+    assert dataset["peak.stress"].attrs["units"] == "Pa"
+    assert dataset["crank.prescribed_speed"].attrs == {"units": "rad/s", "given_in": "rpm"}
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("slider.joint_stiffness = 2 N/mm; inf", "N/mm"),
+        ("slider.joint_stiffness = 3e3 N/m; 2 N/mm", "N/m"),
+        ("slider.friction = 0.1; 0.2", "1"),
+        ("base.damping = 1 lbf*in*s; 2 lbf*in*s", "lbf*in*s"),
+    ],
+)
+def test_the_unit_given_is_that_of_all_values(text: str, unit: str) -> None:
+    found = axis(text)
+    name, size = found.given
+    assert name == unit
+    number, _, _ = found.texts[0].partition(" ")
+    assert size * float(number) == pytest.approx(found.values[0])
 
 
 @pytest.mark.parametrize(("second", "count"), [("tip.mass = 0 g; 25 g; 50 g", 3), ("engine = reference; mujoco", 2)])

@@ -13,8 +13,9 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import RecordedTable, table_of
-from quickreturn.cases.uncertainty.calibration import TABLE_ERROR, calibrate
+from quickreturn.cases.uncertainty.calibration import TABLE_ERROR, Free, calibrate
 from quickreturn.cases.uncertainty.covariance import covariance, reach, smooth_part, undetermined
+from quickreturn.cases.uncertainty.fit import FittedParameter
 from quickreturn.cases.uncertainty.parameters import Parameter, overrides
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
@@ -179,6 +180,25 @@ def test_bad_keys_get_one_sentence(free: str, told: str) -> None:
     with pytest.raises(CaseError, match=r".") as wrong:
         calibrate(CASE, noisy(computed("reference"), np.random.default_rng(1)), [free])
     assert told in str(wrong.value)
+
+
+def test_a_parameter_is_shown_in_the_unit_of_its_range() -> None:
+    speed = Free.of_text("crank.prescribed_speed = 240 rpm .. 260 rpm", load_case("example"))
+    assert (speed.unit, speed.start) == ("rpm", pytest.approx(250.0 * np.pi / 30.0))
+    found = FittedParameter(
+        key=speed.parameter.key,
+        unit="rad/s",
+        given_in=speed.unit,
+        start=speed.start,
+        value=25.0 * np.pi / 3.0,
+        low=24.0 * np.pi / 3.0,
+        high=26.0 * np.pi / 3.0,
+        simulation_error=np.pi / 30.0,
+        table_error=np.pi / 15.0,
+        determined=True,
+        at_end=False,
+    )
+    assert found.shown == ("crank.prescribed_speed", "250", "rpm", "240 .. 260", "1.0e+00", "2.0e+00", "250")
 
 
 @pytest.mark.verify
