@@ -23,9 +23,11 @@ ANGLES: Final = 48  # of the crank, in a turn
 def needs_base_shape(mechanism: Mechanism) -> bool:
     """Whether the torque of damping and friction in the pivot P bends the follower by more than natural modes describe.
 
-    Their moment at the base is that of the base block's inertia alone.
+    Their moment at the base is that of the base block's inertia alone. The slower the crank, the more they count beside the forces of
+    inertia; so the speed of the start decides, not the one that a torque would reach in the end.
     """
-    base, follower, pace = mechanism.base, mechanism.follower, crank_pace(mechanism)
+    base, follower = mechanism.base, mechanism.follower
+    pace = abs(mechanism.crank.drive.initial_speed) or crank_pace(mechanism)
     if follower.is_rigid or pace == 0.0 or (base.damping == 0.0 and base.friction_torque == 0.0):
         return False
     motion = rigid_motion(mechanism, np.linspace(0.0, 2.0 * math.pi, ANGLES, endpoint=False), pace)

@@ -13,6 +13,8 @@ from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
 
 #: Duration of the motion, s: three quarters of a turn.
 _DURATION: Final = 0.4
+#: Output step, s: an engine may integrate powers over its rows, and the pivot's damper slows the light base at a rate of 1 over 0.6 ms.
+_OUTPUT_STEP: Final = 5e-4
 #: Optional features of a scene: name -> values. Each is added if the engine accepts it.
 PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "crank.initial_angle": {"crank.initial_angle": 2.3},
@@ -50,7 +52,7 @@ def together(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
 
 def _look(bench: Bench, wrong: MistakesInMildScene) -> str:
     scene, parts = everything(bench)
-    motion = Motion(scene, _DURATION)
+    motion = Motion(scene, _DURATION, _OUTPUT_STEP)
     try:
         wrong_columns = findings(bench, motion, wrong.columns)
     except EngineFailure as failure:
@@ -91,6 +93,6 @@ def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, of
             if other != name:
                 scene = changed(scene, PARTS[other])
         bench.engine.check(scene)
-        return bench.errors(Motion(scene, _DURATION)).get(column, 0.0) <= _VANISHES * off
+        return bench.errors(Motion(scene, _DURATION, _OUTPUT_STEP)).get(column, 0.0) <= _VANISHES * off
     except (Refusal, EngineFailure, ImpossibleMechanism):  # a damper needs its spring
         return False
