@@ -7,6 +7,7 @@ the table. Only units are converted: no shift, no filter, no fit.
 
 import csv
 import io
+import math
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -81,9 +82,6 @@ def read_table(path: str) -> RecordedTable:
     headings = _headings(shown, f"line {at + 1}", lines[at])
     factors = _unit_factors(shown, f"line {at + 1}", headings)
     values = dict(zip(factors, _values(shown, list(factors), lines, at + 1).T, strict=True))
-    if (late := _late_row(values["time"])) is not None:
-        number = [number for number, line in enumerate(lines[at + 1 :], at + 2) if line.strip()][late]
-        raise _does_not_rise(shown, f"line {number}, time", values["time"][late])
     return _table(printable(os.path.basename(path)), path, factors, values, declared)
 
 
@@ -96,24 +94,40 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
         case: its case; None: not declared.
 
     Raises:
-        CaseError: a heading or a column that a file must not have either.
+        CaseError: a heading or a column that a file must not have either; of several rows with a mistake the first is named.
     """
     factors = _unit_factors(name, "heading", [str(heading) for heading in columns])
-    values = {}
-    for column, heading in zip(factors, columns, strict=True):
-        try:
-            values[column] = np.asarray(columns[heading], dtype=np.float64)
-        except (TypeError, ValueError):
-            raise CaseError(name, column, None, "holds what is no number", "give one plain number for each row") from None
-        rows = values[column].shape
-        if len(rows) != 1 or rows != np.shape(columns[next(iter(columns))]):
-            raise CaseError(name, column, None, f"has the shape {rows}", "give one number for each row, as in the other columns")
-        if not np.all(np.isfinite(values[column])):
-            row = int(np.argmin(np.isfinite(values[column])))
-            raise CaseError(name, f"row {row}, {column}", str(values[column][row]), "is not finite", "leave out rows that lack a number")
-    if (late := _late_row(values["time"])) is not None:
-        raise _does_not_rise(name, f"row {late}, time", values["time"][late])
+    values, wrong = dict[str, Array](), list[tuple[int, CaseError]]()
+    cells = {column: np.asarray(columns[heading], dtype=object) for column, heading in zip(factors, columns, strict=True)}
+    for column, given in cells.items():
+        if given.ndim != 1 or given.shape != next(iter(cells.values())).shape:
+            raise CaseError(name, column, None, f"has the shape {given.shape}", "give one number for each row, as in the other columns")
+        values[column], first = _numbers(given)
+        if first is not None:
+            cell, accepted = as_written(given[first]), "give one plain number for each row"
+            wrong.append((first, CaseError(name, f"row {first}, {column}", cell, "is no number", accepted)))
+        for row in np.flatnonzero(~np.isfinite(values[column]))[:1].tolist():
+            value, accepted = str(values[column][row]), "leave out rows that lack a number"
+            wrong.append((row, CaseError(name, f"row {row}, {column}", value, "is not finite", accepted)))
+        if column == "time" and (late := _late_row(values[column])) is not None:
+            wrong.append((late, _does_not_rise(name, f"row {late}, time", values[column][late])))
+    if wrong:
+        raise min(wrong, key=lambda mistake: mistake[0])[1]
     return _table(name, name, factors, values, {} if case is None else {"case": case})
+
+
+def _numbers(cells: NDArray[np.object_]) -> tuple[Array, int | None]:
+    """The numbers of a column, shape (n,), down to its first cell that is none, and the row of that cell; None where all are numbers."""
+    try:
+        return np.asarray(cells, dtype=np.float64), None
+    except (TypeError, ValueError):
+        numbers = list[float]()
+        for cell in cells:
+            try:
+                numbers.append(float(cell))
+            except (TypeError, ValueError):
+                break
+        return np.array(numbers), len(numbers)
 
 
 def _table(
@@ -232,13 +246,19 @@ def _values(source: str, names: Sequence[str], lines: Sequence[str], first: int)
         values = np.loadtxt(io.StringIO("\n".join(lines[first:])), delimiter=",", ndmin=2, comments=None, quotechar='"')
     except ValueError:
         values = None
-    if values is None or values.shape[1] != len(names) or not np.all(np.isfinite(values)):
+    if (
+        values is None
+        or values.shape[1] != len(names)
+        or not np.all(np.isfinite(values))
+        or _late_row(values[:, names.index("time")]) is not None
+    ):
         raise _bad_row(source, names, lines, first)
     return values
 
 
 def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> CaseError:
-    """The mistake in the first row that is not one finite number for each column."""
+    """The mistake in the first row that is not one finite number for each column, or is not later than the row before."""
+    before = -math.inf
     for number, line in enumerate(lines[first:], first + 1):
         if not line.strip():
             continue
@@ -254,6 +274,10 @@ def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int
                 problem = f"is no plain number{hint}" if cell.strip() else "is empty"
                 accepted = "leave out rows that lack a number, or columns that were not recorded"
                 return CaseError(source, f"{place}, {name}", as_written(cell), problem, accepted)
+            if name == "time":
+                if not value > before:
+                    return _does_not_rise(source, f"{place}, time", value)
+                before = value
         if len(cells) != len(names):
             problem = f"has {len(cells)} numbers, the heading {len(names)} columns"
             accepted = f"give one number for each column{'; decimals need a point, not a comma' if len(cells) > len(names) else ''}"

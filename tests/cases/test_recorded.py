@@ -1,13 +1,15 @@
 """Recorded tables are read as they declare themselves, and what cannot be read is told with place, value and what is accepted."""
 
+import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from quickreturn.cases import recorded
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.recorded import read_table
+from quickreturn.cases.recorded import read_table, table_of
 
 HEADING = "time [ms],crank_angle [deg],tip_deflection [mm],strain_1 [percent]"
 ROWS = "0,180,-2.5,0\n1,181,1e-3,0.1\n"
@@ -111,6 +113,38 @@ def test_what_cannot_be_read_is_told(tmp_path: Path, text: str, words: list[str]
     assert "\n" not in told
     for word in words:
         assert word in told
+
+
+@pytest.mark.parametrize(
+    ("rows", "place"),
+    [
+        ("0,180\n1,181\n1,182\n2,x\n", "line 4, time: 1 does not rise"),
+        ("0,180\n1,x\n1,182\n", 'line 3, crank_angle: "x" is no plain number'),
+        ("0,180\n1,181\n0.5,182\n2,183,9\n", "line 4, time: 0.5 does not rise"),
+        ("0,180\n\n1,inf\n1,182\n", 'line 4, crank_angle: "inf" is no plain number'),
+    ],
+)
+def test_of_several_mistakes_in_a_file_the_first_is_named(tmp_path: Path, rows: str, place: str) -> None:
+    told = refusal(tmp_path, f"time [s],crank_angle [deg]\n{rows}")
+    assert f"tool.csv: {place}" in told
+    assert "\n" not in told
+
+
+@pytest.mark.parametrize(
+    ("columns", "told"),
+    [
+        ({"time": [0.0, 1.0, 2.0, 1.5], "crank_angle": [1.0, math.nan, 2.0, 3.0]}, "row 1, crank_angle: nan is not finite"),
+        ({"time": [0.0, 0.0, 1.0], "crank_angle": [1.0, 2.0, math.inf]}, "row 1, time: 0 does not rise"),
+        ({"time": [0.0, 1.0, 2.0], "crank_angle": [1.0, 2.0, math.inf], "tip_x": [1.0, math.nan, 3.0]}, "row 1, tip_x: nan is not finite"),
+        ({"time": [0.0, 1.0, "later"], "crank_angle": [1.0, "west", 2.0]}, 'row 1, crank_angle: "west" is no number'),
+        ({"time": [0.0, 1.0, "later"], "crank_angle": [1.0, 2.0, 3.0]}, 'row 2, time: "later" is no number'),
+    ],
+)
+def test_of_several_mistakes_in_memory_the_first_is_named(columns: dict[str, list[Any]], told: str) -> None:
+    with pytest.raises(CaseError) as refused:
+        table_of(columns)
+    assert str(refused.value).startswith(f"table: {told}")
+    assert "\n" not in str(refused.value)
 
 
 def test_a_name_is_safe_to_print(tmp_path: Path) -> None:
