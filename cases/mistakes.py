@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.usual_mistakes import DIGITS, fitted_mistakes, usual_mistakes
-from quickreturn.engines.relative import rms
+from quickreturn.engines.relative import rms, scale
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Scene
 
@@ -65,7 +65,7 @@ def diagnose(
         mechanism: the scene.
         more: mistakes that depend on how the rows were recorded.
     """
-    off, size = rms(found - expected), rms(expected)
+    off, size = rms(found - expected), scale(name, {**right, name: expected})
     if size == 0.0:
         return None
     within = tolerance is not None and off <= tolerance

@@ -16,7 +16,7 @@ from quickreturn.engines.error_parts import compared
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms
+from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
@@ -191,9 +191,9 @@ class Bench:
             return None
 
     def errors(self, motion: Motion) -> dict[str, float]:
-        """Name -> RMS error of a column that is compared with `reference`, over its RMS."""
+        """Name -> RMS error of a column that is compared with `reference`, over its `scale`."""
         run, right = self.run(motion), truth(motion).columns
-        return {name: rms(run[name] - right[name]) / rms(right[name]) for name in compared_columns(run, right=right)}
+        return {name: rms(run[name] - right[name]) / scale(name, right) for name in compared_columns(run, right=right)}
 
     @property
     def claims(self) -> bool:
