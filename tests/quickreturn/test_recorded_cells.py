@@ -49,6 +49,8 @@ SAME: Final = 1e-2
 #: Factor within which the ratio of two solve times is the recorded one, and repetitions of both, in turn, of which the least counts.
 PACE: Final = 2.0
 REPETITIONS: Final = 5
+#: Measurements of a ratio of which one must agree: other work of the machine disturbs some of them.
+TRIALS: Final = 3
 
 Draw = Callable[[Sequence[Any]], list[Any]]
 
@@ -64,9 +66,14 @@ def benchmark(draw: Draw, workshop: Workshop) -> None:
         unknown = scene.confirmation.differences.get("tip_deflection") or 0.0
         assert error == pytest.approx(point.error(), rel=SAME, abs=unknown), (scene.case, point.method, point.settings)
         other()  # what is compiled is compiled now
-        pairs = [(run().trajectory.solve_seconds, other().trajectory.solve_seconds) for _ in range(REPETITIONS)]
-        ratio = min(mine for mine, _ in pairs) / min(its for _, its in pairs)
-        assert 1.0 / PACE < ratio / (recorded.solve_seconds / of_fixed.solve_seconds) < PACE, (scene.case, point.method, point.settings)
+        ratio = recorded.solve_seconds / of_fixed.solve_seconds
+        assert any(1.0 / PACE < pace(run, other) / ratio < PACE for _ in range(TRIALS)), (scene.case, point.method, point.settings)
+
+
+def pace(run: Callable[[], CompletedRun], other: Callable[[], CompletedRun]) -> float:
+    """Solve time of one run over that of another, from the least of a few repetitions in turn."""
+    pairs = [(run().trajectory.solve_seconds, other().trajectory.solve_seconds) for _ in range(REPETITIONS)]
+    return min(mine for mine, _ in pairs) / min(its for _, its in pairs)
 
 
 def runner(scene: Benchmark, point: Point) -> Callable[[], CompletedRun]:
