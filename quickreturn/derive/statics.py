@@ -6,9 +6,10 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh, null_space
+from scipy.linalg import eigh
 
 from quickreturn.derive.model import Model, Values
+from quickreturn.derive.singular import SINGULAR
 from quickreturn.derive.system import column
 from quickreturn.derive.units import DescriptionError, in_si
 
@@ -90,14 +91,45 @@ class Statics:
         raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer, or a spring")
 
     def linearised(self, at: Values) -> Linear:
-        """Linear equations for small motions about a configuration at rest; the loops give its other coordinates."""
+        """Linear equations for small motions about a configuration at rest; the loops give its other coordinates.
+
+        Raises:
+            DescriptionError: the position is singular, and motions cross there.
+        """
         q = self._model.start(at, self._parameters)[: len(self._names)]
         nothing = np.zeros(self._model.equations.gap.numel())
         balance, _, G, _, _, _ = self._at(q, nothing)
         force = np.asarray(np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0], dtype=np.float64)
         _, _, G, M, D, K = self._at(q, force)
-        Z = null_space(np.vstack([G, np.eye(len(q))[self._held]]))
+        Z = self._possible(q, G)
         return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z)
+
+    def _possible(self, q: Array, G: Array) -> Array:
+        """The small motions that loops and held coordinates allow, as columns.
+
+        Where these lose rank, a combination of their equations begins with terms of second order: it forbids what makes them other than
+        zero. It is of one sign at a dead point. Of both signs, it leaves motions that cross. A loop that repeats another has no such terms.
+        """
+        n, sizes = len(q), np.array([c.size for c in self._model.system.coordinates])
+        A = np.vstack([G, np.eye(n)[self._held]]) * sizes
+        norms = np.linalg.norm(A, axis=1)
+        norms[norms == 0.0] = 1.0
+        left, singular, right = np.linalg.svd(A / norms[:, None])
+        rank = int(np.sum(singular > SINGULAR))
+        directions, square = right[rank:].T, np.outer(sizes, sizes)
+        still = self._at(q, np.zeros(len(G)))[5]
+        force = max(1.0, float(np.linalg.norm(still * square)))  # so large that rounding of the stiffness counts as nothing
+        for combination in left[:, rank:].T:
+            curvature = still - self._at(q, force * combination[: len(G)] / norms[: len(G)])[5]
+            values, vectors = np.linalg.eigh(directions.T @ (square * (curvature + curvature.T)) @ directions)
+            forbids = np.abs(values) > SINGULAR * force
+            if len({*np.sign(values[forbids])}) > 1:
+                raise DescriptionError(
+                    f"small motions of {self._model.system.name!r} are not determined: the position is singular, and motions cross there;"
+                    " give a position beside it"
+                )
+            directions = directions @ vectors[:, ~forbids]
+        return np.asarray(sizes[:, None] * directions)
 
     def _at(self, q: Array, force: Array) -> list[Array]:
         """Balance, gaps, G, M, D and K."""

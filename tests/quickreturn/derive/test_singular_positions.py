@@ -1,11 +1,13 @@
 """Positions where the loops do not determine the motion: it passes them as its velocity points, or it ends with a sentence."""
 
+import casadi
 import numpy as np
 import pytest
 
-from quickreturn.derive import DescriptionError, Model, System, sensitivities, turned, vector
+from quickreturn.derive import DescriptionError, Model, System, natural_frequencies, sensitivities, turned, vector
 from quickreturn.derive.equations import Form
 from tests.quickreturn.derive.linkages import (
+    G,
     angle_of_parallelograms,
     four_bar,
     parallelograms,
@@ -146,3 +148,40 @@ def test_a_motion_whose_energy_does_not_balance_is_no_result(monkeypatch: pytest
 def test_an_unknown_method_is_named() -> None:
     with pytest.raises(DescriptionError, match="method 'RK45' is not known; take one of DOP853, Radau"):
         Model(stretched()).simulate({}, 0.1, 0.1, method="RK45")
+
+
+def with_pendulum(system: System, length: float) -> System:
+    """The same system with a bead of 1 kg that swings on a thread beside it."""
+    p, swing = system.constants(bead=(1.0, "kg"), thread=(length, "m")), system.coordinate("swing", "rad")
+    system.body("bead", p.bead, p.thread * vector(casadi.sin(swing), -casadi.cos(swing)))
+    return system
+
+
+def test_at_a_dead_point_a_held_block_holds_the_crank() -> None:
+    """Crank and rod in line: the block's place is of second order in the crank's angle, so that no small motion is left to them."""
+    model = Model(with_pendulum(slider_crank(1.0, 2.0, (1.0, 1.0, 1.0), "crank"), 0.5))
+    pendulum = np.sqrt(G / 0.5) / (2.0 * np.pi)
+    np.testing.assert_allclose(natural_frequencies(model, {}, hold=["block"]), [pendulum], rtol=1e-9)
+    assert len(natural_frequencies(model, {})) == 2
+    alone = Model(slider_crank(1.0, 2.0, (1.0, 1.0, 1.0), "crank"))
+    assert len(natural_frequencies(alone, {}, hold=["block"])) == 0
+
+
+def test_where_motions_cross_there_are_no_frequencies() -> None:
+    """A parallelogram in line may go on as such, or with its arms against each other."""
+    system = parallelograms([1.0], [1.0], 2.0, 1.0)
+    system.gravity = vector(G, 0)
+    model = Model(system)
+    with pytest.raises(DescriptionError, match="motions cross there; give a position beside it"):
+        natural_frequencies(model, {"arm_0": 0.0, "arm_1": 0.0})
+    # beside it the arms swing as one with the coupler at their ends: g (2 m L/2 + m L) / (2 m L^2/3 + m L^2)
+    swinging = np.sqrt(G * 4.0 / (4.0 * 2.0 / 3.0 + 4.0)) / (2.0 * np.pi)
+    np.testing.assert_allclose(natural_frequencies(model, {f"arm_{k}": 1e-3 for k in range(2)}), [swinging], rtol=1e-5)
+
+
+def test_a_loop_that_repeats_another_takes_no_motion_away() -> None:
+    once, twice = (slider_crank(1.0, 2.0, (1.0, 1.0, 1.0), "crank") for _ in range(2))
+    loop = twice.loops[0]
+    twice.loop("again", loop.gap, gives=[])
+    at = {"crank": 0.3}
+    np.testing.assert_allclose(natural_frequencies(Model(twice, "multipliers"), at), natural_frequencies(Model(once), at), rtol=1e-9)
