@@ -33,15 +33,11 @@ def changed(case: Case, overrides: Mapping[str, str]) -> Case:
     return replace(new, notes=(*kept, *doubted), source=case.source)
 
 
-def scenes(case: Case, source: str) -> Callable[[Mapping[str, Any]], Mechanism]:
+def scenes(case: Case) -> Callable[[Mapping[str, Any]], Mechanism]:
     """The scene of a case with other values by dotted key, texts of a case file, as a function of them.
 
     All studies vary a machine by this function. The scene alone would not do: stiffness and mass of a follower given by its material follow
     from its section, and the start of a crank without an initial speed follows from its torque.
-
-    Args:
-        case: all other values.
-        source: where the values come from, such as `--vary`, for messages.
 
     Raises:
         CaseError: the case, or the scene with its values (from the function), is none with a crank or cannot be; caused by an
@@ -51,7 +47,7 @@ def scenes(case: Case, source: str) -> Callable[[Mapping[str, Any]], Mechanism]:
     document = in_si(replace(written_document(case), overridden={}))
 
     def scene_with(values: Mapping[str, Any]) -> Mechanism:
-        with reported_as(source):
+        with reported_as(case.name):
             return case_of(document.overridden_by(values)).mechanism
 
     return scene_with
@@ -85,7 +81,7 @@ def reported_as_overrides(overrides: Any) -> Iterator[None]:
 
 @contextlib.contextmanager
 def reported_as(source: str) -> Iterator[None]:
-    """Names a source in place of `--set` for mistakes in changes that come from elsewhere, such as `--vary`."""
+    """Names a source in place of `--set` for mistakes in changes that come from elsewhere."""
     try:
         yield
     except CaseError as wrong:

@@ -15,11 +15,26 @@ _MOST_TOLD = 10  # largest number of mistakes in one message: they fit on a term
 _NEAR = 0.6  # share of letters in the same order; below it a name is no typing error
 
 
+class Argument(str):
+    """The source of a mistake in an argument: Python is told the argument's name, the program's user that of the option."""
+
+    option: str
+
+    def __new__(cls, name: str, option: str) -> "Argument":
+        """The argument `name` of a function, which the command line gives as `option`."""
+        new = super().__new__(cls, name)
+        new.option = option
+        return new
+
+    def __reduce__(self) -> tuple[type, tuple[str, str]]:
+        return Argument, (str(self), self.option)
+
+
 class CaseError(ToldError):
     """A mistake in a case; the text is one sentence, followed by one for each further mistake, a line each.
 
     Attributes:
-        source: file name, name of the case, or `--set`.
+        source: file name, name of the case, `--set`, or an `Argument`.
         key: dotted key in it, or None for the file as a whole.
         value: the given value, as written, or None if none was given.
         problem: what is wrong with it.
@@ -45,8 +60,10 @@ class CaseError(ToldError):
 
     @property
     def sentences(self) -> list[str]:
-        """One for each mistake."""
-        return str(self).splitlines()
+        """One for each mistake, which names the option of an `Argument`."""
+        if not isinstance(self.source, Argument):
+            return str(self).splitlines()
+        return [f"{self.source.option}{line.removeprefix(self.source)}" for line in str(self).splitlines()]
 
 
 def together(mistakes: Sequence[CaseError]) -> CaseError:

@@ -22,6 +22,7 @@ from quickreturn.cases.runs import endings
 from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.runs.stability import UNSTABLE
 from quickreturn.cases.sweep.grid import OF_START
+from quickreturn.cases.sweep.measures import ARGUMENT
 from quickreturn.cases.units import in_si
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
@@ -184,7 +185,7 @@ class ResonanceCurve:
             begin = end
 
 
-def range_of(key: str, text: str, option: str = "--vary") -> Range:
+def range_of(key: str, text: str, option: str) -> Range:
     """The range that "a .. b" describes. CaseError: it is invalid."""
     if key not in PATHS or key.startswith("simulation."):
         raise CaseError(option, key, None, "is no quantity of a scene", nearest_or_all(key, tuple(PATHS)))
@@ -205,8 +206,8 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
     """The scene for each value of the varied quantity; arguments and errors as for `resonance_curve`, as far as known beforehand."""
     for name in measures:
         if name not in PEAKS:
-            raise CaseError("--measure", name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
-    scene_with = scenes(case, "--vary")
+            raise CaseError(ARGUMENT, name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
+    scene_with = scenes(case)
     held = {} if speed is None else {SPEED: si_text(SPEED, speed)}
 
     def scene_at(value: float) -> Mechanism:

@@ -168,7 +168,7 @@ def resonance(
         return Resonance(chosen.name, resonance_curve(chosen, varied, held, names, checked(accuracy), claims))
 
 
-def speed_of(text: str | None, option: str = "--speed") -> float | None:
+def speed_of(text: str | None, option: str) -> float | None:
     """A crank speed, rad/s; None for None. CaseError: the text is not a speed, or is zero."""
     speed = None if text is None else si_value(SPEED, text, option)
     if text is not None and speed == 0.0:

@@ -9,7 +9,7 @@ import numpy as np
 
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case, si_text, unit_given
-from quickreturn.cases.errors import CaseError, as_written, texts_given
+from quickreturn.cases.errors import Argument, CaseError, as_written, texts_given
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.reading import parse_case
 from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
@@ -97,7 +97,7 @@ def computed(
     if not axes:
         raise CaseError(case.name, None, None, "nothing varies", 'give a key and values, such as "tip.mass = 0 g; 25 g"')
     if path not in get_args(Path):
-        raise CaseError("path", None, as_written(path), "is unknown", f"accepted are {', '.join(get_args(Path))}")
+        raise CaseError(Argument("path", "--path"), None, as_written(path), "is unknown", f"accepted are {', '.join(get_args(Path))}")
     for name in {engine, *(name for each in axes if each.key == ENGINE for name in each.texts)}:
         usable_engine(name)
     texts = given_settings({engine: settings or {}})[engine]

@@ -43,7 +43,7 @@ def _verdict(result: CaseResult) -> list[str]:
         worst = sorted(checks, key=lambda check: -abs(check.difference) / check.tolerance if check.tolerance else -math.inf)
         lines += [f"  {_departure(check)}" for check in worst[:SHOWN]]
         if len(checks) > SHOWN:
-            lines.append(f"  and {len(checks) - SHOWN} more, which --json lists")
+            lines.append(f"  and {len(checks) - SHOWN} more, which `departures` and --json list")
     if result.passed is None:
         lines.append(f"not judged: {result.reason}")
     departing = {check.engine for check in result.missed}

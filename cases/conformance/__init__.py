@@ -10,7 +10,7 @@ from typing import Final
 
 from quickreturn.cases.conformance.alone import alone
 from quickreturn.cases.conformance.bench import Bench, engine_from
-from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
+from quickreturn.cases.conformance.checks import NOT_QUICK, TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
 from quickreturn.cases.conformance.failures import failures
 from quickreturn.cases.conformance.frequencies import frequencies
 from quickreturn.cases.conformance.motion import motion
@@ -141,5 +141,5 @@ def _checks_by(group: str, outcome: Outcome[list[Check]]) -> list[Check]:
     if isinstance(outcome.error, (Refusal, UnknownEngine)):
         raise outcome.error
     if outcome.failure.startswith(STOPPED):
-        return [Check(group, "not judged", f"left out: it was {outcome.failure}", "try it without --quick")]
+        return [Check(group, "not judged", f"left out: it was {outcome.failure}", NOT_QUICK)]
     return outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]

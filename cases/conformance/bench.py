@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from quickreturn.cases.conformance.checks import Array, LeftOut
+from quickreturn.cases.conformance.checks import NOT_QUICK, Array, LeftOut
 from quickreturn.cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
 from quickreturn.cases.jobs.display import span
 from quickreturn.engines import progress
@@ -154,7 +154,7 @@ class Bench:
         done = len(self._runs)
         ahead = self._spent / self._simulated * motion.duration if self._simulated else 0.0
         if self.seconds is not None and done and time.monotonic() - self._began + ahead > self.seconds:
-            raise LeftOut(f"left out: there was no time for it, a run takes about {span(ahead)}", "try it without --quick")
+            raise LeftOut(f"left out: there was no time for it, a run takes about {span(ahead)}", NOT_QUICK)
         rest = self._spent / done * (self.expected - done) if done else 0.0
         if self.seconds is not None:
             rest = min(rest, self.seconds - (time.monotonic() - self._began))

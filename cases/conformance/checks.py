@@ -20,6 +20,8 @@ LEFT_OUT: Final = "left out"
 _NAMED: Final = 4
 #: Default advice.
 TELL_THE_AUTHOR: Final = "debug it with the scene of this check: cases.conformance.scenes"
+#: Advice where time was short for a check.
+NOT_QUICK: Final = "try the whole comparison, not the quick one"
 
 
 @dataclass(frozen=True)

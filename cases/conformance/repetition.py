@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, engine_from, solution
-from quickreturn.cases.conformance.checks import LEFT_OUT, Array, Check, Fault, Unjudged, check_by
+from quickreturn.cases.conformance.checks import LEFT_OUT, NOT_QUICK, Array, Check, Fault, Unjudged, check_by
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.isolation import STOPPED
@@ -98,7 +98,7 @@ def _columns(engine: AnyEngine, name: str) -> dict[str, Array]:
 def repetition(bench: Bench, other: OtherProcesses) -> Iterator[Check]:
     """Checks of the same scene again, after other scenes, and in another process."""
     if other.reason.startswith(LEFT_OUT):
-        yield Check("twice the same", "not judged", other.reason, "try it without --quick")
+        yield Check("twice the same", "not judged", other.reason, NOT_QUICK)
         return
     if other.reason:
         # a class that exists in this process alone: its last digits may depend on threads, which its own error covers

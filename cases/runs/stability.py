@@ -63,7 +63,7 @@ class Multiplier:
         if self.status == Ending.NEUTRAL:
             return f"a disturbance neither grows nor dies away within the error ({number})"
         if self.status == NOT_CONVERGED:
-            return f"whether a disturbance dies away is not known ({number}); ask for a smaller --accuracy"
+            return f"whether a disturbance dies away is not known ({number}); ask for a smaller accuracy"
         return f"a disturbance grows {size:.7g}-fold in a turn ({self._instability}; {number})"
 
     @property

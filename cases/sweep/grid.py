@@ -11,7 +11,7 @@ import numpy as np
 
 from quickreturn.cases.case import PATHS, Case, si_value, unit_given
 from quickreturn.cases.copies import scenes
-from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.errors import Argument, CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
@@ -24,7 +24,7 @@ ENGINE: Final = "engine"
 OF_START: Final = ("crank.initial_angle", "crank.initial_speed", "simulation.duration", "simulation.output_step")
 #: Largest number of points, on one axis and in all.
 MOST: Final = 1_000_000
-_SOURCE: Final = "--vary"
+VARY: Final = Argument("vary", "--vary")
 _SPEC: Final = "such as 'crank.prescribed_speed = 60 rpm .. 300 rpm : 241' or 'tip.mass = 0 g; 25 g; 50 g'"
 _RANGE: Final = re.compile(r"(?P<log>log\s+)?(?P<first>.+?)\s*\.\.\s*(?P<last>.+?)\s*:\s*(?P<count>\d{1,9})", re.ASCII)
 
@@ -48,24 +48,24 @@ def axis(text: str) -> Axis:
     """The axis that "KEY = a .. b : n", "KEY = log a .. b : n" or "KEY = a; b; c" describes. CaseError: an invalid text."""
     key, sign, values = (part.strip() for part in text.partition("="))
     if not (key and sign and values):
-        raise CaseError(_SOURCE, None, as_written(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
+        raise CaseError(VARY, None, as_written(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
     if key in OF_START:
-        raise CaseError(_SOURCE, key, None, "changes no steady motion", "vary another key")
+        raise CaseError(VARY, key, None, "changes no steady motion", "vary another key")
     unit, several = ("", True) if key == ENGINE else (unit_of(key), PATHS[key].count is not None)
     texts = _ranged(key, values) if ".." in values and key != ENGINE else _listed(key, values)
     for name in texts if key == ENGINE else ():
         if name not in engine_names():
-            raise CaseError(_SOURCE, ENGINE, as_written(name), "is unknown", nearest_or_all(name, engine_names()))
-    numbers = texts if several else tuple(si_value(key, each, _SOURCE) for each in texts)
+            raise CaseError(VARY, ENGINE, as_written(name), "is unknown", nearest_or_all(name, engine_names()))
+    numbers = texts if several else tuple(si_value(key, each, VARY) for each in texts)
     if len(set(numbers)) < len(numbers):
-        raise CaseError(_SOURCE, key, None, "has a value twice", "give each once")
+        raise CaseError(VARY, key, None, "has a value twice", "give each once")
     return Axis(key, texts, numbers, "" if several else unit)
 
 
 def unit_of(key: str) -> str:
     """SI unit of a key. CaseError: there is no such key."""
     if key not in PATHS:
-        raise CaseError(_SOURCE, key, None, "is an unknown key", nearest_or_all(key, (*PATHS, ENGINE)))
+        raise CaseError(VARY, key, None, "is an unknown key", nearest_or_all(key, (*PATHS, ENGINE)))
     return PATHS[key].unit
 
 
@@ -73,7 +73,7 @@ def _listed(key: str, values: str) -> tuple[str, ...]:
     """The values of a list, as written."""
     texts = tuple(text.strip() for text in values.split(";"))
     if not all(texts):
-        raise CaseError(_SOURCE, key, as_written(values), "has an empty value", _SPEC)
+        raise CaseError(VARY, key, as_written(values), "has an empty value", _SPEC)
     return texts
 
 
@@ -81,13 +81,13 @@ def _ranged(key: str, values: str) -> tuple[str, ...]:
     """The values of a range: in the unit of its ends if both have the same one, otherwise in SI."""
 
     def wrong(problem: str, accepted: str) -> CaseError:
-        return CaseError(_SOURCE, key, as_written(values), problem, accepted)
+        return CaseError(VARY, key, as_written(values), problem, accepted)
 
     match = _RANGE.fullmatch(values)
     if not match or not 2 <= (count := int(match["count"])) <= MOST:
         raise wrong("is no range", f"write FIRST .. LAST : COUNT with 2 to {MOST} values, {_SPEC}")
     ends = match["first"], match["last"]
-    low, high = (si_value(key, end, _SOURCE) for end in ends)
+    low, high = (si_value(key, end, VARY) for end in ends)
     if math.isinf(low) or math.isinf(high):
         raise wrong("has no end", "a range needs two finite ends")
     (first, _, unit), (last, _, other) = (end.partition(" ") for end in ends)
@@ -111,9 +111,9 @@ class Grid:
         _ = self.case.mechanism  # CaseError for a follower alone, which has no settled motion
         keys = [each.key for each in self.axes]
         if twice := next((key for key in keys if keys.count(key) > 1), None):
-            raise CaseError(_SOURCE, twice, None, "varies twice", "give each key once")
+            raise CaseError(VARY, twice, None, "varies twice", "give each key once")
         if (points := math.prod(self.shape)) > MOST:
-            raise CaseError(_SOURCE, None, None, f"gives {points} points", f"at most {MOST} are accepted")
+            raise CaseError(VARY, None, None, f"gives {points} points", f"at most {MOST} are accepted")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -151,7 +151,7 @@ def keeps_shapes(key: str) -> bool:
 
 def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanism | Impossible]:
     """The scenes of a case with other values, as texts of a case file; for an impossible one the reason."""
-    scene_with = scenes(case, _SOURCE)
+    scene_with = scenes(case)
 
     def scene(overrides: Mapping[str, str]) -> Mechanism | Impossible:
         try:
@@ -159,7 +159,7 @@ def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanis
         except CaseError as wrong:
             impossible = wrong.__cause__  # why the parts do not fit together
             open_loop = isinstance(impossible, ImpossibleMechanism) and impossible.key == "crank.length"
-            return Impossible(OPEN if open_loop else Ending.REFUSED, str(wrong))
+            return Impossible(OPEN if open_loop else Ending.REFUSED, str(wrong).removeprefix(f"{case.name}: "))
 
     return [scene(overrides) for overrides in changes]
 

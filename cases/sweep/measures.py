@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.errors import Argument, CaseError, as_written
 from quickreturn.cases.loads import Claimed
 from quickreturn.cases.loads.peak import Peak, of_column, of_vector
 from quickreturn.cases.loads.stress import arm_stress
@@ -27,6 +27,8 @@ from quickreturn.reference_model.witnesses import Witness
 #: Value and its error, in the measure's unit; nan where unavailable.
 Measured = tuple[float, float]
 NOTHING: Final[Measured] = (math.nan, math.nan)
+
+ARGUMENT: Final = Argument("measures", "--measure")
 
 _TESTS: Final = "tests/verification/test_witnesses.py::test_"
 _NUMPY: Final = partial(
@@ -86,13 +88,13 @@ class Measure:
         return f"{self.name} is {value:.3g} +- {error:.2g} {self.unit}".removesuffix(" 1") + ", which says nothing"
 
 
-def measure(name: str, source: str = "measures") -> Measure:
-    """The measure of a name. Raises CaseError, which names `source`, for an unknown one, with the nearest."""
+def measure(name: str) -> Measure:
+    """The measure of a name. CaseError: it is unknown; the nearest are named."""
     if name in MEASURES:
         return MEASURES[name]
     near = difflib.get_close_matches(name, MEASURES, 3, 0.4)
     accepted = f"the nearest are {', '.join(near)}" if near else "`quickreturn sweep --help` lists them"
-    raise CaseError(source, None, as_written(name), "is unknown", accepted)
+    raise CaseError(ARGUMENT, None, as_written(name), "is unknown", accepted)
 
 
 def of_columns(name: str, unit: str) -> Iterator[Measure]:

@@ -151,7 +151,7 @@ class _Point:
         """Take a point whose numbers say nothing as one that has not converged."""
         told = "; ".join(filter(None, clauses))
         if told and self.status == Ending.SETTLED:
-            self.status, self.sentence = NOT_CONVERGED, f"{told}; ask for a smaller --accuracy"
+            self.status, self.sentence = NOT_CONVERGED, f"{told}; ask for a smaller accuracy"
 
     def _settings(self) -> ReferenceSettings:
         """Settings of `reference`: runs of all engines begin in its periodic state. Raises Refusal."""

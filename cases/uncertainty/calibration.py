@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 
 from quickreturn.cases.case import Case, si_text, unit_given
 from quickreturn.cases.copies import scenes
-from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.errors import Argument, CaseError, as_written
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.uncertainty.covariance import LOOSE, best_step, covariance, reach, smooth_part, undetermined
 from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, FittedParameter
@@ -30,7 +30,7 @@ from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 
-_SOURCE: Final = "--free"  # the option that messages name
+FREE: Final = Argument("free", "--free")
 #: Accuracy of the final simulations. The search and the derivatives use the engine's default.
 ACCURACY: Final = 1e-4
 #: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of their effect.
@@ -71,17 +71,17 @@ class Free:
     def of_text(cls, text: str, case: Case) -> "Free":
         """The parameter of `KEY` or `KEY = A .. B`. CaseError: no such parameter, or one without a scale and without a range."""
         key, sign, range_ = (part.strip() for part in text.partition("="))
-        parameter = Parameter.of_key(key, _SOURCE)
+        parameter = Parameter.of_key(key, FREE)
         start = parameter.of(case.mechanism)
         if sign:
-            given = distribution(f"uniform {range_}", parameter, _SOURCE)
+            given = distribution(f"uniform {range_}", parameter, FREE)
             low, high = given.first, given.second
             unit, _ = unit_given(parameter.path, range_.split(".."))
             return cls(parameter, start if low < start < high else 0.5 * (low + high), (low, high), unit)
         if not math.isfinite(start) or start == 0.0:
             ends = (si_text(parameter.path, end) for end in (0.1 if parameter.quantity.sign == "positive" else 0.0, 1.0))
             accepted = f'give a range, such as "{key} = {" .. ".join(ends)}"'
-            raise CaseError(_SOURCE, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
+            raise CaseError(FREE, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
         return cls(parameter, start, None, parameter.quantity.unit)
 
     @property
@@ -120,7 +120,7 @@ def frees_of(texts: Sequence[str], case: Case) -> list[Free]:
     frees = [Free.of_text(text, case) for text in texts]
     keys = [free.parameter.key for free in frees]
     if not frees or len({*keys}) < len(keys):
-        raise CaseError(_SOURCE, None, None, f"{as_written(keys)} are no different parameters", "give each key once")
+        raise CaseError(FREE, None, None, f"{as_written(keys)} are no different parameters", "give each key once")
     return frees
 
 
@@ -128,7 +128,7 @@ class _Search:
     """Fits the coordinates `at` of the free parameters, shape (p,), to longer and longer stretches of a table."""
 
     def __init__(self, case: Case, model: TableModel, frees: Sequence[Free]) -> None:
-        self.case, self.model, self.frees, self.scene_with = case, model, frees, scenes(case, _SOURCE)
+        self.case, self.model, self.frees, self.scene_with = case, model, frees, scenes(case)
         self.bounds = tuple(np.transpose([each.bounds for each in frees]))
         self.simulations = 0
         engine, scene = model.engine, case.mechanism

@@ -56,7 +56,7 @@ def command(
     loaded = options.load(case, options.read_overrides(assignments))
     if vary is not None:
         key, _, text = vary.partition("=")
-        varied, held = range_of(key.strip(), text.strip()), speed_of(speed)
+        varied, held = range_of(key.strip(), text.strip(), "--vary"), speed_of(speed, "--speed")
     elif speed is not None:
         varied, held = range_of(SPEED, speed, "--speed"), None
     else:

@@ -64,7 +64,6 @@ def command(
     import numpy as np
 
     from quickreturn.cases.sweep.grid import ENGINE, axis
-    from quickreturn.cases.sweep.measures import measure
     from quickreturn.engines.settings import SettingError
     from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.output import check_writable, print_json, write_file
@@ -86,8 +85,6 @@ def command(
         if not drawable(varied):
             accepted = f"a picture needs a key with finite numbers in order, and at most one more, with such or up to {LINES} values"
             raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
-    for name in measures:
-        measure(name, "--measure")
     workshop = options.opened_workshop([loaded], engines)
     found = computed(loaded, varied, measures or USUAL, engines[0], accuracy, texts, claims, path, workshop)
     dataset = dataset_of(found)

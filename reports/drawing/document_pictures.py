@@ -56,7 +56,7 @@ def main(folder: Path) -> None:
 
 def curve(case: Case, workshop: Workshop) -> Figure:
     """The resonance curve of a case over `CURVE`."""
-    (outcome,) = workshop.outcomes([job(case, range_of(SPEED, CURVE), claims=False)], "resonance curve")
+    (outcome,) = workshop.outcomes([job(case, range_of(SPEED, CURVE, "range"), claims=False)], "resonance curve")
     assert outcome.value is not None
     figure = new_figure(3.0)
     resonance.draw(figure, outcome.value, case.name)

@@ -55,7 +55,7 @@ def by_sweep(case: Case, key: str, value: str) -> Mechanism:
 
 
 def by_resonance(case: Case, key: str, value: str) -> Mechanism:
-    varied = range_of(key, f"{value} .. {si_text(key, 1.01 * _si(key, value))}")
+    varied = range_of(key, f"{value} .. {si_text(key, 1.01 * _si(key, value))}", "range")
     return checked_scenes(case, varied, None, ())(varied.low)
 
 
@@ -129,7 +129,7 @@ def test_every_way_to_change_a_value_gives_the_same_machine(name: str) -> None:
 def test_stored_curves_of_equal_scenes_differ_where_their_files_answer_a_change_differently() -> None:
     of_material = parse_case(FILES["material"], "scene.toml")
     of_numbers = replace(of_material, document=None)
-    thickness, tip = range_of("follower.thickness", "2 mm .. 3 mm"), range_of("tip.mass", "0 g .. 9 g")
+    thickness, tip = (range_of(key, text, "range") for key, text in (("follower.thickness", "2 mm .. 3 mm"), ("tip.mass", "0 g .. 9 g")))
     assert key_of(job(of_material, tip)) == key_of(job(of_numbers, tip)) == key_of(job(replace(of_material, name="other"), tip))
     assert key_of(job(of_material, thickness)) != key_of(job(of_numbers, thickness))
 

@@ -64,7 +64,7 @@ class _Interrupted(Exception):
 def test_an_interrupted_curve_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped several times, it evaluates each time at most one piece of cycles anew; the curve has the same bits."""
     monkeypatch.setattr("quickreturn.cases.resonance_curve.PIECE", 3)
-    asked = job(qr.case("thesis-24"), range_of("crank.prescribed_speed", "150 rpm .. 165 rpm"), accuracy=0.05, claims=False)
+    asked = job(qr.case("thesis-24"), range_of("crank.prescribed_speed", "150 rpm .. 165 rpm", "range"), accuracy=0.05, claims=False)
     plain, cycles, left = CycleFamily.image, [0], [math.inf]
 
     def image(family: CycleFamily, point: Array, value: float) -> Image:
@@ -152,11 +152,11 @@ def test_answers_to_mistakes(call: Call, typed: tuple[str, ...], words: tuple[st
 
 
 def test_other_values_replace_what_excludes_them() -> None:
-    held = checked_scenes(qr.case("thesis-24"), range_of("tip.mass", "0 g .. 25 g"), 10.0, ())(0.02)
+    held = checked_scenes(qr.case("thesis-24"), range_of("tip.mass", "0 g .. 25 g", "range"), 10.0, ())(0.02)
     assert not held.crank_is_free
     assert held.crank.drive.initial_speed == 10.0
     assert held.tip_body.mass == 0.02
-    assert range_of("tip.mass", "0 g .. 25 g").high == pytest.approx(0.025)
+    assert range_of("tip.mass", "0 g .. 25 g", "range").high == pytest.approx(0.025)
 
 
 def test_the_curve_around_a_crank_that_turns_clockwise_is_over_negative_speeds() -> None:

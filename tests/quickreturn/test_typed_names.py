@@ -1,13 +1,17 @@
 """A message about a wrong name shows what was typed, once, and where."""
 
+import pickle
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import quickreturn as qr
 from quickreturn.cases.case import PATHS
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.errors import Argument, CaseError
+from quickreturn.cases.sweep.grid import scenes_of
+from quickreturn.cases.sweep.rows import Impossible
 from quickreturn.cases.uncertainty.calibration import frees_of
 from tests.quickreturn.conftest import Call
 
@@ -20,15 +24,15 @@ WRONG = {"tip.mass": "uniform 0 g .. 1 g"}
     [
         (lambda name: qr.sweep("thesis-24", {"tip.mass": "0 g; 1 g"}, measures=[name]), "measures"),
         (lambda name: qr.sweep("thesis-24", {"tip.mass": "0 g; 1 g"}, measures=name), "measures"),
-        (lambda name: qr.sweep("thesis-24", {name: "0 g; 1 g"}), "--vary"),
+        (lambda name: qr.sweep("thesis-24", {name: "0 g; 1 g"}), "vary"),
         (lambda name: qr.sweep("thesis-24", {"tip.mass": "0 g; 1 g"}, path=name), "path"),
-        (lambda name: qr.resonance("thesis-24", range="60 rpm .. 90 rpm", measures=name), "--measure"),
+        (lambda name: qr.resonance("thesis-24", range="60 rpm .. 90 rpm", measures=name), "measures"),
         (lambda name: qr.resonance("thesis-24", name, "60 rpm .. 90 rpm"), "range"),
         (lambda name: qr.uncertainty("thesis-24", WRONG, [name]), "measures"),
         (lambda name: qr.uncertainty("thesis-24", WRONG, name), "measures"),
         (lambda name: qr.uncertainty("thesis-24", {name: "uniform 0 g .. 1 g"}, ["multiplier"]), "uncertain"),
-        (lambda name: qr.calibrate("thesis-24", SOLVED, name), "--free"),
-        (lambda name: qr.calibrate("thesis-24", SOLVED, [name]), "--free"),
+        (lambda name: qr.calibrate("thesis-24", SOLVED, name), "free"),
+        (lambda name: qr.calibrate("thesis-24", SOLVED, [name]), "free"),
     ],
 )
 def test_python(ask: Callable[[str], Any], told: str) -> None:
@@ -59,13 +63,27 @@ def test_what_is_no_text(ask: Callable[[Any], Any], given: Any) -> None:
         ("sweep", "thesis-24", "--vary", "tip.mass = 0 g; 1 g", "--output", "x.csv", "--measure", "wrong.name"),
         ("sweep", "thesis-24", "--output", "x.csv", "--vary", "wrong.name"),
         ("resonance", "thesis-24", "--speed", "60 rpm .. 90 rpm", "--measure", "wrong.name"),
+        ("calibrate", "thesis-24", "table.csv", "--free", "wrong.name"),
     ],
 )
 def test_the_command(call: Call, typed: tuple[str, ...]) -> None:
+    Path("table.csv").write_text("time [s],crank_angle [rad]\n0,0\n0.1,1\n")
     answer = call(*typed)
     assert (answer.code, answer.output) == (2, "")
     assert f"{typed[-2]}: " in answer.errors
     assert answer.errors.count("wrong.name") == 1
+
+
+def test_a_scene_of_a_study_that_cannot_be_names_no_option() -> None:
+    """The sentence is stored with the point, whoever asked: `qr.sweep`, `qr.uncertainty` or the command."""
+    (scene,) = scenes_of(qr.case("thesis-24"), [{"crank.length": "21 in"}])
+    assert isinstance(scene, Impossible)
+    assert scene.sentence.startswith('crank.length: "21 in"')
+
+
+def test_a_mistake_in_an_argument_is_the_same_after_pickling() -> None:
+    wrong = pickle.loads(pickle.dumps(Argument("free", "--free")))
+    assert (wrong, wrong.option) == ("free", "--free")
 
 
 def test_a_key_that_replaces_another_names_what_it_needs() -> None:
