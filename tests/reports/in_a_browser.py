@@ -3,6 +3,7 @@
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
@@ -59,37 +60,64 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     return (folder / "index.html").as_uri()
 
 
+class Tabs:
+    """The browser's tabs, which tests use one after the other: opening one takes as long as all else that a test does in it."""
+
+    def __init__(self, browser: Browser) -> None:
+        self.complaints: list[str] = []
+        self._browser = browser
+        self._free: dict[tuple[Any, ...], list[Page]] = {}
+        self._taken: list[tuple[list[Page], Page]] = []
+
+    def take(self, watched: bool, **about: Any) -> Page:
+        """A free one, in a context with these options; `watched`: what is drawn is kept."""
+        free = self._free.setdefault((watched, *sorted(about.items())), [])
+        page = free.pop() if free else self._new(watched, **about)
+        self._taken.append((free, page))
+        return page
+
+    def _new(self, watched: bool, **about: Any) -> Page:
+        page = self._browser.new_context(**about).new_page()
+        if watched:
+            page.add_init_script(WATCHING)
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("console", lambda message: self.complaints.append(message.text) if message.type == "error" else None)
+        page.on("request", lambda request: self.complaints.append(request.url) if request.url.startswith("http") else None)
+        return page
+
+    def leave_all(self) -> list[str]:
+        """Make all free for the next test; returns what the browser complained of."""
+        for free, page in self._taken:
+            page.goto("about:blank")
+            page.emulate_media(media="null")
+            page.mouse.move(0, 0)
+            free.append(page)
+        self._taken.clear()
+        complaints, self.complaints = self.complaints, []
+        return complaints
+
+
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+def tabs() -> Iterator[Tabs]:
     assert CHROMIUM is not None, "no Chromium was found, and CI is true"
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
+        yield Tabs(browser)
         browser.close()
 
 
 @pytest.fixture
-def opened(browser: Browser, address: str) -> Iterator[Open]:
+def opened(tabs: Tabs, address: str) -> Iterator[Open]:
     """Open the page at a place in it; whatever the browser complains of fails the test."""
-    complaints: list[str] = []
-    contexts = []
 
     def open_page(
         place: str = "", url: str = address, width: int = 1400, height: int = 900, watched: bool = False, **about: object
     ) -> Page:
-        context = browser.new_context(viewport={"width": width, "height": height}, **about)  # type: ignore[arg-type]
-        contexts.append(context)
-        page = context.new_page()
-        if watched:
-            page.add_init_script(WATCHING)
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
-        page.on("request", lambda request: complaints.append(request.url) if request.url.startswith("http") else None)
+        page = tabs.take(watched, **about)
+        page.set_viewport_size({"width": width, "height": height})
         page.goto(url + place)
         page.wait_for_selector("html[data-ready=true]", timeout=10_000)
         return page
 
     yield open_page
-    for context in contexts:
-        context.close()
-    assert complaints == []
+    assert tabs.leave_all() == []

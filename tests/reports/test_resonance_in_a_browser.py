@@ -9,12 +9,12 @@ from quickreturn.reports.findings.resonance import Around
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
-from tests.reports.in_a_browser import Open, browser, opened
+from tests.reports.in_a_browser import Open, opened, tabs
 from tests.reports.made_up_resonance import RPM, height, made_up_around, speed
 from tests.reports.reported_results import reported_result
 from tests.reports.test_charts_in_a_browser import TEXTS, meet
 
-__all__ = ["browser", "opened"]
+__all__ = ["opened", "tabs"]
 
 AROUND = made_up_around()
 
