@@ -1,10 +1,12 @@
 """Keeps the outcome of a verification for the report: `pytest -m verify --keep-outcome`."""
 
+import gc
 import json
 import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -31,6 +33,15 @@ from tests.slices import LONGEST, Portion, Slices, add_options, slice_of  # noqa
 
 hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
 hypothesis.settings.load_profile("quickreturn")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Modules and tests stay to the end: that the collector of garbage looks at them again and again takes a fifth of the collection."""
+    gc.disable()
+    yield
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -1,10 +1,14 @@
 """Natural frequencies with the crank held, of every engine alike."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.natural_frequencies import natural_frequencies
+from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.rigid import follower_inertia, rigid_motion
@@ -49,3 +53,32 @@ def test_a_rigid_follower_swings_on_a_soft_joint(name: str) -> None:
     chosen = engine(name)
     found = chosen.natural_frequencies(scene, 1.0, 4, chosen.settings_for(chosen.default_accuracy, scene))
     np.testing.assert_allclose(found, [expected / (2.0 * math.pi)], rtol=1e-9)
+
+
+class Answers(ReferenceEngine):
+    """Gives a made-up answer."""
+
+    def __init__(self, answer: Any) -> None:
+        self.answer = answer
+
+    def natural_frequencies(self, *_: Any) -> Any:
+        return self.answer
+
+
+@pytest.mark.parametrize(
+    ("answer", "wrong"),
+    [
+        ([10.0, math.nan], r"that are not finite: \[10.0, nan\]"),
+        ([10.0, math.inf], "that are not finite"),
+        ([-1.0, 10.0], "below zero"),
+        ([20.0, 10.0], "that do not ascend"),
+        (["10", "20"], "that are no list of numbers"),
+        ([10.0 + 1.0j], "that are no list of numbers"),
+        ([[10.0, 20.0]], "that are no list of numbers"),
+        ([[10.0], [20.0, 30.0]], "that are no list of numbers"),
+        (None, "that are no list of numbers: None"),
+    ],
+)
+def test_frequencies_that_cannot_be_are_the_engines_failure(answer: Any, wrong: str) -> None:
+    with pytest.raises(EngineFailure, match=f"the engine returned natural frequencies {wrong}"):
+        natural_frequencies(Answers(answer), run_24(), 0.0, 2, settings_of("reference"))

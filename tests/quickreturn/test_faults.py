@@ -50,7 +50,7 @@ _PLACE = f"faulty_engines.py, line {next(number for number, line in enumerate(_L
 FAULTS = {
     "raises": f"failed at t = 0 s: the engine raised ZeroDivisionError at {_PLACE}: a bug; report this to the author of the engine",
     "returns-nan": "failed at t = 0.0008 s: strain_2 is no longer a finite number; try finer settings",
-    "hoards": "ran out of memory (memory limit of 1 GiB)",
+    "hoards": "ran out of memory (memory limit of 0.25 GiB)",
     "hoards-in-c": 'killed by SIGABRT (its last words: "fatal error: cannot allocate memory")',
     "segfaults": "killed by SIGSEGV",
     "is-killed": "killed by SIGKILL (by the user, or by the system for lack of memory)",
@@ -58,7 +58,7 @@ FAULTS = {
     "cuts-the-line": "cut its connection to the runner",
     "fills-the-disk": "raised OSError: [Errno 28] No space left on device",
     "says-nonsense": "its result cannot be stored: Out of range float values are not JSON compliant",
-    "hangs": "stopped at the time limit of 12 s",  # the last engines are started first: all others run meanwhile
+    "hangs": "stopped at the time limit of 6 s",  # the last engines are started first: all others run meanwhile
 }
 
 
@@ -106,6 +106,13 @@ def nothing_half_done(folder: Path) -> bool:
     return not [file for file in folder.rglob("*.part") if "packages" not in file.parts]
 
 
+@pytest.fixture
+def no_resonance_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports without the motion at other speeds, which none of these engines computes and which takes seconds."""
+    monkeypatch.setattr("quickreturn.reports.report.jobs_around", lambda cases: {})
+    monkeypatch.setattr("quickreturn.reports.report.curves_around", lambda cases, workshop: ())
+
+
 # --- engines that misbehave ------------------------------------------------------------------------------------------------------
 
 
@@ -113,7 +120,7 @@ class Campaign:
     """One run of all faulty engines between two sound ones."""
 
     def __init__(self, folder: Path) -> None:
-        limits = ("--time-limit", "12 s", "--memory-limit", "1", "--jobs", "3")
+        limits = ("--time-limit", "6 s", "--memory-limit", "0.25", "--jobs", "3")
         program = started(
             "run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder)
         )
@@ -151,6 +158,7 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
     assert nothing_half_done(campaign.folder)
 
 
+@pytest.mark.usefixtures("no_resonance_curve")
 def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "segfaults", "not-installed")
     monkeypatch.setattr("quickreturn.engines.registry.MAIN", names)
@@ -165,6 +173,7 @@ def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.Mo
     assert "no_such_library" in page
 
 
+@pytest.mark.usefixtures("no_resonance_curve")
 def test_a_report_asks_engines_as_run_does(place: Path, call: Call) -> None:
     """A run with the same settings and accuracy finds the report's result in the store."""
     asked = ("small.toml", "--engine", "sound", "--set", "sound.step=0.2", "--accuracy", "0.05")

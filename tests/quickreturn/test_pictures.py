@@ -83,7 +83,14 @@ def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajec
         positions_of(CASE.scene, Trajectory(columns, 0.0), trajectory["time"])
 
 
-def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(trajectory: Trajectory, tmp_path: Path) -> None:
+@pytest.fixture
+def few_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A turn in few pictures: each takes some hundredths of a second."""
+    monkeypatch.setattr("quickreturn.reports.drawing.animation.FRAMES", 6)
+
+
+@pytest.mark.usefixtures("few_frames")
+def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(tmp_path: Path) -> None:
     solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6}, store=False)
     solution.animate(tmp_path / "out.html")
     page = (tmp_path / "out.html").read_text()
@@ -103,6 +110,7 @@ def test_a_picture_names_its_parts_and_the_crank_angle() -> None:
     assert texts == {"O", "P", "crank", "slider", "follower", "tip", "crank at 120°"}
 
 
+@pytest.mark.usefixtures("few_frames")
 def test_a_case_without_a_crank_can_be_drawn() -> None:
     case = load_case("spin-up")
     assert not isinstance(case.scene, Mechanism)

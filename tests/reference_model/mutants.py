@@ -11,7 +11,8 @@ HUNTS: Final[dict[str, Hunt]] = {"beam": beam_mutants.HUNT, "joint": joint_mutan
 def main() -> None:
     """Print for each set of equations the number of changes, of those without effect, and of those noticed; then those that are missed."""
     for name, hunt in HUNTS.items():
-        changes, missed = hunt.sites[0], hunt.survivors()
+        changes = hunt.sites[0]
+        missed = hunt.survivors(changes)
         without_effect = sum((site.function, site.flip) in hunt.equivalent for site in changes)
         noticed = len(changes) - without_effect - len(missed)
         print(f"{name}: {len(changes)} changes, {without_effect} without effect, {noticed} noticed, {len(missed)} missed")

@@ -308,11 +308,11 @@ class Hunt:
         """The differences of all checks."""
         return [check.difference(functions) for check in self.checks()]
 
-    def survivors(self) -> list[str]:
-        """Mutants that no check notices."""
+    def survivors(self, tried: Sequence[Site]) -> list[str]:
+        """Of the mutants of these sites those that no check notices."""
         return [
             str(site)
-            for site in self.sites[0]
+            for site in tried
             if (site.function, site.flip) not in self.equivalent
             and all(check.difference(mutated) <= self.tolerance for mutated in [mutant(self.source, site)] for check in self.checks())
         ]

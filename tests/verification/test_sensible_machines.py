@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,9 +30,8 @@ SURELY_SETTLING = 0.85
 TOO_VIOLENT = 0.05
 #: Machines that a slice of the long tests computes.
 DRAWN = 10
-#: Three of the two hundred that are quick to compute: driven and prescribed, with a tip body and without, 7, 19 and 255 times as fast in
-#: bending as the crank turns, keeping 0 to 0.7 of a disturbance in a cycle.
-QUICK = (28, 41, 53)
+#: Number of that of the two hundred which takes least time.
+QUICK = 53
 
 
 def machines(count: int) -> list[Case]:
@@ -88,11 +88,12 @@ def test_machines_are_the_same_each_time() -> None:
     assert machines(1) == machines(1)
 
 
-def test_three_quick_machines_settle_and_engines_agree(record_property: Any, tmp_path: Any) -> None:
-    every = machines(QUICK[-1])
-    found = [every[number - 1] for number in QUICK]
-    assert all(stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO for case in found)
-    check(cross_validate(found, Workshop(Store(tmp_path)), ENGINES), record_property)
+def test_a_quick_machine_settles_and_engines_agree(tmp_path: Path) -> None:
+    case = machines(QUICK)[-1]
+    assert stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO
+    (result,) = cross_validate([case], Workshop(Store(tmp_path)), ENGINES)
+    assert all(run.status == "settled" for run in result.runs.values())
+    assert verdict(result) == ""
 
 
 @pytest.mark.verify

@@ -4,6 +4,7 @@ import dataclasses
 import math
 import re
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from quickreturn.cases.conformance.alone import CHANGES as ALONE
 from quickreturn.cases.conformance.bench import Bench
 from quickreturn.cases.conformance.checks import Fault, check_by
 from quickreturn.cases.conformance.quantities import followed
-from quickreturn.cases.conformance.repetition import PARTS, OtherProcesses, elsewhere, repetition, scenes_in_turn
+from quickreturn.cases.conformance.repetition import PARTS, OtherProcesses, elsewhere, one_scene, repetition, scenes_in_turn
 from quickreturn.cases.conformance.scenes import BASE, CHANGES
 from quickreturn.cases.conformance.settings import does_something, stated_errors
 from quickreturn.cases.conformance.together import PARTS as PARTS_AT_ONCE
@@ -108,8 +109,9 @@ def test_a_mistake_is_named(name: str) -> None:
     _is_found_out(name)
 
 
-def test_a_mistake_of_a_column_is_told_once() -> None:
-    found = conform(MUTANTS["percent"][0](), groups=("motion", "resolution"))
+@pytest.mark.parametrize("groups", [("motion",), pytest.param(("motion", "resolution"), marks=pytest.mark.verify)], ids="+".join)
+def test_a_mistake_of_a_column_is_told_once(groups: tuple[str, ...]) -> None:
+    found = conform(MUTANTS["percent"][0](), groups=groups)
     assert {check.check for check in found.failed} == {"column strain_1", "column strain_2", "column strain_3"}
 
 
@@ -177,16 +179,22 @@ def test_threads_may_add_in_another_order(monkeypatch: pytest.MonkeyPatch) -> No
     assert all(check.status == "passed" for check in repetition(Bench(Threaded()), other))
 
 
-@pytest.mark.parametrize(
-    ("kind", "part"),
-    [
-        pytest.param(KeepsCrank, "crank", marks=pytest.mark.verify),
-        (KeepsTip, "tip"),
-        pytest.param(KeepsFollower, "follower", marks=pytest.mark.verify),
-    ],
-)
-def test_a_part_kept_of_an_earlier_scene_is_named(kind: type[Keeps], part: str) -> None:
-    failed = [check for check in repetition(Bench(kind()), elsewhere(kind())) if check.status == "failed"]
+def in_this_process(kind: type[Keeps]) -> OtherProcesses:
+    """What `elsewhere` finds in other processes, each of which begins with nothing kept."""
+
+    def begun_anew(name: str) -> dict[str, Any]:
+        kind.kept.clear()
+        return one_scene(kind(), name)
+
+    kind.kept.clear()
+    in_turn = scenes_in_turn(kind())
+    return OtherProcesses(in_turn, {name: begun_anew(name) for name in ("the mild scene", "in another process", *PARTS)})
+
+
+@pytest.mark.parametrize("results", [in_this_process, pytest.param(lambda kind: elsewhere(kind()), marks=pytest.mark.verify)])
+@pytest.mark.parametrize(("kind", "part"), [(KeepsCrank, "crank"), (KeepsTip, "tip"), (KeepsFollower, "follower")])
+def test_a_part_kept_of_an_earlier_scene_is_named(kind: type[Keeps], part: str, results: Callable[[type[Keeps]], OtherProcesses]) -> None:
+    failed = [check for check in repetition(Bench(kind()), results(kind)) if check.status == "failed"]
     assert [check.check for check in failed] == [f"nothing kept of an earlier {part}"]
     assert f"the {part} of an earlier scene is kept" in failed[0].cause
 
