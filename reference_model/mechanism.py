@@ -393,6 +393,17 @@ class Mechanism(_Bodies):
         return isinstance(self.crank.drive, TorqueDrive)
 
     @property
+    def loses_energy(self) -> bool:
+        """Whether damping or friction anywhere takes energy from a vibration."""
+        base, follower, slider = self.base, self.follower, self.slider
+        drive = self.crank.drive.damping if isinstance(self.crank.drive, TorqueDrive) else 0.0
+        losses = (
+            *(base.damping, base.friction_torque, follower.damping, follower.material_damping, drive),
+            *(slider.joint_damping, slider.contact_damping, slider.friction, slider.friction_force),
+        )
+        return any(loss > 0.0 for loss in losses)
+
+    @property
     def crank_mass(self) -> float:
         """Mass of all that turns with the crank, kg: the crank and the slider."""
         return self.crank.mass + self.slider.mass

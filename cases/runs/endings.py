@@ -47,8 +47,8 @@ _MEANINGS: Final[Mapping[Ending, tuple[str, ExitCode]]] = MappingProxyType(
     {
         Ending.SETTLED: ("reached its steady state, and by its own estimate the accuracy asked", ExitCode.GOOD),
         Ending.NEUTRAL: (
-            "repeats, but its largest Floquet multiplier is 1 within its error: a disturbance neither grows nor dies away; its numbers are"
-            " used",
+            "repeats, but a disturbance neither grows nor dies away: its largest Floquet multiplier is 1 within its error, or nothing takes"
+            " energy from it; its numbers are used",
             ExitCode.GOOD,
         ),
         Ending.INACCURATE: (

@@ -223,6 +223,9 @@ class _RunInProgress:
         elif not settling.settled:
             self.note(settling=settling.outlook)
             self.add_remark(f"not settled after {settling.cycles} cycles: {settling.outlook.sentence()}")
+        if self.run.settled and multiplier is None and not self._mechanism.loses_energy:
+            self._neutral = True
+            self.add_remark("a disturbance neither grows nor dies away, because nothing in the scene takes energy from it")
         return cycles
 
     def _noted(self, cycles: Iterable[Cycle]) -> Iterator[Cycle]:
