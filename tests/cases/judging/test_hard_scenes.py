@@ -11,7 +11,7 @@ from quickreturn.cases.jobs.job import Limits
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.judging.matrix import REQUESTED, Matrix, judge_scenes
+from quickreturn.cases.judging.matrix import Matrix, judge_scenes
 from quickreturn.cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
@@ -77,7 +77,7 @@ def test_a_process_that_dies_is_a_verdict_and_not_a_gap(tmp_path: Path) -> None:
 
 
 @pytest.mark.verify
-def test_one_claim_of_the_whole_matrix_is_too_small(record_property: Callable[[str, object], None]) -> None:
+def test_no_claim_of_the_whole_matrix_is_too_small(record_property: Callable[[str, object], None]) -> None:
     """Stored where the report finds it; what was computed before is taken from there."""
     scenes = [load_case(entry.name) for entry in catalogue(TAG)]
     matrix = judge_scenes(scenes, Workshop(Store()))
@@ -85,7 +85,5 @@ def test_one_claim_of_the_whole_matrix_is_too_small(record_property: Callable[[s
     checked = [cell for cell in matrix.cells.values() if cell.holds is not None]
     record_property("claims checked", len(checked))
     record_property("claims that do not hold", len(matrix.silently_wrong))
-    # known: `exudyn` claims 0.59 % in run 24 at twice its speed and is 0.68 % off, of 1 % asked
-    assert {(cell.scene, cell.engine) for cell in matrix.silently_wrong} <= {("hard-speed-x2", "exudyn")}
-    assert all(cell.true_error is not None and cell.true_error < REQUESTED for cell in matrix.silently_wrong)
+    assert not matrix.silently_wrong
     assert checked
