@@ -79,6 +79,6 @@ def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
         raise Fault("; ".join(finding.cause for finding in list(wrong.values())[:3]), next(iter(wrong.values())).advice)
     moves = {name: run[name] for name in compared_columns(run, DECISIVE, right) if name not in told}
     if model := acts_as_if(motion, moves, bench.tolerances(motion)):
-        raise Fault(model.cause, model.advice)
+        raise Fault(model.finding.cause, model.finding.advice)
     worst = sorted(wrong, key=lambda name: -off[name])
     raise Fault(f"{some([f'{name} is off by {share_of(off[name])}' for name in worst])}", "compare it with reference's follower alone")

@@ -4,7 +4,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -41,7 +41,14 @@ _SCALED: Final = (
 Departure = Callable[[Scene], Array]
 
 
-def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> Finding | None:
+class WrongModel(NamedTuple):
+    """A mistake of the model that explains a motion."""
+
+    finding: Finding
+    acts_as: Variation  # the scene that the engine computes, as a variation of the one asked for
+
+
+def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[str, float] | None) -> WrongModel | None:
     """The single wrong quantity that explains the motion from the standard start, if there is one.
 
     Args:
@@ -67,12 +74,13 @@ def acts_as_if(motion: Motion, moves: Mapping[str, Array], tolerances: Mapping[s
     tried = list(_others(scene, effect))
     for begin in _BEGIN[:1] if small else _BEGIN:
         tried += _factors(scene, shown, effect, begin)
-        if explained := explain(shown, 0.0 * shown, tried, noise=1.0):
-            return Finding(f"the motion is that with {explained.words}", explained.advice, explained.remainder)
+        if explained := explain(shown, 0.0 * shown, [hypothesis for _, hypothesis in tried], noise=1.0):
+            finding = Finding(f"the motion is that with {explained.words}", explained.advice, explained.remainder)
+            return WrongModel(finding, next(of for of, hypothesis in tried if explained.words.startswith(hypothesis.words)))
     return None
 
 
-def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
+def _others(scene: Scene, effect: Departure) -> Iterator[tuple[Variation, Hypothesis]]:
     """Scenes with a mistake that has no free number."""
     others: dict[str, dict[str, Any]] = {
         "no tip body": {"tip": None},
@@ -84,8 +92,9 @@ def _others(scene: Scene, effect: Departure) -> Iterator[Hypothesis]:
     tried = [Variation(words, values) for words, values in others.items()]
     for path in _scaled(scene):
         tried += [Variation(f"{_key(path)} {words} as large", scaled={path: factor}) for factor, words in _SIMPLE.items()]
+    of = {each.name: each for each in tried}
     for words, values in possible_results(scene, tried, effect):
-        yield Hypothesis(words, _advice(words), values)
+        yield of[words], Hypothesis(words, _advice(words), values)
 
 
 def _key(path: str) -> str:
@@ -125,7 +134,7 @@ def _scaled(scene: Scene) -> list[str]:
     return [path for path, value in values.items() if isinstance(value, float) and math.isfinite(value) and value != 0.0]
 
 
-def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Iterator[Hypothesis]:
+def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Iterator[tuple[Variation, Hypothesis]]:
     """For each quantity the factor that explains most, found by secants from `begin`."""
     for path in _scaled(scene):
 
@@ -147,4 +156,4 @@ def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Ite
                     break
                 slope = (there - before) / step
             words = f"{_key(path)} {factor:.4g} times as large"
-            yield Hypothesis(words, _advice(words), there, fitted=1)
+            yield Variation(words, scaled={path: factor}), Hypothesis(words, _advice(words), there, fitted=1)

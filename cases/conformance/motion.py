@@ -13,7 +13,7 @@ import numpy as np
 
 from quickreturn.cases.conformance.bench import DECISIVE, ROUNDING, Bench, Motion, bent_start, compared_columns, solution, truth
 from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, Fault, check_by, some
-from quickreturn.cases.conformance.models import acts_as_if
+from quickreturn.cases.conformance.models import WrongModel, acts_as_if
 from quickreturn.cases.conformance.rows import output_steps, pieces
 from quickreturn.cases.conformance.scenes import OUTPUT_STEP, SOFT
 from quickreturn.cases.explanation import Hypothesis, explain
@@ -67,7 +67,7 @@ class MistakesInMildScene(NamedTuple):
     late: Mapping[str, Check]  # columns that come late with a coarser output step
     depending: Mapping[str, Check]  # columns that depend on the output step in another way
     findings: Mapping[str, Finding]  # other wrong columns
-    model: Finding | None  # a mistake of the model that explains these findings
+    model: WrongModel | None  # a mistake of the model that explains these findings
 
     @property
     def columns(self) -> frozenset[str]:
@@ -99,13 +99,15 @@ def mistakes_in_mild_scene(bench: Bench, *, steps: bool = True) -> MistakesInMil
 
 
 def _columns(
-    bench: Bench, motion: Motion, kind: str, wrong: set[str], wrong_columns: Mapping[str, Finding], model: Finding | None = None
+    bench: Bench, motion: Motion, kind: str, wrong: set[str], wrong_columns: Mapping[str, Finding], model: WrongModel | None = None
 ) -> Iterator[Check]:
     """Each column against `reference`; or the model, if it explains several at once."""
     run, off = bench.run(motion), {name: error for name, error in bench.errors(motion).items() if name not in wrong}
     if model is not None:
         worst = max(wrong_columns, key=lambda name: off[name])
-        yield Check(f"{kind}s together", "failed", f"{model.cause} ({worst} is off by {share_of(off[worst])})", model.advice)
+        yield Check(
+            f"{kind}s together", "failed", f"{model.finding.cause} ({worst} is off by {share_of(off[worst])})", model.finding.advice
+        )
         wrong.update(off)
         return
     before = sorted(wrong & set(run.columns))

@@ -1,7 +1,10 @@
 """Every quantity of the scene changed in turn, and all at once: the engine follows as `reference` does, or refuses."""
 
+import contextlib
+import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -11,12 +14,12 @@ from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, 
 from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, known_mistakes
 from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.conformance.together import together
-from quickreturn.cases.explanation import Hypothesis, explain
+from quickreturn.cases.explanation import UNEXPLAINED, Hypothesis, explain
 from quickreturn.cases.mistakes import share_of
-from quickreturn.cases.variation import possible_results
+from quickreturn.cases.variation import Variation, possible_results
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene, changed
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene, changed
 
 #: Part of the effect below which a quantity counts as without effect.
 _NONE: Final = 0.02
@@ -55,7 +58,9 @@ def quantities(bench: Bench) -> Iterator[Check]:
 def _each(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
     """A check for each of `CHANGES`; a single check if most are ignored."""
     told = set(wrong.columns)
-    checks = [check_by(f"quantity {change.name}", followed, bench, bench.scene, change, wrong.motion, told) for change in CHANGES]
+    acts_as = wrong.model and wrong.model.acts_as
+    look = functools.partial(followed, wrong=wrong.motion, told=told, acts_as=acts_as)
+    checks = [check_by(f"quantity {change.name}", look, bench, bench.scene, change) for change in CHANGES]
     ignored = [check for check in checks if check.cause.endswith(_IGNORED)]
     if len(ignored) > _MOST * len(checks):
         names = some([check.check.removeprefix("quantity ") for check in ignored])
@@ -65,10 +70,11 @@ def _each(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
     yield from checks
 
 
-def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str]) -> str:
+def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[str], acts_as: Variation | None = None) -> str:
     """Check that the engine follows a change of a scene; its motion without the change is right or `wrong`.
 
-    Columns with wrong rows are reported once: those found here are added to `told`. Raises as a function for `check_by` may.
+    A motion that is wrong may be that of another scene, which the engine `acts_as`: beside that mistake the change may be followed. Columns
+    with wrong rows are reported once: those found here are added to `told`. Raises as a function for `check_by` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
     of_drive = any(path.startswith("crank.drive.") for path in change.given)
@@ -104,6 +110,8 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
     if worst and not wrong:
         _tell_of_rows(bench, after, told)
+    if acts_as is not None and effect.left(given, (before, after), acts_as) <= UNEXPLAINED:
+        return f"it is followed beside the mistake in the mild scene, {acts_as.name}"
     if mistake := _mistake(change, context, given, right, effect, worst, None if worst is None or wrong else share):
         raise Fault(mistake, advice)
     off = f"the effect is off by {share_of(left)}"
@@ -129,6 +137,13 @@ class _Effects:
         """The effect as one array, column after column; `among`: these columns, None: all."""
         names = self.names if among is None else [name for name in self.names if name in among]
         return np.concatenate([(second[name] - first[name]) / self._sizes[name] for name in names]) if names else np.zeros(0)
+
+    def left(self, given: Sequence[Mapping[str, Array]], motions: Sequence[Motion], acts_as: Variation) -> float:
+        """Part of the effect in the scene that an engine acts as which its own leaves; infinite if there is no such scene."""
+        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
+            due = self.between(*(solution(replace(motion, scene=acts_as.of(motion.scene))) for motion in motions))
+            return rms(self.between(*given) - due) / (rms(due) or math.inf)
+        return math.inf
 
 
 def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:

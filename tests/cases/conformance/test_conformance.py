@@ -20,6 +20,7 @@ from quickreturn.cases.conformance.scenes import BASE, CHANGES
 from quickreturn.cases.conformance.settings import does_something, stated_errors
 from quickreturn.cases.conformance.together import PARTS as PARTS_AT_ONCE
 from quickreturn.cases.conformance.together import everything
+from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import AnyEngine, Comparison, Simulation
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
@@ -77,14 +78,13 @@ class Boastful(ReferenceEngine):
 
 
 class Stiffer(ReferenceEngine):
-    """Its follower is by a factor too stiff."""
+    """Stiffness and damping of its follower are too large by factors."""
 
-    def __init__(self, times: float) -> None:
-        self.times = times
+    def __init__(self, times: float, damping: float = 1.0) -> None:
+        self.wrong = Variation("wrong", scaled={"follower.bending_stiffness": times, "follower.damping": damping})
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> Simulation:
-        stiffness = {"follower.bending_stiffness": self.times * mechanism.follower.bending_stiffness}
-        return super().prepare(changed(mechanism, stiffness), start, settings)
+        return super().prepare(self.wrong.of(mechanism), start, settings)
 
 
 #: Time of a quick trial in which the slow engine makes a few runs, and what may be compiled or loaded besides, s.
@@ -121,13 +121,35 @@ def test_estimates_that_are_too_small_are_no_mistake_of_columns() -> None:
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize(("times", "accused_besides"), [(1.02, ()), (1.05, ()), (1.3, ("quantity follower.damping",))])
-def test_a_quantity_that_is_off_is_found_with_its_factor(times: float, accused_besides: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("times", [1.02, 1.05, 1.3])
+def test_a_quantity_that_is_off_is_found_with_its_factor(times: float) -> None:
     """With a stiffness 1.3 times as large the motion is so different that the damping, which is right, seems to act half as strongly."""
     found = conform(Stiffer(times), groups=("motion", "quantities", "resolution"))
-    check, *others = found.failed
+    (check,) = found.failed
     assert re.search(rf"follower.bending_stiffness {times:g}\d* times as large", check.cause), check.cause
-    assert tuple(each.check for each in others) == accused_besides
+    (damping,) = (each for each in found.checks if each.check == "quantity follower.damping")
+    assert damping.status == "passed"
+
+
+@pytest.mark.parametrize(
+    ("times", "damping", "status", "words"),
+    [
+        (1.3, 1.0, "passed", "followed beside the mistake"),
+        (1.3, 0.0, "failed", "is ignored"),
+        (1.3, 1.3, "not judged", "so is the motion"),
+        (1.3, 2.0, "not judged", "so is the motion"),
+        (1.0, 2.0, "failed", "acts"),
+        (1.0, 0.5, "failed", "acts"),
+        (1.0, 0.0, "failed", "is ignored"),
+    ],
+)
+def test_a_damping_is_held_against_the_scene_that_the_engine_acts_as(times: float, damping: float, status: str, words: str) -> None:
+    """In the wrong scene a right damping seems to act half as strongly, and a wrong one is not taken for right."""
+    bench, (change,) = Bench(Stiffer(times, damping)), (each for each in CHANGES if each.name == "follower.damping")
+    acts_as = Variation("stiffer", scaled={"follower.bending_stiffness": times}) if times != 1.0 else None
+    check = check_by("damping", followed, bench, bench.scene, change, acts_as is not None, set(), acts_as)
+    assert check.status == status, check
+    assert re.search(words, check.cause), check.cause
 
 
 @pytest.mark.verify
