@@ -283,7 +283,7 @@ class Compiling(FakeEngine):
     """Keeps the processor busy for its first model or its first frequencies, or only waits."""
 
     compiles = True
-    busy = 0.5  # s
+    busy = 0.2  # s
     idle = 0.0
 
     def prepare(self, *arguments: Any) -> qr.Simulation:
@@ -304,7 +304,7 @@ class Compiling(FakeEngine):
 class Loading(Compiling):
     """Takes long by the clock alone, as on a busy machine."""
 
-    busy, idle = 0.0, 0.5
+    busy, idle = 0.0, 0.2
 
 
 @pytest.mark.parametrize(
@@ -316,7 +316,7 @@ def test_the_person_who_waits_for_a_compiler_is_told_once(
     call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     told = "  fake: compiling its equations, once for this machine; that takes some fifteen seconds ...\n"
-    monkeypatch.setattr("quickreturn.cases.jobs.display.COMPILING_AFTER", 0.1)
+    monkeypatch.setattr("quickreturn.cases.jobs.display.COMPILING_AFTER", 0.05)
     call("small.toml", Compiling())
     assert capfd.readouterr() == ("", told)
     call("small.toml", Compiling(), quiet=True)
