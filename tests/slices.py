@@ -32,20 +32,21 @@ UNREACHED = "not begun: the slice's time is over"
 
 #: The files of quick tests that take longest come first, so that no process is left alone with one at the end.
 LONGEST = (
+    "test_derived_engine",  # compiles
     "test_faults",
     "test_page_in_a_browser",
     "test_documents",
-    "test_sensible_machines",
+    "test_plots",
     "test_processes",
-    "test_several",
-    "test_bad_input",
-    "test_pictures",
-    "test_recorded",
-    "test_mutation",
+    "test_command_line",
+    "test_compare",
     "test_conformance",
+    "test_bad_input",
     "test_run_verdicts",
     "test_report",
     "test_golden",
+    "test_several",
+    "test_recorded",
 )
 
 
