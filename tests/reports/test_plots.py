@@ -50,9 +50,9 @@ def _has_data(axes: object) -> bool:
     return any(len(getattr(axes, kind)) > 0 for kind in ("lines", "collections", "images", "patches"))
 
 
-def _check(figure: Figure, limit: int = LARGEST) -> None:
+def _check(figure: Figure) -> bytes:
     content = png(figure)
-    assert len(content) <= limit
+    assert len(content) <= LARGEST
     assert Image.open(io.BytesIO(content)).width == 2 * 480
     assert all(_has_data(axes) for axes in figure.axes)
     everything = figure.get_tightbbox()  # in
@@ -61,6 +61,7 @@ def _check(figure: Figure, limit: int = LARGEST) -> None:
     assert everything.y0 >= 0.0
     assert everything.x1 <= width
     assert everything.y1 <= height
+    return content
 
 
 def _texts(figure: Figure) -> list[str]:
@@ -121,21 +122,27 @@ def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
     _check(of_cycle(alone))
 
 
-def test_methods_that_completed_nothing_have_no_mark() -> None:
+@pytest.fixture(scope="module")
+def benchmark() -> tuple[Figure, bytes]:
+    """A figure of methods and its file, which takes seconds to write."""
     figure = work_precision.draw(made_up_benchmark())
-    _check(figure)
+    return figure, _check(figure)
+
+
+def test_methods_that_completed_nothing_have_no_mark(benchmark: tuple[Figure, bytes]) -> None:
+    figure, _ = benchmark
     assert "nodal-load" not in _texts(figure)
     assert {"reference", "multiplier, elements"} <= set(_texts(figure))
 
 
-def test_the_file_keeps_the_colours_of_its_lines() -> None:
+def test_the_file_keeps_the_colours_of_its_lines(benchmark: tuple[Figure, bytes]) -> None:
     names = [name for name in looks((*MAIN, *RIVALS)) if name not in NOT_DRAWN]
-    colours = Image.open(io.BytesIO(png(work_precision.draw(made_up_benchmark())))).convert("RGB").getcolors(100_000)
+    colours = Image.open(io.BytesIO(benchmark[1])).convert("RGB").getcolors(100_000)
     assert {to_rgb(look.light) for look in looks(names).values()} <= {tuple(part / 255.0 for part in colour) for _, colour in colours or []}
 
 
-def test_the_front_lies_below_the_points() -> None:
-    figure = work_precision.draw(made_up_benchmark())
+def test_the_front_lies_below_the_points(benchmark: tuple[Figure, bytes]) -> None:
+    figure, _ = benchmark
     lowest = min(figure.axes[0].lines, key=lambda line: line.get_zorder())
     seconds, errors = np.asarray(lowest.get_xdata()), np.asarray(lowest.get_ydata())
     assert np.all(np.diff(seconds) > 0.0)
