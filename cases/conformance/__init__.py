@@ -5,12 +5,12 @@ explains the difference: a sign, a unit, an exchanged column, an ignored quantit
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 from quickreturn.cases.conformance.alone import alone
-from quickreturn.cases.conformance.bench import Bench, engine_from
-from quickreturn.cases.conformance.checks import NOT_QUICK, TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
+from quickreturn.cases.conformance.bench import Bench, engine_from, truth
+from quickreturn.cases.conformance.checks import LEFT_OUT, NOT_QUICK, TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
 from quickreturn.cases.conformance.failures import failures
 from quickreturn.cases.conformance.frequencies import frequencies
 from quickreturn.cases.conformance.motion import motion
@@ -33,22 +33,23 @@ class Group:
 
     checks: Callable[[Bench, OtherProcesses], Iterator[Check]]  # makes them
     runs: tuple[int, int]  # approximate number of runs of the engine, and of runs with an error estimate
-    share: float  # share of a limited time
+    quick: bool  # whether a quick trial makes them
 
 
 #: Groups of checks by name, in the order of the output. Numbers of runs are those of `reference`.
 GROUPS: Final[Mapping[str, Group]] = {
-    "motion": Group(lambda bench, _: motion(bench), (6, 2), 0.3),
-    "quantities": Group(lambda bench, _: quantities(bench), (65, 60), 0.3),
-    "resolution": Group(lambda bench, _: resolution(bench), (12, 2), 0.1),
-    "frequencies": Group(lambda bench, _: frequencies(bench), (0, 0), 0.05),
-    "failures": Group(lambda bench, _: failures(bench), (3, 0), 0.05),
-    "follower alone": Group(lambda bench, _: alone(bench), (14, 13), 0.1),
-    "repetition": Group(repetition, (0, 0), 0.1),
+    "motion": Group(lambda bench, _: motion(bench), (6, 2), True),
+    "quantities": Group(lambda bench, _: quantities(bench), (65, 60), True),
+    "resolution": Group(lambda bench, _: resolution(bench), (12, 2), False),
+    "frequencies": Group(lambda bench, _: frequencies(bench), (0, 0), True),
+    "failures": Group(lambda bench, _: failures(bench), (3, 0), True),
+    "follower alone": Group(lambda bench, _: alone(bench), (14, 13), False),
+    "repetition": Group(repetition, (0, 0), False),
 }
-#: Wall time of a quick trial, s; and the additional time for the start of a process, s.
-QUICK: Final = 60.0
-_TO_BEGIN: Final = 5.0
+#: Wall time of a quick trial, s; and what its process may take besides to begin and to compile, s.
+QUICK: Final = 20.0
+_TO_BEGIN: Final = 60.0
+_QUICK_TRIAL: Final = "quick trial"
 
 
 def conform(
@@ -74,18 +75,30 @@ def conform(
     """
     name = engine_from(engine).name
     executor = executor or ThisProcess(quiet)
-    total = sum(GROUPS[group].share for group in groups)
-    shares = {group: None if seconds is None else GROUPS[group].share / total * seconds for group in groups}
-    # here, because the process of a job may not start processes
-    other = elsewhere(engine, shares["repetition"]) if "repetition" in groups else NOT_TRIED
-    jobs: list[Job[list[Check]]] = []
-    for group, share in shares.items():
-        allotted = None if share is None else share * executor.at_once
-        limits = None if allotted is None else Limits(2.0 * allotted + _TO_BEGIN, executor.limits.memory)
-        jobs.append(Job(group, checks_of, (group, engine, other, allotted), limits=limits))
-    outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
-    checks = {group: _checks_by(group, outcomes[group]) for group in groups}
+    if seconds is not None:
+        limits = Limits(2.0 * seconds + _TO_BEGIN, executor.limits.memory)
+        jobs: list[Job[Any]] = [Job(_QUICK_TRIAL, quick_trial, (groups, engine, seconds), limits=limits)]
+        (outcome,) = watched(executor, jobs, f"engine {name}")
+        checks = outcome.value or {_QUICK_TRIAL: _checks_by(_QUICK_TRIAL, outcome)}
+    else:
+        # here, because the process of a job may not start processes
+        other = elsewhere(engine) if "repetition" in groups else NOT_TRIED
+        jobs = [Job(group, checks_of, (group, engine, other)) for group in groups]
+        outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
+        checks = {group: _checks_by(group, outcomes[group]) for group in groups}
     return Conformance(name, _verdict(checks), tuple(check for of_group in checks.values() for check in of_group))
+
+
+def quick_trial(groups: tuple[str, ...], engine: AnyEngine | str, seconds: float) -> dict[str, list[Check]]:
+    """The checks of some groups one after the other, the motion first, until the time (s) is over; others are left out."""
+    bench = _bench(engine, seconds)
+    if isinstance(bench, Check):
+        return {_QUICK_TRIAL: [bench]}
+    truth(bench.mild)  # what is compiled and computed once for all engines takes no time of the trial
+    bench.begin()
+    checks = {group: _checks(group, bench, NOT_TRIED) for group in groups if GROUPS[group].quick}
+    left_out = Check("", "not judged", f"{LEFT_OUT}: a quick trial does not make it", NOT_QUICK)
+    return checks | {group: [replace(left_out, check=group)] for group in groups if group not in checks}
 
 
 def _verdict(checks: Mapping[str, list[Check]]) -> bool | None:
@@ -103,19 +116,27 @@ def job(engine: str) -> Job[Conformance]:
     return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,))
 
 
-def checks_of(group: str, engine: AnyEngine | str, other: OtherProcesses = NOT_TRIED, seconds: float | None = None) -> list[Check]:
-    """The checks of one group; engine and seconds as for `conform`; `other`: its results in other processes.
+def checks_of(group: str, engine: AnyEngine | str, other: OtherProcesses = NOT_TRIED) -> list[Check]:
+    """The checks of one group; engine as for `conform`; `other`: its results in other processes."""
+    bench = _bench(engine, None, group)
+    return [bench] if isinstance(bench, Check) else _checks(group, bench, other)
 
-    An exception that no engine may raise ends them.
-    """
-    checks: list[Check] = []
+
+def _bench(engine: AnyEngine | str, seconds: float | None, group: str = _QUICK_TRIAL) -> Bench | Check:
+    """The engine on the scenes of a trial, or a check that says why there is none."""
     try:
         bench = Bench(engine_from(engine), seconds)
-        bench.expected = _expected(bench, GROUPS[group])
+        bench.expected = _expected(bench, GROUPS[group]) if group in GROUPS else 0
     except Refusal as refusal:
-        return [Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]
+        return Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)
     except Exception as error:  # an author's engine may raise anything
-        return [raising(group, error)]
+        return raising(group, error)
+    return bench
+
+
+def _checks(group: str, bench: Bench, other: OtherProcesses) -> list[Check]:
+    """The checks of one group; an exception that no engine may raise ends them."""
+    checks: list[Check] = []
     try:
         checks.extend(GROUPS[group].checks(bench, other))
     except LeftOut as left_out:
@@ -136,10 +157,10 @@ def _expected(bench: Bench, group: Group) -> int:
     return plain + estimated * len(others)
 
 
-def _checks_by(group: str, outcome: Outcome[list[Check]]) -> list[Check]:
+def _checks_by(group: str, outcome: Outcome[Any]) -> list[Check]:
     """The checks of a group from its process, or one on how the process ended. UnknownEngine, Refusal: the engine cannot be used."""
     if isinstance(outcome.error, (Refusal, UnknownEngine)):
         raise outcome.error
     if outcome.failure.startswith(STOPPED):
-        return [Check(group, "not judged", f"left out: it was {outcome.failure}", NOT_QUICK)]
+        return [Check(group, "not judged", f"{LEFT_OUT}: it was {outcome.failure}", NOT_QUICK)]
     return outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]

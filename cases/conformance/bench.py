@@ -116,7 +116,12 @@ class Bench:
             self.scene = PRESCRIBED
         self.mild = Motion(self.scene)
         self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
-        self._began, self._spent, self._simulated = time.monotonic(), 0.0, 0.0
+        self._spent, self._simulated = 0.0, 0.0
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin to count the limited time."""
+        self._began = time.monotonic()
 
     def check(self, scene: Scene) -> None:
         """Raises Refusal if the engine cannot model a scene of either kind."""
@@ -148,6 +153,7 @@ class Bench:
         progress.tell(engine=self.engine.name, phase="compiling")
         with contextlib.suppress(EngineFailure):
             replace(motion, duration=motion.output_step).by(self.engine, settings)
+        self.begin()
 
     def _tell(self, motion: Motion) -> None:
         """Report the progress of the trial. Raises LeftOut if the next run does not fit into the remaining time."""

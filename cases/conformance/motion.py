@@ -44,14 +44,15 @@ _COARSE: Final = 0.02
 
 
 def motion(bench: Bench) -> Iterator[Check]:
-    """All checks of a trajectory, in order."""
+    """All checks of a trajectory, in order; what needs other output steps comes last if the time is limited."""
     try:
-        late, depending, wrong_columns, model = mistakes_in_mild_scene(bench)
+        late, depending, wrong_columns, model = known_mistakes(bench)
     except EngineFailure as failure:
         yield Check("a trajectory", "failed", f"none is delivered in a mild scene: {failure.cause}", failure.advice)
         return
     wrong = set(late)
-    yield check_by("pieces continue", pieces, bench, wrong | set(depending))
+    if bench.seconds is None:
+        yield check_by("pieces continue", pieces, bench, wrong | set(depending))
     yield from late.values()
     yield from _columns(bench, bench.mild, "column", wrong, wrong_columns, model)
     yield from dict.fromkeys(check for column, check in depending.items() if column not in wrong)  # an explained column is reported once
@@ -59,6 +60,10 @@ def motion(bench: Bench) -> Iterator[Check]:
     yield from _identities(bench.run(bench.mild), bench.scene, wrong)
     yield check_by("first row of the standard start", _first_row, bench, bench.mild, wrong)
     yield from _bent(bench, wrong)
+    if bench.seconds is not None:
+        yield check_by("pieces continue", pieces, bench, wrong)
+        late, depending = output_steps(bench)
+        yield from dict.fromkeys(check for column, check in (late | depending).items() if column not in wrong)
 
 
 class MistakesInMildScene(NamedTuple):

@@ -16,7 +16,7 @@ from quickreturn.cases.conformance.checks import LEFT_OUT, NOT_QUICK, Array, Che
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.isolation import STOPPED
-from quickreturn.cases.jobs.job import Job, Limits, default_limits
+from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.relative import rms
@@ -65,18 +65,17 @@ def one_scene(engine: AnyEngine | str, name: str) -> dict[str, Array]:
     return _columns(engine_from(engine), name)
 
 
-def elsewhere(engine: AnyEngine | str, seconds: float | None = None) -> OtherProcesses:
-    """Results of the engine in separate processes; `seconds`: limit of wall time for each, None: no limit."""
+def elsewhere(engine: AnyEngine | str) -> OtherProcesses:
+    """Results of the engine in separate processes."""
     try:
         pickle.dumps(engine)
     except Exception as error:  # of whatever kind pickle makes it
         return OtherProcesses(reason=f"pickle raised {type(error).__name__}: {error}")
-    limits = None if seconds is None else Limits(seconds, default_limits().memory)
     if engine_from(engine).compiles:  # compiled and loaded code may differ in the last digits: all processes shall load it
-        answers(LocalProcesses(1, limits), [Job("compiling", one_scene, (engine, _FIRST))], "other processes")
+        answers(LocalProcesses(1), [Job("compiling", one_scene, (engine, _FIRST))], "other processes")
     names = (_FIRST, "in another process", *PARTS)
     jobs: list[Job[Any]] = [Job("scenes in turn", scenes_in_turn, (engine,)), *(Job(name, one_scene, (engine, name)) for name in names)]
-    first, *others = answers(LocalProcesses(2, limits), jobs, "other processes")
+    first, *others = answers(LocalProcesses(2), jobs, "other processes")
     for outcome in (first, *others):
         if outcome.failure.startswith(STOPPED):
             return OtherProcesses(reason=f"{LEFT_OUT}: it was {outcome.failure}")

@@ -7,7 +7,7 @@ from quickreturn.commands import options
 
 @click.command(name="conform")
 @click.argument("engine", metavar="ENGINE")
-@click.option("--quick", is_flag=True, help="Take about a minute, and name the checks that are left out.")
+@click.option("--quick", is_flag=True, help="Take about half a minute: the motion first; the checks that are left out are named.")
 @options.json
 def command(engine: str, quick: bool, as_json: bool) -> int:
     """Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.

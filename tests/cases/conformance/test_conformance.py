@@ -278,6 +278,15 @@ def test_a_quick_trial_says_what_it_left_out() -> None:
     assert all(check.cause and check.advice for check in found.checks if check.left_out)
 
 
+def test_a_quick_trial_compares_the_motion_first() -> None:
+    found = conform(ReferenceEngine(), groups=("motion", "resolution"), seconds=300.0, quiet=True)
+    assert found.conforms
+    assert found.left_out == ("resolution",)
+    names = [check.check for check in found.checks]
+    assert names[0].startswith("column ")
+    assert names.index("column tip_deflection") < names.index("pieces continue") < names.index("the same with another output step")
+
+
 def test_a_quick_trial_without_time_for_the_motion_is_not_judged() -> None:
     assert conform(Slow(), groups=("motion", "resolution"), seconds=1e-3, quiet=True).conforms is None
 
