@@ -113,11 +113,24 @@ def test_last_digits_decide_nowhere_whether_a_machine_is_neutral(modes: int, tol
     assert_neutral(modes, tolerance, speed)
 
 
+@pytest.mark.verify
 def test_cycles_that_were_marched_without_damping_are_neutral() -> None:
     """No search finds this motion with so large a tolerance, and its vibration never dies away: a mean over cycles is the start's own."""
     run = run_of(undamped(1.01), 5, 1e-5)
     assert (run.status, run.start) == (Ending.NEUTRAL, STANDARD)
     assert "nothing in the scene takes energy" in run.remark
+
+
+LOSSES = (
+    *("base.damping", "base.friction_torque", "follower.damping", "follower.material_damping"),
+    *("crank.drive.damping", "slider.friction", "slider.friction_force"),
+)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_whatever_loses_energy_lets_a_march_settle(loss: str) -> None:
+    assert not undamped(1.0).loses_energy
+    assert changed(undamped(1.0), {loss: 1e-6}).loses_energy
 
 
 def undamped(speed: float) -> Mechanism:
