@@ -132,7 +132,7 @@ class _Whole:
         if nearly_one(state):  # the search has the whole Jacobian
             return _Largest(complex(state.multipliers[0]), 0.0, tuple(map(complex, state.multipliers)))
         value = state.whole_multiplier()
-        return _Largest(value, _apart(value, complex(state.multipliers[0])))
+        return _Largest(value, min(_apart(value, complex(each)) for each in state.multipliers))
 
 
 def _apart(one: complex, other: complex) -> float:

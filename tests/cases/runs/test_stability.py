@@ -58,6 +58,15 @@ def test_multipliers_of_all_runs_are_within_their_claims(accuracy: float) -> Non
     assert max(ratios) < 1.5
 
 
+def test_a_multiplier_is_compared_with_its_own_counterpart() -> None:
+    """At twice the speed the slow model's largest three are 0.012 +- 0.866i and 0.866, of which the last is the whole model's 0.881."""
+    run = run_of(library_case("hard-speed-x2").mechanism, tolerance=3e-7)
+    assert run.status == Ending.SETTLED
+    assert run.periodic_orbit is not None
+    assert run.periodic_orbit.multiplier_error is not None
+    assert run.periodic_orbit.multiplier_error < 0.02
+
+
 def test_run_and_sweep_have_the_same_multiplier() -> None:
     """From the standard start to the last bit, and from a neighbour's motion within the claim."""
     mechanism = scene(24)
