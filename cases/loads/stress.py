@@ -24,10 +24,8 @@ from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
-#: Largest error of a stress, as a part of it, that is taken at its word. A stress with tens of percent is not resolved, and its error may
-#: itself be too small: only what would stand at `MARGIN` times the error is then judged.
-LARGEST_RESOLVED: Final = 0.1
-MARGIN: Final = 2.0
+#: Largest error of a stress, as a part of it, with which the arm is judged: with tens of percent it is not resolved.
+LARGEST_JUDGED: Final = 0.1
 #: Least number of rows of a cycle for the search of the worst place; at that place all rows count.
 SEARCHED: Final = 400
 
@@ -54,28 +52,15 @@ class Factor:
     }
 
     @property
-    def resolved(self) -> bool:
-        """Whether the error of the stress is small enough to be taken at its word."""
-        return self.error is not None and self.error <= LARGEST_RESOLVED
-
-    @property
-    def holds(self) -> bool | None:
-        """Whether the arm holds by this factor; None where the interval that counts contains 1, or is not known."""
-        if self.error is None:
-            return None
-        lowest, highest = _interval(self.value, self.error if self.resolved else MARGIN * self.error)
-        return True if lowest > 1.0 else False if highest < 1.0 else None
-
-    @property
     def judged(self) -> bool:
-        """Whether the stress is good enough to say that the arm holds, that it does not, or that it is too close to tell."""
-        return self.resolved or self.holds is not None
+        """Whether the stress is good enough to say that the arm holds, or does not."""
+        return self.error is not None and self.error <= LARGEST_JUDGED
 
     @property
     def text(self) -> str:
-        """The factor, with its interval where the stress is not resolved."""
+        """The factor, with its interval where the error of the stress forbids a judgement."""
         value = f"{self.value:.3g}"
-        if self.resolved or self.lowest is None or self.highest is None:
+        if self.judged or self.lowest is None or self.highest is None:
             return value
         return f"{value} ({self.lowest:.3g} or more)" if math.isinf(self.highest) else f"{value} ({self.lowest:.3g} to {self.highest:.3g})"
 
@@ -127,12 +112,7 @@ def safety(strength: float | None, stress: Peak) -> Factor | None:
     if stress.error is None:
         return Factor(factor, None, None, None)
     error = stress.error / stress.value
-    return Factor(factor, *_interval(factor, error), error)
-
-
-def _interval(factor: float, error: float) -> tuple[float, float]:
-    """Least and greatest factor for a stress with this relative error."""
-    return factor / (1.0 + error), factor / (1.0 - error) if error < 1.0 else math.inf
+    return Factor(factor, factor / (1.0 + error), factor / (1.0 - error) if error < 1.0 else math.inf, error)
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,11 @@
 """Loads on the parts of a machine, by each engine on each case, and by the leading engine."""
 
-from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import Factor, Loads, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.loads import Loads, Resonance, loads_of_run, resonance, shift_of_motion
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.units import in_si
 from quickreturn.reports.words import TIED, degrees, off_by, percent, quantity, size
@@ -88,32 +87,21 @@ def leading_loads(result: "CaseResult") -> CaseLoads:
 
 
 def verdict(loads: Loads) -> str:
-    """Whether the arm holds (a sentence); "" where no strength is given.
-
-    A stress with an error of tens of percent is judged only where the verdict would stand at twice that error.
-    """
+    """Whether the arm holds (a sentence), not judged by a stress with an error of tens of percent; "" where no strength is given."""
     both = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
     factors = {against: factor for against, factor in both.items() if factor is not None}
     if not factors:
         return ""
     values = " and ".join(f"{factor.text} against {against}" for against, factor in factors.items())
-    broken = [factor for factor in factors.values() if factor.holds is False]
-    unjudged = [factor for factor in factors.values() if not factor.judged]
-    if unjudged and not broken:
-        why = _error_of(unjudged) or "is not known"
+    if unjudged := [factor for factor in factors.values() if not factor.judged]:
+        errors = [factor.error for factor in unjudged if factor.error is not None]
+        why = f"is{TIED}{size(max(errors))} of it" if errors else "is not known"
         return f"Whether the arm holds cannot be judged, as the error of its stress {why}: the safety factor is {values}."
-    close = any(factor.holds is None for factor in factors.values())
+    broken = any(factor.highest is not None and factor.highest < 1.0 for factor in factors.values())
+    close = any(factor.lowest is not None and factor.lowest <= 1.0 for factor in factors.values())
     begin = "The arm does not hold" if broken else "Whether the arm holds is too close to tell" if close else "The arm holds"
     below = ", below one" if broken and len(factors) == 1 else ""
-    coarse = _error_of([factor for factor in broken or factors.values() if not factor.resolved])
-    stands = f"; the error of its stress {coarse}, and the verdict would stand at twice that" if coarse else ""
-    return f"{begin}: the safety factor is {values}{below}{stands}."
-
-
-def _error_of(factors: Collection[Factor]) -> str:
-    """A predicate that gives the largest error of their stresses; "" where none is known."""
-    errors = [factor.error for factor in factors if factor.error is not None]
-    return f"is{TIED}{size(max(errors))} of it" if errors else ""
+    return f"{begin}: the safety factor is {values}{below}."
 
 
 def stress_text(loads: Loads, length: float) -> str:
