@@ -27,10 +27,11 @@ test: $(TEST)
 	$(BIN)/pytest -n $(PROCESSES) --dist loadgroup --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
-# SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`).
+# SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`). LEDGER=1: enter
+# the slice in the ledger.
 verify: $(VERIFY)
 ifdef SLICE
-	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --slice $(SLICE) $(if $(MINUTES),--begin-within $(MINUTES))
+	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --slice $(SLICE) $(if $(MINUTES),--begin-within $(MINUTES)) $(if $(LEDGER),--keep-ledger)
 else
 	$(BIN)/quickreturn benchmark
 	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --keep-outcome --keep-ledger

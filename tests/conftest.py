@@ -63,7 +63,8 @@ def pytest_configure(config: pytest.Config) -> None:
         if config.getoption("--keep-outcome"):
             config.pluginmanager.register(_Outcome(), "kept outcome")
         if keeps(config):
-            config.pluginmanager.register(Ledger(), "kept ledger")
+            part = slice_of(config)
+            config.pluginmanager.register(Ledger(part=str(part or "")), "kept ledger")
 
 
 @pytest.fixture

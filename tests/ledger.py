@@ -1,7 +1,8 @@
 """The ledger of the long tests: when each file of tests last ran, with which code, and what came of it.
 
 `make verify` writes `verify_ledger.csv`, which is committed with the work; `python -m tests.ledger` (`make verify-status`) lists the files
-whose code has changed since: the file itself, or a module that it imports, directly or through others.
+whose code has changed since: the file itself, or a module that it imports, directly or through others. A file may also run in slices
+(`make verify SLICE=k/n LEDGER=1`), one after the other: those that ran with the same code make up one entry.
 """
 
 import csv
@@ -11,7 +12,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -35,14 +36,54 @@ class Entry:
         commit: of the checkout, abbreviated.
         code: hash of the file and of all modules that it imports.
         seconds: wall time of its tests, added up.
-        outcome: numbers of cases, such as "3 passed, 1 failed".
+        passed: number of cases; likewise `failed` and `skipped`.
+        slices: those that ran, such as "0 3 7/12"; "" where all cases ran at once.
     """
 
     group: str
     commit: str
     code: str
     seconds: int
-    outcome: str
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    slices: str = ""
+
+    @property
+    def outcome(self) -> str:
+        """Numbers of cases, such as "3 passed, 1 failed"."""
+        counts = {"passed": self.passed, "failed": self.failed, "skipped": self.skipped}
+        return ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no case"
+
+    @property
+    def missing(self) -> list[int]:
+        """The slices that have not run."""
+        ran, count = _slices(self.slices)
+        return sorted(set(range(count)) - ran)
+
+    def after(self, earlier: "Entry | None") -> "Entry":
+        """The entry of this run and of the slices that ran before with the same code; of a slice that ran twice the first counts."""
+        if earlier is None or earlier.code != self.code or not self.slices:
+            return self
+        (ran, count), (before, count_before) = _slices(self.slices), _slices(earlier.slices)
+        if ran <= before or count_before == 0:  # all that ran now had run
+            return earlier if self.failed == 0 else self
+        if count != count_before:
+            return self
+        return replace(
+            self,
+            seconds=self.seconds + earlier.seconds,
+            passed=self.passed + earlier.passed,
+            failed=self.failed + earlier.failed,
+            skipped=self.skipped + earlier.skipped,
+            slices=" ".join(str(each) for each in sorted(ran | before)) + f"/{count}",
+        )
+
+
+def _slices(text: str) -> tuple[set[int], int]:
+    """Numbers and count of "0 3 7/12"; of "" none of none."""
+    numbers, _, count = text.partition("/")
+    return {int(each) for each in numbers.split()}, int(count or 0)
 
 
 def read(ledger: Path = LEDGER) -> dict[str, Entry]:
@@ -50,7 +91,8 @@ def read(ledger: Path = LEDGER) -> dict[str, Entry]:
     if not ledger.is_file():
         return {}
     rows = csv.DictReader(io.StringIO(ledger.read_text("utf-8")))
-    return {row["group"]: Entry(**{**row, "seconds": int(row["seconds"])}) for row in rows}  # type: ignore[arg-type]
+    whole = ("seconds", "passed", "failed", "skipped")
+    return {row["group"]: Entry(**row | {name: int(row[name]) for name in whole}) for row in rows}
 
 
 def write(entries: Iterable[Entry], ledger: Path = LEDGER) -> None:
@@ -102,16 +144,18 @@ def stale(entries: dict[str, Entry], groups: Iterable[str], code: Callable[[str]
             found[group] = "is not in the ledger"
         elif entry.code != code(group):
             found[group] = f"code has changed since {entry.commit}; it took {entry.seconds} s"
-        elif "failed" in entry.outcome:
+        elif entry.failed:
             found[group] = f"{entry.outcome} at {entry.commit}"
+        elif entry.missing:
+            found[group] = f"slices {', '.join(map(str, entry.missing))} have not run"
     return found
 
 
 class Ledger:
-    """Plugin that enters each file of which every long test has run."""
+    """Plugin that enters each file of which every long test has run, or every one of a slice ("3/12"; "" without)."""
 
-    def __init__(self, file: Path = LEDGER, root: Path = ROOT) -> None:
-        self.file, self.root = file, root
+    def __init__(self, file: Path = LEDGER, root: Path = ROOT, part: str = "") -> None:
+        self.file, self.root, self.part = file, root, part
         self.outcomes: dict[str, list[str]] = {}
         self.seconds: dict[str, float] = {}
 
@@ -128,18 +172,20 @@ class Ledger:
             return
         at = commit(self.root)
         entries = read(self.file)
-        for group, outcomes in self.outcomes.items():
-            counted = ", ".join(f"{outcomes.count(name)} {name}" for name in ("passed", "failed", "skipped") if name in outcomes)
-            entries[group] = Entry(group, at, code_of(group, self.root), round(self.seconds[group]), counted)
-        kept = set(long_files(self.root))
-        write((entry for entry in entries.values() if entry.group in kept), self.file)
+        groups = long_files(self.root)
+        for group in groups if self.part else self.outcomes:  # a file with no case in a slice has nothing left to run in it
+            outcomes = self.outcomes.get(group, [])
+            counts = (outcomes.count(name) for name in ("passed", "failed", "skipped"))
+            ran = Entry(group, at, code_of(group, self.root), round(self.seconds.get(group, 0.0)), *counts, slices=self.part)
+            entries[group] = ran.after(entries.get(group))
+        write((entry for entry in entries.values() if entry.group in groups), self.file)
 
 
 def keeps(config: pytest.Config) -> bool:
     """Whether a run enters its files: it was asked to, and leaves out none of their long tests. UsageError: it was asked to, and would."""
     if not config.getoption("--keep-ledger"):
         return False
-    partial_run = [name for name in ("--slice", "--begin-within", "-k") if config.getoption(name)]
+    partial_run = [name for name in ("--begin-within", "-k") if config.getoption(name)]
     partial_run += [argument for argument in config.args if "::" in argument]
     if partial_run or config.getoption("-m") != "verify":
         without = ", ".join(partial_run) or "another -m"

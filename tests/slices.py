@@ -64,6 +64,9 @@ class Slice:
             raise pytest.UsageError(f"--slice {text}: expected two whole numbers k/n, such as 3/12; n is at least 1")
         self.number, self.count = int(number), int(count)
 
+    def __str__(self) -> str:
+        return f"{self.number % self.count}/{self.count}"
+
     def holds(self, group: str) -> bool:
         """Whether a group belongs to it."""
         return zlib.crc32(group.encode()) % self.count == self.number % self.count

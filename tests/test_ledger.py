@@ -42,7 +42,9 @@ def checkout(tmp_path: Path) -> Path:
 
 
 def test_what_is_written_is_read_back(tmp_path: Path) -> None:
-    entries = {name: Entry(name, "abc1234", "0" * 16, 7, "2 passed, 1 failed") for name in ("tests/test_a.py", "tests/test_b.py")}
+    entries = {
+        name: Entry(name, "abc1234", "0" * 16, 7, passed=2, failed=1, slices="0 7/12") for name in ("tests/test_a.py", "tests/test_b.py")
+    }
     write(reversed(entries.values()), tmp_path / "ledger.csv")
     assert list(read(tmp_path / "ledger.csv").items()) == list(entries.items())
     assert read(tmp_path / "none.csv") == {}
@@ -62,13 +64,34 @@ def test_a_change_of_what_a_test_imports_is_noticed_and_no_other(checkout: Path)
 
 
 def test_what_should_run_again_is_listed_with_the_reason() -> None:
-    good = Entry("a", "abc", "1", 60, "3 passed, 1 skipped")
-    entries = {"a": good, "b": dataclasses.replace(good, code="0"), "c": dataclasses.replace(good, outcome="2 passed, 1 failed")}
-    assert stale(entries, ["a", "b", "c", "d"], lambda group: "1") == {
-        "b": "code has changed since abc; it took 60 s",
-        "c": "2 passed, 1 failed at abc",
-        "d": "is not in the ledger",
+    good = Entry("a", "abc", "1", 60, passed=3, skipped=1)
+    entries = {
+        "a": good,
+        "b": dataclasses.replace(good, code="0"),
+        "c": dataclasses.replace(good, passed=2, failed=1),
+        "e": dataclasses.replace(good, slices="0 2/4"),
+        "f": dataclasses.replace(good, slices="0 1/2"),
     }
+    assert stale(entries, ["a", "b", "c", "d", "e", "f"], lambda group: "1") == {
+        "b": "code has changed since abc; it took 60 s",
+        "c": "2 passed, 1 failed, 1 skipped at abc",
+        "d": "is not in the ledger",
+        "e": "slices 1, 3 have not run",
+    }
+
+
+def test_slices_of_the_same_code_make_up_one_entry() -> None:
+    first = Entry("a", "abc", "1", 60, passed=3, slices="2/3")
+    second = dataclasses.replace(first, commit="def", seconds=5, passed=1, skipped=1, slices="0/3")
+    both = Entry("a", "def", "1", 65, passed=4, skipped=1, slices="0 2/3")
+    assert second.after(first) == both
+    assert first.after(both) == both  # it ran already
+    assert dataclasses.replace(first, passed=0, failed=3).after(both).failed == 3
+    for other in (dataclasses.replace(first, code="2"), dataclasses.replace(first, slices="1/7")):
+        assert second.after(other) == second
+    whole = dataclasses.replace(both, slices="")
+    assert first.after(whole) == whole
+    assert whole.after(first) == whole
 
 
 def test_long_tests_are_found(checkout: Path) -> None:
@@ -89,13 +112,13 @@ ledger = sys.modules["real_ledger"] = module_from_spec(spec)
 spec.loader.exec_module(ledger)
 
 def pytest_addoption(parser):
-    parser.addoption("--slice")
+    parser.addoption("--part", default="")
     parser.addoption("--begin-within")
     parser.addoption("--keep-ledger", action="store_true")
 
 def pytest_configure(config):
     if ledger.keeps(config):
-        config.pluginmanager.register(ledger.Ledger(Path("ledger.csv"), Path(__file__).parent))
+        config.pluginmanager.register(ledger.Ledger(Path("ledger.csv"), Path(__file__).parent, config.getoption("--part")))
 """
 
 
@@ -121,7 +144,19 @@ def test_a_run_of_whole_files_is_entered(checkout: Path) -> None:
     assert read(checkout / "ledger.csv")[entry.group].outcome == "1 failed, 1 skipped"
 
 
-@pytest.mark.parametrize("options", ["--slice=1/2", "-kvalue", "tests/test_value.py::test_value", "-mnot verify"])
+def test_a_file_that_ran_in_slices_is_entered_slice_by_slice(checkout: Path) -> None:
+    (checkout / "tests/test_other.py").write_text("import pytest\npytestmark = pytest.mark.verify\ndef test_one(): pass\n")
+    run(checkout, "-m", "verify", "--keep-ledger", "--part=0/2", "tests/test_value.py")
+    value, other = read(checkout / "ledger.csv")["tests/test_value.py"], read(checkout / "ledger.csv")["tests/test_other.py"]
+    assert (value.outcome, value.missing) == ("1 passed, 1 skipped", [1])
+    assert (other.outcome, other.missing) == ("no case", [1])
+    run(checkout, "-m", "verify", "--keep-ledger", "--part=1/2", "tests/test_other.py")
+    found = read(checkout / "ledger.csv")
+    assert stale(found, list(found), lambda group: code_of(group, checkout)) == {}
+    assert found["tests/test_other.py"].outcome == "1 passed"
+
+
+@pytest.mark.parametrize("options", ["--begin-within=1", "-kvalue", "tests/test_value.py::test_value", "-mnot verify"])
 def test_a_run_of_parts_of_files_is_not_entered(checkout: Path, options: str) -> None:
     assert "--keep-ledger needs all long tests" in run(checkout, "-m", "verify", "--keep-ledger", options, code=4)
     assert not (checkout / "ledger.csv").exists()
