@@ -7,13 +7,13 @@ from typing import Any, Final, TypeVar, cast
 import numba
 from numba import njit
 
-from quickreturn.reference_model.machine.linking import bind_inside
+from quickreturn.reference_model.machine.linking import compile_alike
 from quickreturn.reference_model.machine.machine_code import VARIABLE
 
 # numba reads its environment once; it may have been imported before this package
 numba.config.CACHE_DIR = os.environ.get(VARIABLE, numba.config.CACHE_DIR)  # type: ignore[attr-defined]
 
-bind_inside()
+compile_alike()
 
 #: LLVM's flags for reordered sums and fused multiply-add. None assumes that nan and infinity are absent: they mark impossible states.
 FASTMATH: Final = {"reassoc", "contract", "nsz", "arcp"}

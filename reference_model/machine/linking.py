@@ -4,18 +4,46 @@ Numba copies callees into each caller and optimises them there, with reordered s
 symbols: of several the one that a process has loaded first serves all callers. In the process that compiles that is the callee's own
 code, in one that loads from the disk the copy in the first caller. Results then differed in their last digits, and from there in up to
 1e-4 of an acceleration. With local symbols a function's code is what was compiled for it, whatever else is loaded.
+
+For some operations (a power, a quotient of complex numbers) numba compiles a helper, once for each signature: with the floating-point
+flags of the first function in the process that needs it. Which one that is depends on what was compiled before, by another engine or by
+the user. With one helper for each set of flags it no longer does.
 """
 
-from typing import Any
+from collections import defaultdict
+from typing import Any, Final
 
 from llvmlite.binding import Linkage
 from numba.core.codegen import CPUCodeLibrary
+from numba.core.cpu import CPUContext
 
 #: Part of the mangled names of this package's functions.
-_OURS = "11quickreturn"
+_OURS: Final = "11quickreturn"
+#: Helpers that numba has compiled, by the identity of its code generator and the floating-point flags.
+_helpers: Final[dict[tuple[int, frozenset[str]], dict[Any, Any]]] = defaultdict(dict)
 
 
-def bind_inside() -> None:
+def compile_alike() -> None:
+    """Let numba compile a function of this package to the same code in every process."""
+    _bind_inside()
+    _keep_flags_apart()
+
+
+def _keep_flags_apart() -> None:
+    """Let a context of numba's take only helpers that were compiled with its own floating-point flags."""
+    numbas: Any = CPUContext.subtarget
+
+    def subtarget(context: Any, **options: Any) -> Any:
+        found = numbas(context, **options)
+        flags = found.fastmath.flags if found.fastmath else ()
+        found.cached_internal_func = _helpers[id(found.codegen()), frozenset(flags)]
+        return found
+
+    if numbas.__name__ != subtarget.__name__ or numbas.__module__ != subtarget.__module__:
+        CPUContext.subtarget = subtarget  # type: ignore[method-assign]
+
+
+def _bind_inside() -> None:
     """Let numba's libraries emit the functions of this package that were copied into them with local symbols."""
     numbas: Any = CPUCodeLibrary._finalize_final_module
 

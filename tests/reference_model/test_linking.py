@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import FunctionType
 
@@ -28,6 +28,14 @@ for name in sys.argv[1:]:
     print(name, hashlib.sha256(b"".join(columns[each].tobytes() for each in sorted(columns))).hexdigest())
 """
 ENGINES = ("reference", "thesis", "mujoco")
+#: What a user may have compiled before: powers and complex quotients, for which numba compiles helpers.
+BEFORE = """
+import numba
+@numba.njit
+def own(x, n, z):
+    return max(x ** n, x ** 2, 1.0) + int(x) + abs(z / (1j + z) * z ** 2)
+own(2.0, 3, 1j)
+"""
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -75,18 +83,33 @@ def test_a_compiled_function_calls_its_own_copies() -> None:
     assert any("total" in name for name in defined), "the callee was inlined, so that nothing was tested"
 
 
+def power(x, n):
+    return x**n
+
+
+def test_a_helper_is_not_shared_with_code_that_has_other_floating_point_flags() -> None:
+    numba.njit(power)(2.0, 3)
+    fast = numba.njit(fastmath=FASTMATH)(made_up(power))
+    assert fast(2.0, 3) == 8.0
+    (text,) = fast.inspect_llvm().values()
+    assert " fmul " in text
+    assert " fmul double" not in text
+
+
 @pytest.mark.verify
 def test_results_are_the_same_bits_compiled_loaded_and_installed(tmp_path: Path) -> None:
     """They differed by up to 1e-4 of an acceleration: callees, copied into each caller, were taken from another one."""
     package = copied_package(tmp_path / "installed", "reference_model", "engines", "cases", "reports")
 
-    def printed(cache: str, path: Path) -> str:
+    def printed(cache: str, path: Path, code: str = CODE, engines: Sequence[str] = ENGINES) -> str:
         environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / cache), "PYTHONPATH": os.pathsep.join((str(path), str(ROOT)))}
-        done = subprocess.run([sys.executable, "-P", "-c", CODE, *ENGINES], env=environment, capture_output=True, text=True, check=True)
-        return done.stdout
+        done = subprocess.run([sys.executable, "-P", "-c", code, *engines], env=environment, capture_output=True, text=True, check=True)
+        return "".join(sorted(done.stdout.splitlines(keepends=True)))
 
     compiled = printed("cache", ROOT)
     assert compiled.count("\n") == len(ENGINES)
     assert printed("cache", ROOT) == compiled  # loaded
     assert printed("another", package.parent) == compiled  # compiled at another place
     assert printed("another", package.parent) == compiled
+    assert printed("other engine first", ROOT, engines=ENGINES[::-1]) == compiled
+    assert printed("other code first", ROOT, BEFORE + CODE) == compiled
