@@ -73,6 +73,8 @@ LONGEST: Final = 2.0  # s
 #: Rungs that an engine climbs from where it begins. On a machine whose first bending frequency is 3800 times the crank's exudyn took all of
 #: its ladder, from 24 elements to 96 in seven rungs of five runs of 10 to 30 s, while its estimate stayed at 4e-3 from the third on.
 MOST_RUNGS: Final = 2
+#: s, time limit of an answer, as a user may give it: a run that could take longer is not begun, and the answer says so.
+ANSWER: Final = 60.0
 
 #: AnyEngine, and accuracy asked for.
 Request = tuple[str, float | None]
@@ -169,8 +171,8 @@ def _modes(scene: Scene) -> int:
 
 def _answer(name: str, scene: Scene, accuracy: float | None) -> tuple[Accurate | None, dict[str, Any]]:
     try:
-        start = standard_start(scene.mechanism)
-        result = simulate(_climbing_little(engine(name)), scene.mechanism, start, scene.duration, OUTPUT_STEP, accuracy=accuracy)
+        start, chosen = standard_start(scene.mechanism), _climbing_little(engine(name))
+        result = simulate(chosen, scene.mechanism, start, scene.duration, OUTPUT_STEP, accuracy=accuracy, time_limit=ANSWER)
     except (EngineFailure, Refusal) as failure:
         return None, {"remark": str(failure)}
     return result, {
