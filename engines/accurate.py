@@ -11,7 +11,7 @@ engine that converges to a wrong model is found by comparison with other engines
 import contextlib
 import gc
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Final
 
@@ -23,7 +23,17 @@ from quickreturn.engines.base import (
     EstimateOf,
     ModelDescription,
 )
-from quickreturn.engines.error_parts import ESTIMATED, LOADS, EstimatedPart, compared, estimated_part, relative_size, same_motion
+from quickreturn.engines.error_parts import (
+    ESTIMATED,
+    LOADS,
+    ErrorPart,
+    EstimatedPart,
+    compared,
+    estimated_part,
+    relative_size,
+    same_motion,
+    total,
+)
 from quickreturn.engines.one_run import CompletedRun, run_once
 from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.relative import rms
@@ -37,6 +47,9 @@ from quickreturn.reference_model.witnesses import Witness, Witnesses
 LONGER: Final = 4.0
 #: Fraction of the time limit for runs; the rest is for imports, compiled code and the use of the answer.
 USABLE: Final = 0.9
+
+#: Key of the parts of `Assessment.error_estimate`, beside those of columns.
+TIP: Final = "tip"
 
 #: Remark on a run whose error the caller did not ask for.
 NOT_ESTIMATED: Final = "the error is not estimated, as asked"
@@ -53,6 +66,8 @@ class Assessment:
         largest_errors: largest error at any instant of each column with an estimate, in its unit; empty where unknown.
         error_estimates: RMS error over `scale` for each column of `ESTIMATED` and each existing one of `LOADS`; None where unknown or
             where the scale is 0.
+        error_parts: the parts of `error_estimate`, which add up to it, and by column those of `error_estimates`, with the runs that show
+            them; empty where unknown.
         estimate_of: the error that is estimated.
         further_run_skipped: whether a still finer run, which checks how fast the error falls, was not needed (`Comparison.alike`).
         hurried: whether the time limit prevented a run, so that a faster machine would give a better answer.
@@ -69,6 +84,7 @@ class Assessment:
     accuracy: float | None
     error_estimate: float | None
     error_estimates: dict[str, float | None]
+    error_parts: dict[str, tuple[ErrorPart, ...]]
     largest_errors: dict[str, float]
     estimate_of: EstimateOf
     further_run_skipped: bool
@@ -83,7 +99,7 @@ class Assessment:
 
     witnesses: ClassVar[Witnesses] = {
         **dict.fromkeys(
-            ("error_estimate", "error_estimates"),
+            ("error_estimate", "error_estimates", "error_parts"),
             Witness(
                 "solutions that another engine confirms: claims that do not hold",
                 0.05,
@@ -189,15 +205,25 @@ class _Judged:
 
     settings: Settings
     made: CompletedRun
-    parts: tuple[float, ...] = ()
-    estimates: dict[str, float | None] = field(default_factory=lambda: dict.fromkeys(ESTIMATED))
+    parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)  # `TIP`, and columns
     largest: dict[str, float] = field(default_factory=dict)
     remark: str = ""
     further_run_skipped: bool = False
 
     @property
     def estimate(self) -> float | None:
-        return sum(self.parts) if self.parts else None
+        return total(self.parts.get(TIP, ()))
+
+    @property
+    def estimates(self) -> dict[str, float | None]:
+        return {name: total(self.parts.get(name, ())) for name in (*ESTIMATED, *(each for each in LOADS if each in self.parts))}
+
+    def excess(self, target: float) -> dict[str, float]:
+        """What the parts come from -> their size over the accuracy."""
+        found: dict[str, float] = {}
+        for part in self.parts.get(TIP, ()):
+            found[part.of] = found.get(part.of, 0.0) + part.error / target
+        return found
 
     def remarked(self, remark: str) -> "_Judged":
         return replace(self, remark="; ".join(filter(None, (self.remark, remark))))
@@ -266,11 +292,12 @@ class _Runs:
             why = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
             return _Judged(settings, made, remark=f"the error is unknown: {why}")
         self._has_estimate = True
-        names = (*ESTIMATED, *(name for name in LOADS if name in made.trajectory.columns))
-        columns = {name: _sum([part.columns.get(name) for part in parts]) for name in names}
+        columns = {name: [part.columns[name] for part in parts] for name in parts[0].columns}
+        known = {name: tuple(part for part in some if part is not None) for name, some in columns.items()}
+        by_name = {TIP: tuple(part.tip for part in parts)} | {n: some if len(some) == len(parts) else () for n, some in known.items()}
         largest = {name: sum(part.largest[name] for part in parts) for name in parts[0].largest}
         remark = f"the estimate assumes the slowest convergence: the run that would show how fast the error falls {unchecked}"
-        return _Judged(settings, made, tuple(part.tip for part in parts), columns, largest, remark if unchecked else "", skipped)
+        return _Judged(settings, made, by_name, largest, remark if unchecked else "", skipped)
 
     def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[EstimatedPart], bool, str]:
         """The parts of the error (see `estimated_part`); whether a `Comparison.before` was not needed; why one is missing, else ""."""
@@ -302,7 +329,7 @@ class _Runs:
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
         """The engine's next rung after `rung`, by its estimate if `judged` is that rung."""
-        excess = tuple(part / target for part in judged.parts) if judged is not None and judged.settings == rung else ()
+        excess = judged.excess(target) if judged is not None and judged.settings == rung else {}
         return self.engine.finer(rung, excess, self._run[-1])
 
     def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
@@ -327,6 +354,7 @@ class _Runs:
             accuracy=target,
             error_estimate=estimate,
             error_estimates=judged.estimates,
+            error_parts=judged.parts,
             largest_errors=judged.largest,
             estimate_of=self.engine.estimates,
             further_run_skipped=judged.further_run_skipped,
@@ -374,9 +402,3 @@ def _no_garbage_collection() -> Iterator[None]:
     finally:
         if was_on:
             gc.enable()
-
-
-def _sum(values: Sequence[float | None]) -> float | None:
-    """The sum; None if there is no value, or one is unknown."""
-    known = [value for value in values if value is not None]
-    return sum(known) if known and len(known) == len(values) else None

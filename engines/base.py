@@ -6,6 +6,7 @@ cannot model with a sentence (`Refusal`); a run that breaks down raises `EngineF
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -119,6 +120,7 @@ class Comparison:
         instead: the comparison to make if a run of this one breaks down, for example with finer runs. None: the error is then unknown.
         alike: `before` is not run, and `factor` is taken on trust, if the relative difference between `run` and `other` is in no
             estimated column more than this many times that in the tip deflection. 0: `before` is always run.
+        of: what the part of the error comes from, in a word: "time", "space", "modes", "spring". Comparisons may share one.
     """
 
     run: AnySettings
@@ -127,6 +129,7 @@ class Comparison:
     before: "Comparison | None" = None
     instead: "Comparison | None" = None
     alike: float = 0.0
+    of: str = "resolution"
 
 
 class NoSteadyState(Exception):
@@ -214,10 +217,10 @@ class Engine(ABC, Generic[S]):
         """
 
     @abstractmethod
-    def finer(self, settings: S, excess: tuple[float, ...], output_step: float, /) -> S | None:
+    def finer(self, settings: S, excess: Mapping[str, float], output_step: float, /) -> S | None:
         """The next finer settings, for when the estimate misses the accuracy asked; None at the end of the ladder.
 
-        `excess` holds each part of the estimate over the accuracy asked, in the order of `comparisons`; it is empty if unknown.
+        `excess` holds the parts of the estimate over the accuracy asked, by `Comparison.of`; it is empty if unknown.
         """
 
     @abstractmethod

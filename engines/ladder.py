@@ -1,6 +1,8 @@
 """One ladder for all engines: settings from coarse to fine, what each of them claims, and how to climb from one to the next."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final, Generic, TypeVar
 
 from quickreturn.engines.settings import Settings
@@ -8,6 +10,8 @@ from quickreturn.engines.settings import Settings
 S = TypeVar("S", bound=Settings)
 Climbing = TypeVar("Climbing", bound=Settings)
 
+#: What is known of an estimate that there is not.
+NOTHING_KNOWN: Final[Mapping[str, float]] = MappingProxyType({})
 #: Factor on the size if the error is unknown, and the largest factor from one rung to the next.
 _UNKNOWN: Final = 1.5
 _MOST_AT_ONCE: Final = 2.0
@@ -37,18 +41,18 @@ class Ladder(Generic[S]):
             changes[self.tolerance] = min(getattr(settings, self.tolerance), getattr(self._first(size)[0], self.tolerance))
         return settings.replaced(**changes)
 
-    def finer(self, settings: Climbing, excess: tuple[float, ...] = ()) -> Climbing | None:
+    def finer(self, settings: Climbing, excess: Mapping[str, float] = NOTHING_KNOWN) -> Climbing | None:
         """The settings with the size of the first rung that should suffice, else of the finest one; None at the end of the ladder.
 
         Args:
             settings: settings that do not suffice.
-            excess: parts of the estimate over the accuracy asked for; empty if unknown.
+            excess: see `Engine.finer`.
         """
         present = getattr(settings, self.size)
         above = [size for size in (getattr(rung, self.size) for rung, _ in self.rungs) if size > present]
         if not above:
             return None
-        wanted = present * min(sum(excess) ** (1.0 / self.order) if excess else _UNKNOWN, _MOST_AT_ONCE) if self.order else present
+        wanted = present * min(sum(excess.values()) ** (1.0 / self.order) if excess else _UNKNOWN, _MOST_AT_ONCE) if self.order else present
         return self.sized(settings, next((size for size in above if size >= wanted), above[-1]))
 
     def _first(self, size: int) -> tuple[S, float]:

@@ -164,7 +164,7 @@ class SimpleEngine(Engine[SimpleSettings]):
         factor = (settings.resolution / more) ** self.order
         return (Comparison(settings, SimpleSettings(resolution=more, tolerance=max(_TIGHTEST, factor * settings.tolerance)), factor),)
 
-    def finer(self, settings: SimpleSettings, excess: tuple[float, ...], output_step: float) -> SimpleSettings | None:
+    def finer(self, settings: SimpleSettings, excess: Mapping[str, float], output_step: float) -> SimpleSettings | None:
         return self._ladder().finer(settings, excess)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: SimpleSettings) -> Simulation:

@@ -19,9 +19,9 @@ from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.catalogue import AnyCase, engine_given, one_case
-from quickreturn.engines.accurate import NOT_ESTIMATED, Result
+from quickreturn.engines.accurate import NOT_ESTIMATED, TIP, Result
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
-from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED, ErrorPart
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
@@ -85,6 +85,14 @@ class Solution(Shown):
 
         of = {"total": "error", "integration": "integration error", "unverified": "error, not verified"}[self.result.estimate_of]
         return pd.Series(self.result.error_estimates, dtype=float, name=of)
+
+    @property
+    def error_parts(self) -> tuple[ErrorPart, ...]:
+        """The parts that add up to the error estimate of the tip deflection, each with the two runs that show it; empty if unknown.
+
+        `result.error_parts` has those of every column.
+        """
+        return self.result.error_parts.get(TIP, ())
 
     @cached_property
     def loads(self) -> "Loads":
@@ -169,6 +177,8 @@ class Solution(Shown):
         yield "rows", f"{len(self.trajectory)}{kept and ' in '}{kept}"
         if self.remark != NOT_ESTIMATED:
             yield self._estimates()
+        if self.error_parts:
+            yield "shown by", Rows([(f"{part}",) for part in self.error_parts])
         if (loads := self.loads).stress is not None:
             yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
         elif {*MOMENTS} <= set(self.trajectory.columns):

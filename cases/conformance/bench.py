@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
@@ -170,8 +171,8 @@ class Bench:
 
     def finer(self, scene: Scene, settings: Settings) -> Settings | None:
         """The next rung for an error that is twice as large as allowed."""
-        parts = len(self.engine.comparisons(settings, scene, OUTPUT_STEP))
-        next_rung: Settings | None = self.engine.finer(settings, (2.0,) * max(1, parts), OUTPUT_STEP)
+        parts = Counter(pair.of for pair in self.engine.comparisons(settings, scene, OUTPUT_STEP))
+        next_rung: Settings | None = self.engine.finer(settings, {of: 2.0 * count for of, count in parts.items()}, OUTPUT_STEP)
         return next_rung
 
     def sharpened(self, motion: Motion) -> Iterator[Trajectory]:
@@ -215,7 +216,7 @@ class Bench:
                     return None
                 runs = compared(pair, functools.partial(self.run, motion))
                 for name in compared_columns(runs.run):
-                    parts[name] = parts.get(name, 0.0) + runs.part(lambda a, b, name=name: rms(a[name] - b[name]))  # type: ignore[misc]
+                    parts[name] = parts.get(name, 0.0) + runs.part(lambda a, b, name=name: rms(a[name] - b[name])).error  # type: ignore[misc]
         except EngineFailure:
             return None
         return parts

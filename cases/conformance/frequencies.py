@@ -78,7 +78,7 @@ def _values(bench: Bench) -> str:
     """Check the frequencies against those of the model by `reference`."""
     coarse, finer = 0.0, bench.settings(bench.scene)
     for _ in range(3):  # the next rungs may be finer in time alone
-        finer = bench.engine.finer(finer, (), OUTPUT_STEP) or finer
+        finer = bench.engine.finer(finer, {}, OUTPUT_STEP) or finer
     for degrees in _ANGLES:
         given = _given(bench, bench.scene, degrees)
         count = len(given)

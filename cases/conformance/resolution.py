@@ -74,7 +74,7 @@ def _truth(bench: Bench) -> Truth:
         return truth(bench.mild)
     settings = bench.settings(bench.scene)
     for _ in range(_RUN):
-        settings = bench.engine.finer(settings, (2.0,), OUTPUT_STEP) or settings
+        settings = bench.finer(bench.scene, settings) or settings
     return Truth(bench.run(bench.mild, settings).columns, {})
 
 

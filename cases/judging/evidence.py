@@ -162,7 +162,7 @@ class _Request:
             return failure.partial, failure
 
     def _finer(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
-        finer = self._engine.finer(settings, (), self._scene.output_step)
+        finer = self._engine.finer(settings, {}, self._scene.output_step)
         return (None, None) if finer is None else self._once(finer)
 
     def _at_the_end(self, trajectory: Trajectory | None) -> bool:

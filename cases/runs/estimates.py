@@ -17,7 +17,7 @@ For cycles that repeat in statistics only, means are compared: of the measures, 
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -28,7 +28,7 @@ from quickreturn.cases.measures.cycle import CycleMeasures, Measure
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.marching import channels_of
-from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
+from quickreturn.engines.error_parts import Compared, ErrorPart, total
 from quickreturn.engines.trajectory import Columns
 
 Array = NDArray[np.float64]
@@ -47,12 +47,16 @@ EXTREMES: Final = ("minimum", "maximum")
 
 @dataclass(frozen=True)
 class EstimatedMeasure(Measure):
-    """A measure with the engine's estimates of the errors of its numbers, each in the number's unit; None if there is none."""
+    """A measure with the engine's estimates of the errors of its numbers, each in the number's unit; None if there is none.
+
+    `parts` has by quantity the parts that add up to the estimate, with the runs that show them.
+    """
 
     first_mode_frequency_estimate: float | None = None
     first_mode_amplitude_estimate: float | None = None
     minimum_estimate: float | None = None
     maximum_estimate: float | None = None
+    parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)
 
     def number(self, quantity: str) -> float | None:
         """The number called `quantity`: one of `VIBRATION` and `EXTREMES`, or the uncertainty of one."""
@@ -106,10 +110,10 @@ def with_estimates(
     """
     measures = []
     for place, measure in enumerate(delivered.measures):
-        of_extremes = _of_extremes(compared, measure.half, measure.channel) if compared else None
-        estimates: dict[str, Any] = {name: _of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION}
-        estimates |= dict.fromkeys(EXTREMES, of_extremes)
-        measures.append(EstimatedMeasure(**vars(measure), **{f"{name}_estimate": estimate for name, estimate in estimates.items()}))
+        parts = {name: _of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION}
+        parts |= dict.fromkeys(EXTREMES, _of_extremes(compared, measure.half, measure.channel))
+        estimates: dict[str, Any] = {f"{name}_estimate": total(some) for name, some in parts.items()}
+        measures.append(EstimatedMeasure(**vars(measure), **estimates, parts=parts))
     consensus = (
         EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in delivered.consensus
     )
@@ -163,7 +167,7 @@ def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dic
 
 def _total(compared: Sequence[Compared[MeasuredCycle]], name: str, apart: Callable[[MeasuredCycle, MeasuredCycle, str], float]) -> float:
     """The sum of the parts of an error that the compared runs show in a column."""
-    return sum(runs.part(lambda one, other: apart(one, other, name)) for runs in compared)
+    return sum(runs.part(lambda one, other: apart(one, other, name)).error for runs in compared)
 
 
 def _change_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
@@ -184,32 +188,33 @@ def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, 
     """Column -> half -> estimate of the error of its extremes, in its unit."""
     estimates: dict[str, dict[str, float]] = {}
     for half, name in compared[0].run.signals if compared else ():
-        estimates.setdefault(name, {})[half] = _of_extremes(compared, half, name)
+        estimates.setdefault(name, {})[half] = sum(part.error for part in _of_extremes(compared, half, name))
     return estimates
 
 
-def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> float:
+def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> tuple[ErrorPart, ...]:
     def largest_difference(one: MeasuredCycle, other: MeasuredCycle) -> float:
         mine, its = (each.signals[half, name] for each in (one, other))
         apart = np.abs(mine.mean(axis=0) - its.mean(axis=0)).max()
         extremes = (np.mean(mine.max(axis=1)) - np.mean(its.max(axis=1)), np.mean(mine.min(axis=1)) - np.mean(its.min(axis=1)))
         return float(max(apart, *map(abs, extremes)))
 
-    return sum(runs.part(largest_difference) for runs in compared)
+    return tuple(runs.part(largest_difference) for runs in compared)
 
 
-def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name: str, value: float | None) -> float | None:
-    """Estimate of a number that not every run resolves; `place` is that of the measure among those of a cycle."""
+def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name: str, value: float | None) -> tuple[ErrorPart, ...]:
+    """Parts of the error of a number; none where not every run resolves it. `place` is that of the measure among those of a cycle."""
 
     def of(run: MeasuredCycle) -> float | None:
         number: float | None = getattr(run.measures.measures[place], name)
         return number
 
     if not compared or value is None or any(of(run) is None for runs in compared for run in (runs.run, runs.other)):
-        return None
-    total = 0.0
-    for runs in compared:
-        if runs.before and of(runs.before[0]) is None:  # nothing shows the factor
-            runs = replace(runs, factor=min(runs.factor, LEAST_FACTOR), before=None)
-        total += runs.part(lambda one, other: abs(of(one) - of(other)))  # type: ignore[operator]
-    return total
+        return ()
+
+    def part(runs: Compared[MeasuredCycle]) -> ErrorPart:
+        if runs.before and of(runs.before[0]) is None:
+            runs = replace(runs, before=None, unchecked="does not resolve the number")
+        return runs.part(lambda one, other: abs(of(one) - of(other)))  # type: ignore[operator]
+
+    return tuple(map(part, compared))

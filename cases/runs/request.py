@@ -12,8 +12,9 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.orbit import Orbit
 from quickreturn.cases.runs.stability import Multiplier
+from quickreturn.engines.accurate import TIP
 from quickreturn.engines.base import AnyEngine, SteadyState
-from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.error_parts import ESTIMATED, ErrorPart
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
@@ -151,6 +152,7 @@ class Run:
     reached: bool = False  # whether the error estimate is within the accuracy
     error_estimate: float | None = None  # of the tip deflection, relative
     error_estimates: dict[str, float | None] = field(default_factory=dict)  # of each column
+    error_parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)  # see `engines.accurate.Assessment`
     degrees_of_freedom: int | None = None
     setup_seconds: float | None = None  # this and the next three as in `engines.accurate.Result`
     compile_seconds: float | None = None
@@ -181,6 +183,7 @@ class Run:
         lines = [f"{self.engine}: {self.status} after {self.cycles} cycles" + (f"; {self.remark}" if self.remark else "")]
         shown = {name: self.error_estimates[name] for name in ESTIMATED if name in self.error_estimates}
         lines += [f"  error of {name}: {'unknown' if error is None else f'{error:.1e}'}" for name, error in shown.items()]
+        lines += [f"  {part}" for part in self.error_parts.get(TIP, ())]
         for each in self.consensus:
             if each.first_mode_frequency is not None:
                 lines.append(f"  first mode, {each.half}-return: {each.first_mode_frequency:.2f} Hz")

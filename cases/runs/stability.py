@@ -94,8 +94,8 @@ def multiplier_of(state: "FoundOrbit", compared: "Sequence[Compared[FoundOrbit]]
         return Multiplier(value)
     wholes = [runs.mapped(whole) for runs in compared]
     floor = max(SECOND_ORDER * whole(state).corrected, LEFT + OF_TOLERANCE * state.simulation.tolerance)
-    distance = max(sum(runs.part(lambda one, other: other.apart(one.largest)) for runs in wholes), floor)
-    modulus = sum(runs.part(lambda one, other: abs(abs(one.largest) - abs(other.largest))) for runs in wholes)
+    distance = max(sum(runs.part(lambda one, other: other.apart(one.largest)).error for runs in wholes), floor)
+    modulus = sum(runs.part(lambda one, other: abs(abs(one.largest) - abs(other.largest))).error for runs in wholes)
     return Multiplier(value, max(modulus, floor, ALONG * distance), distance)
 
 

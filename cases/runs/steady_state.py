@@ -182,6 +182,7 @@ class _RunInProgress:
             reached=result.reached if refines else result.error_estimate is not None and result.error_estimate <= target,
             error_estimate=result.error_estimate,
             error_estimates=result.error_estimates,
+            error_parts=result.error_parts,
             setup_seconds=result.setup_seconds,
             compile_seconds=result.compile_seconds,
             estimate_seconds=result.estimate_seconds + result.solve_seconds,

@@ -4,6 +4,7 @@ The library is loaded when the first model is built, not when engines are listed
 """
 
 import time
+from collections.abc import Mapping
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -67,9 +68,9 @@ class ExudynEngine(Engine[ExudynSettings]):
             return (in_time,)
         return in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time), *ladder.in_passing(settings, in_time)
 
-    def finer(self, settings: ExudynSettings, excess: tuple[float, ...], output_step: float) -> ExudynSettings | None:
+    def finer(self, settings: ExudynSettings, excess: Mapping[str, float], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""
-        return ladder.finer(settings, ladder.Excess(*excess) if excess else None, output_step)
+        return ladder.finer(settings, excess, output_step)
 
     def prepare(self, scene: Scene, start: Start | None, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""

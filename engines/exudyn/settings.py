@@ -2,8 +2,9 @@
 
 import itertools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Final
 
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
@@ -95,7 +96,7 @@ def in_time(own: ExudynSettings, output_step: float, order: float = SAFE_IN_TIME
 
     def pair(run: int, other: int, before: Comparison | None = None, instead: Comparison | None = None) -> Comparison:
         compared, with_this = (own if count == steps else own.replaced(step=output_step / count) for count in (run, other))
-        return Comparison(compared, with_this, (run / other) ** order, before, instead)
+        return Comparison(compared, with_this, (run / other) ** order, before, instead, of="time")
 
     smaller = pair(steps, 2 * steps) if output_step / (2 * steps) >= LEAST_STEP else None
     if half == steps and smaller is not None:
@@ -112,7 +113,9 @@ def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
     fewer = own.elements // 2 if own.elements >= FEWEST_WITH_ORDER else more
     coarsest, *finer = _steps_compared(own, time)
     pairs = [(coarsest, fewer), *((run, more) for run in finer)]
-    return _first_to_run([Comparison(run, run.replaced(elements=other), (own.elements / other) ** SAFE_IN_SPACE) for run, other in pairs])
+    return _first_to_run(
+        [Comparison(run, run.replaced(elements=other), (own.elements / other) ** SAFE_IN_SPACE, of="space") for run, other in pairs]
+    )
 
 
 def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
@@ -121,7 +124,7 @@ def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
         return ()
     part, factor = PASSING
     fewer = round(part * own.elements)
-    return (_first_to_run([Comparison(run, run.replaced(elements=fewer), factor) for run in _steps_compared(own, time)]),)
+    return (_first_to_run([Comparison(run, run.replaced(elements=fewer), factor, of="passing") for run in _steps_compared(own, time)]),)
 
 
 def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
@@ -132,7 +135,7 @@ def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
     few = own.elements // 2 if own.elements >= FEWEST_WITH_ORDER else own.elements
     part = SOFTER if SOFTER * own.axial_factor >= SOFTEST else 1.0 / SOFTER
     runs = [run.replaced(elements=few) for run in _steps_compared(own, time)]
-    return _first_to_run([Comparison(run, run.replaced(axial_factor=part * own.axial_factor), 1.0 / part) for run in runs])
+    return _first_to_run([Comparison(run, run.replaced(axial_factor=part * own.axial_factor), 1.0 / part, of="stretch") for run in runs])
 
 
 def _steps_compared(own: ExudynSettings, time: Comparison) -> list[ExudynSettings]:
@@ -152,28 +155,19 @@ def _first_to_run(pairs: list[Comparison]) -> Comparison:
     return found
 
 
-class Excess(NamedTuple):
-    """Parts of the error estimate over the accuracy asked for, in the order of `ExudynEngine.comparisons`; a scene may lack the last."""
-
-    time: float
-    space: float = 0.0
-    stretch: float = 0.0
-    passing: float = 0.0
-
-
-def finer(own: ExudynSettings, excess: Excess | None, output_step: float) -> ExudynSettings | None:
+def finer(own: ExudynSettings, excess: Mapping[str, float], output_step: float) -> ExudynSettings | None:
     """The cheapest steps, elements and axial stiffness that suffice by the orders; half the step where nothing is known.
 
     At most four times as many steps and twice the elements at once.
 
     Args:
         own: the settings that do not suffice.
-        excess: what is known of the error; None where nothing is.
+        excess: see `Engine.finer`; a scene may lack parts.
         output_step: s.
     """
     steps, elements = own.steps_in(output_step), own.elements
     most_steps = max(steps, min(4 * steps, math.floor(output_step / SMALLEST_STEP + 1e-9)))
-    if excess is None:
+    if not excess:
         return own.replaced(step=output_step / min(2 * steps, most_steps)) if most_steps > steps else None
     most_elements = max(elements, min(2 * elements, MOST_ELEMENTS))
     stiffer = [factor for factor in STIFFER if factor == 1.0 or factor * own.axial_factor <= STIFFER[-1]]
@@ -182,15 +176,15 @@ def finer(own: ExudynSettings, excess: Excess | None, output_step: float) -> Exu
 
     def left(rung: tuple[int, int, float]) -> float:
         """Parts of the error over the accuracy asked for that the orders leave of `excess`."""
-        in_time = excess.time * (steps / rung[0]) ** ORDER_IN_TIME
-        return in_time + (excess.space + excess.passing) * (elements / rung[1]) ** ORDER_IN_SPACE + excess.stretch / rung[2]
+        in_time, in_space = excess["time"] * (steps / rung[0]) ** ORDER_IN_TIME, excess.get("space", 0.0) + excess.get("passing", 0.0)
+        return in_time + in_space * (elements / rung[1]) ** ORDER_IN_SPACE + excess.get("stretch", 0.0) / rung[2]
 
     def cost(rung: tuple[int, int, float]) -> float:
         return rung[0] * rung[1] * (1.0 if rung[1:] == (elements, 1.0) else NEW_CABLE)
 
-    least = min(map(left, rungs), default=math.inf)
-    if least > WORTHWHILE * sum(excess):
+    least, worthwhile = min(map(left, rungs), default=math.inf), WORTHWHILE * sum(excess.values())
+    if least > worthwhile:
         return None
-    enough = max(AIM, min(NEAREST * least, WORTHWHILE * sum(excess)))
+    enough = max(AIM, min(NEAREST * least, worthwhile))
     chosen = min((rung for rung in rungs if left(rung) <= enough), key=cost)
     return own.replaced(elements=chosen[1], step=output_step / chosen[0], axial_factor=chosen[2] * own.axial_factor)

@@ -1,5 +1,6 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
+from collections.abc import Mapping
 from importlib.util import find_spec
 from typing import ClassVar, Final
 
@@ -71,10 +72,11 @@ class MujocoEngine(Engine[ChainSettings]):
         """Two coarser chains, or a finer one for a chain too coarse. The error of the step is negligible, because stability bounds it."""
         if settings.links < FEWEST_WITH_ORDER:
             links, factor = FINER
-            return (Comparison(settings, settings.replaced(links=links), factor),)
-        return tuple(Comparison(settings, settings.replaced(links=round(ratio * settings.links)), ratio**-SAFE_ORDER) for ratio in COARSER)
+            return (Comparison(settings, settings.replaced(links=links), factor, of="space"),)
+        coarser = ((settings.replaced(links=round(ratio * settings.links)), ratio**-SAFE_ORDER) for ratio in COARSER)
+        return tuple(Comparison(settings, other, factor, of="space") for other, factor in coarser)
 
-    def finer(self, settings: ChainSettings, excess: tuple[float, ...], output_step: float) -> ChainSettings | None:
+    def finer(self, settings: ChainSettings, excess: Mapping[str, float], output_step: float) -> ChainSettings | None:
         return LADDER.finer(settings, excess)
 
     def prepare(self, scene: Scene, start: Start | None, settings: ChainSettings) -> Simulation:

@@ -1,5 +1,6 @@
 """The engine `moving-boundaries`: a linear beam across the line from pivot to slider, the crank at a known speed (Beale and Scott)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -74,9 +75,9 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         times, factor = TIGHTER, PART_OF_TIGHTER
         if settings.tolerance * TIGHTER < TIGHTEST:
             times, factor = 1.0 / TIGHTER, 1.0 / PART_OF_TIGHTER
-        return (Comparison(settings, settings.replaced(tolerance=times * settings.tolerance), factor),)
+        return (Comparison(settings, settings.replaced(tolerance=times * settings.tolerance), factor, of="time"),)
 
-    def finer(self, settings: MovingBoundariesSettings, excess: tuple[float, ...], output_step: float) -> MovingBoundariesSettings | None:
+    def finer(self, settings: MovingBoundariesSettings, excess: Mapping[str, float], output_step: float) -> MovingBoundariesSettings | None:
         """A tenth of the tolerance."""
         return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 10.0 * TIGHTEST else None
 

@@ -1,5 +1,6 @@
 """The engine `nodal-load`: standard finite elements with fixed nodes, the slider force shared between two of them (Buchanan)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -93,7 +94,7 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
 
         def with_elements(ratio: float, factor: float, instead: Comparison | None = None) -> Comparison:
             other = settings.elements + (1 if ratio > 1.0 else -1) * max(1, round(abs(ratio - 1.0) * settings.elements))
-            return Comparison(settings, settings.replaced(elements=other), factor, instead=instead)
+            return Comparison(settings, settings.replaced(elements=other), factor, instead=instead, of="space")
 
         if 2 * settings.elements > _MOST_ELEMENTS:
             return tuple(with_elements(ratio, FACTOR) for ratio in COARSER)
@@ -102,6 +103,6 @@ class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
             return tuple(finer)
         return tuple(with_elements(ratio, FACTOR, instead) for ratio, instead in zip(COARSER, finer, strict=True))
 
-    def finer(self, settings: NodalLoadSettings, excess: tuple[float, ...], output_step: float) -> NodalLoadSettings | None:
+    def finer(self, settings: NodalLoadSettings, excess: Mapping[str, float], output_step: float) -> NodalLoadSettings | None:
         """The next rung of the ladder."""
         return LADDER.finer(settings)

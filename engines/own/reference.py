@@ -5,6 +5,7 @@
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -186,22 +187,22 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """
         ladder = SLOWED if settings.added_inertia else AS_THEY_ARE
         if settings.modes + 2 > MOST_MODES:
-            return (Comparison(settings, ladder.sized(settings, settings.modes - 2), 1.0 / RATIO),)
+            return (Comparison(settings, ladder.sized(settings, settings.modes - 2), 1.0 / RATIO, of="modes"),)
 
         def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
             usual, tenth = ladder.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
             return usual.replaced(tolerance=tenth if scene.slider.has_corners else min(usual.tolerance, tenth))
 
         if scene.crank is None:
-            return (Comparison(settings, sized(settings, settings.modes + 2), RATIO),)
+            return (Comparison(settings, sized(settings, settings.modes + 2), RATIO, of="modes"),)
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         finer, further = sized(settings, more), None
         if more + 2 <= MOST_MODES:
-            further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST)
+            further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST, of="modes")
         alike = ALIKE.get(settings.modes, 0.0) if settings.added_inertia else 0.0
-        return (Comparison(settings, finer, ratio, further, alike=alike),)
+        return (Comparison(settings, finer, ratio, further, alike=alike, of="modes"),)
 
-    def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
+    def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> ReferenceSettings | None:
         """The same modes without added inertia, if it slowed any, for they may ring too slowly; else the next rung of the ladder."""
         plain = settings.replaced(added_inertia=False)
         if settings.added_inertia and unslowed(settings.modes) < settings.modes:

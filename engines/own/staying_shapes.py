@@ -1,6 +1,7 @@
 """Base of the engines with fixed shapes: settings, number of shapes, runs to compare."""
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
@@ -100,7 +101,7 @@ class StayingShapesEngine(StayingEngine[AnyShapes]):
     def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
         return compared_shapes(settings)
 
-    def finer(self, settings: AnyShapes, excess: tuple[float, ...], output_step: float) -> AnyShapes | None:
+    def finer(self, settings: AnyShapes, excess: Mapping[str, float], output_step: float) -> AnyShapes | None:
         """The first rung of the ladder with as many shapes as the estimate asks for."""
         return LADDER.finer(settings, excess)
 
@@ -119,7 +120,7 @@ class RivalEngine(StayingEngine[S]):
 def compared_shapes(settings: ShapeSettings) -> tuple[Comparison, ...]:
     """Comparisons with two runs of fewer shapes; or with one of more shapes and a tolerance to match, where there are too few for that."""
     if (count := settings.shape_count) < FEWEST_WITH_ORDER:
-        return (Comparison(settings, LADDER.sized(settings, 2 * count + 2), PART_OF_FINER),)
+        return (Comparison(settings, LADDER.sized(settings, 2 * count + 2), PART_OF_FINER, of="modes"),)
     even = settings.family == "hermite"  # an element has two shapes
     fewer = ((round(ratio * count), factor) for ratio, factor in COARSER)
-    return tuple(Comparison(settings, settings.replaced(shapes=n + n % 2 if even else n), factor) for n, factor in fewer)
+    return tuple(Comparison(settings, settings.replaced(shapes=n + n % 2 if even else n), factor, of="modes") for n, factor in fewer)

@@ -1,6 +1,7 @@
 """The engine `stiff-spring`: a stiff transverse spring at the moving point in place of the slider's constraint (Lee)."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -108,15 +109,14 @@ class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[St
             return compared_shapes(settings)
         ratio = SOFTER if SOFTER * settings.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
         other = settings.replaced(stiffness=ratio * settings.stiffness, damping=min(ratio * settings.damping, MOST_DAMPING))
-        return (*compared_shapes(settings), Comparison(settings, other, 1.0 / ratio))
+        return (*compared_shapes(settings), Comparison(settings, other, 1.0 / ratio, of="spring"))
 
-    def finer(self, settings: StiffSpringSettings, excess: tuple[float, ...], output_step: float) -> StiffSpringSettings | None:
+    def finer(self, settings: StiffSpringSettings, excess: Mapping[str, float], output_step: float) -> StiffSpringSettings | None:
         """More shapes, a stiffer spring or both, by the parts of the estimate."""
-        count = len(compared_shapes(settings))
-        in_shapes, in_spring = sum(excess[:count]) / _SHARE_OF_SHAPES, sum(excess[count:]) / _SHARE_OF_SPRING
+        in_shapes, in_spring = excess.get("modes", 0.0) / _SHARE_OF_SHAPES, excess.get("spring", 0.0) / _SHARE_OF_SPRING
         finer: StiffSpringSettings | None = settings
         if in_shapes > 1.0 or not excess:
-            finer = SHAPES.finer(settings, (in_shapes,) if excess else ())
+            finer = SHAPES.finer(settings, {"modes": in_shapes} if excess else {})
         if finer is None or (excess and in_spring <= 1.0):
             return finer
         times = min(max(in_spring, _LEAST_AT_ONCE), _MOST_AT_ONCE) if excess else _UNKNOWN

@@ -1,6 +1,7 @@
 """The engine `thesis`: the model as published, one cubic with second-order foreshortening, integrated by LSODA."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -107,9 +108,9 @@ class ThesisEngine(Engine[ThesisSettings]):
         times, factor = 10.0, THESIS_ERROR_PER_DECADE
         if settings.tolerance > 0.1 * LOOSEST:
             times, factor = 0.1, 1.0 / THESIS_ERROR_PER_DECADE
-        return (Comparison(settings, settings.replaced(tolerance=times * settings.tolerance), factor),)
+        return (Comparison(settings, settings.replaced(tolerance=times * settings.tolerance), factor, of="time"),)
 
-    def finer(self, settings: ThesisSettings, excess: tuple[float, ...], output_step: float) -> ThesisSettings | None:
+    def finer(self, settings: ThesisSettings, excess: Mapping[str, float], output_step: float) -> ThesisSettings | None:
         """A tenth of the tolerance."""
         return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 1e-11 else None
 

@@ -33,6 +33,7 @@ _NOTHING: Final[dict[str, Any]] = {
     "reached": False,
     "error_estimate": None,
     "error_estimates": {},
+    "error_parts": (),
     "estimate_of": None,
     "further_run_skipped": None,
     "remark": "",
@@ -180,7 +181,12 @@ def _written(attempt: "Attempt", path: str | None) -> "tuple[dict[str, Any], Fou
     from quickreturn.reports.tables.strength import document
 
     same = {name: getattr(found.result, name) for name in ("accuracy", *_NOTHING) if hasattr(found.result, name)}
-    more = {"settings": found.settings, "loads": document(found.loads), **vars(found.result.description)}
+    more = {
+        "settings": found.settings,
+        "error_parts": [vars(part) for part in found.error_parts],
+        "loads": document(found.loads),
+        **vars(found.result.description),
+    }
     return known | same | more, found
 
 

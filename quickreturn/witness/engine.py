@@ -4,6 +4,7 @@ It shares with `reference` only the shapes that follow the slider, their tables 
 of the shapes (`engines/LADDERS.md`, section 1). What computes is loaded when a model is built, not when engines are listed.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
@@ -87,13 +88,13 @@ class DerivedEngine(Engine[DerivedSettings]):
         """Compare with a run of more modes, as many as `reference` takes; if that does not suffice, with one of still more modes."""
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         if more > MOST_MODES:
-            return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO),)
+            return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO, of="modes"),)
         finer, further = LADDER.sized(settings, more), None
         if more + 2 <= MOST_MODES:
-            further = Comparison(finer, LADDER.sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST)
-        return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0)),)
+            further = Comparison(finer, LADDER.sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST, of="modes")
+        return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0), of="modes"),)
 
-    def finer(self, settings: DerivedSettings, excess: tuple[float, ...], output_step: float) -> DerivedSettings | None:
+    def finer(self, settings: DerivedSettings, excess: Mapping[str, float], output_step: float) -> DerivedSettings | None:
         """The next settings of the ladder."""
         return LADDER.finer(settings, excess)
 

@@ -7,6 +7,7 @@ makes it misbehave in the ways that the runner must survive.
 import os
 import signal
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,7 +106,7 @@ class FakeEngine(Engine):
         assert isinstance(settings, FakeSettings)
         return (Comparison(settings, settings.replaced(step=2.0 * settings.step), 4.0),)
 
-    def finer(self, settings: AnySettings, excess: tuple[float, ...], output_step: float) -> FakeSettings | None:
+    def finer(self, settings: AnySettings, excess: Mapping[str, float], output_step: float) -> FakeSettings | None:
         assert isinstance(settings, FakeSettings)
         return settings.replaced(step=settings.step / 2.0) if settings.step > 0.03 else None
 

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from quickreturn.engines.accurate import Result, simulate
+from quickreturn.engines.accurate import TIP, Result, simulate
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, EstimateOf, Refusal, Simulation
-from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, Compared, shown_factor
+from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, Compared, ErrorPart, shown_factor
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
@@ -326,7 +328,29 @@ def test_rest_that_differences_to_finer_runs_show() -> None:
     assert shown_factor(0.25, 0.5, 4.0, 1.2) == pytest.approx(0.45), "it falls more slowly than it should"
     assert shown_factor(0.25, 0.5, 4.0, 9.0) == LARGEST_REST, "it does not fall"
     ringing = Compared(0.0, 4.0, 0.25, (13.0, 0.5))
-    assert ringing.part(lambda a, b: abs(a - b)) == pytest.approx(9.0 / (1.0 - LARGEST_REST)), "the larger difference counts"
+    assert ringing.part(lambda a, b: abs(a - b)).error == pytest.approx(9.0 / (1.0 - LARGEST_REST)), "the larger difference counts"
+
+
+@pytest.mark.parametrize("name", ["reference", "mujoco", "stiff-spring"])
+def test_the_runs_that_a_claim_names_give_that_claim(name: str) -> None:
+    """Each run is made anew from the named settings alone."""
+    chosen, scene = engine(name), run_24()
+    result = simulate(chosen, scene, standard_start(scene), 0.1, 1e-3)
+
+    def made(settings: dict[str, Any]) -> Trajectory:
+        return run_once(chosen, scene, standard_start(scene), 0.1, 1e-3, chosen.settings_type(**settings)).trajectory
+
+    for column, estimate in (("tip_deflection", result.error_estimate), ("strain_2", result.error_estimates["strain_2"])):
+        parts = result.error_parts[column if column != "tip_deflection" else TIP]
+        differences = [rms(made(part.run)[column] - made(part.other)[column]) / rms(result.trajectory[column]) for part in parts]
+        assert differences == pytest.approx([part.difference for part in parts], rel=1e-9)
+        assert estimate == pytest.approx(sum(part.counted * found for part, found in zip(parts, differences, strict=True)), rel=1e-9)
+    assert {part.of for part in result.error_parts[TIP]} <= {"modes", "space", "spring"}
+
+
+def test_a_part_of_an_error_in_words() -> None:
+    part = ErrorPart("modes", {"modes": 4, "tolerance": 1e-6}, {"modes": 7, "tolerance": 1e-6}, 7.2e-4, 0.2, 1.25)
+    assert str(part) == "9.0e-4 by modes: modes 4 against 7; 1.2 times their difference of 7.2e-4"
 
 
 def test_ladder_gets_past_an_unstable_step() -> None:

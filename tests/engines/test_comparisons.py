@@ -61,7 +61,7 @@ def test_spring_of_a_compliant_joint_is_no_error() -> None:
 
 def test_spring_is_stiffened_and_shapes_are_added_as_the_parts_ask() -> None:
     engine, settings = StiffSpringEngine(), StiffSpringSettings(shapes=12, stiffness=1e6, damping=30.0)
-    softer, fewer = engine.finer(settings, (0.1, 0.1, 3.0), 1e-3), engine.finer(settings, (2.0, 2.0, 0.1), 1e-3)
+    softer, fewer = (engine.finer(settings, {"modes": modes, "spring": spring}, 1e-3) for modes, spring in ((0.2, 3.0), (4.0, 0.1)))
     assert softer is not None
     assert fewer is not None
     assert (softer.shapes, softer.stiffness / settings.stiffness) == (12, pytest.approx(8.0))

@@ -38,8 +38,8 @@ def test_rungs_get_finer_and_claim_less(ladder: Ladder[Any]) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in LADDERS if name != "exudyn"])  # which climbs in three directions
-@pytest.mark.parametrize("excess", [(), (1.1,), (0.7, 0.6), (40.0,)])
-def test_climbing_ends_at_the_finest_rung(name: str, excess: tuple[float, ...]) -> None:
+@pytest.mark.parametrize("excess", [{}, {"modes": 1.1}, {"modes": 0.7, "spring": 0.6}, {"modes": 40.0}])
+def test_climbing_ends_at_the_finest_rung(name: str, excess: dict[str, float]) -> None:
     ladder = LADDERS[name]
     rung, climbed = ladder.rungs[0][0], []
     while (finer := ladder.finer(rung, excess)) is not None:

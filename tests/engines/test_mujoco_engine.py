@@ -168,12 +168,12 @@ def test_settings_follow_the_ladder() -> None:
     chosen = [ENGINE.settings_for(accuracy, mechanism) for accuracy in (0.05, 7e-3, 1e-3, 1e-4)]
     assert [s.as_dict()["links"] for s in chosen] == [12, 13, 33, 64]
     rung, climbed = chosen[1], []
-    while (finer := ENGINE.finer(rung, (), 1e-3)) is not None:
+    while (finer := ENGINE.finer(rung, {}, 1e-3)) is not None:
         climbed.append(finer.as_dict()["links"])
         rung = finer
     assert climbed == [22, 33, 64, 90]  # half as many more, as far as there are rungs
-    assert [ENGINE.finer(chosen[2], excess, 1e-3).as_dict()["links"] for excess in ((0.6, 0.5), (1.0, 1.0), (50.0, 50.0))] == [40, 64, 90]
-    assert ENGINE.finer(LADDER.rungs[-1][0], (2.0, 0.0), 1e-3) is None
+    assert [ENGINE.finer(chosen[2], {"space": excess}, 1e-3).as_dict()["links"] for excess in (1.1, 2.0, 100.0)] == [40, 64, 90]
+    assert ENGINE.finer(LADDER.rungs[-1][0], {"space": 2.0}, 1e-3) is None
 
 
 @given(st.integers(1, 256))

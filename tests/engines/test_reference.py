@@ -57,7 +57,7 @@ def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
         begun = ENGINE.settings_for(accuracy, run_24())
         assert SLOWED.claim(begun.modes) <= accuracy
         assert begun.added_inertia
-        climbed = ENGINE.finer(begun, (), 1e-3)
+        climbed = ENGINE.finer(begun, {}, 1e-3)
         assert climbed is not None
         assert (climbed.modes == begun.modes) == (begun.modes > 3)
         assert not climbed.added_inertia
@@ -70,7 +70,7 @@ def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
         assert pair.other.modes > rung.modes
         assert pair.other.tolerance <= rung.tolerance
         assert 0.0 < pair.factor < 1.0
-        rung = ENGINE.finer(rung, (), 1e-3)
+        rung = ENGINE.finer(rung, {}, 1e-3)
     assert visited == [rung.modes for rung, _ in AS_THEY_ARE.rungs]
 
 

@@ -170,7 +170,7 @@ class TestFeatures:
         rung: Settings | None = chosen.settings_for(0.3, run_24())
         finest, unknowns = rung, []
         while rung is not None:
-            finest, rung = rung, chosen.finer(rung, (), 1e-3)
+            finest, rung = rung, chosen.finer(rung, {}, 1e-3)
             unknowns.append(chosen.describe(run_24(), finest).degrees_of_freedom)
             assert all(pair.run == finest != pair.other for pair in chosen.comparisons(finest, run_24(), 1e-3))
         assert unknowns == sorted(unknowns)

@@ -129,10 +129,10 @@ def test_the_ladder_follows_the_measured_errors() -> None:
     (pair,) = engine.comparisons(SimpleSettings(resolution=8), BASE, 1e-3)
     assert (pair.other.resolution, pair.factor) == (12, pytest.approx((8 / 12) ** 2))  # type: ignore[attr-defined]
     assert pair.other.tolerance < pair.run.tolerance  # type: ignore[attr-defined]
-    finer = engine.finer(engine.settings_for(0.2, BASE), (4.0,), 1e-3)
+    finer = engine.finer(engine.settings_for(0.2, BASE), {"resolution": 4.0}, 1e-3)
     assert finer is not None
     assert finer.resolution == 8
-    assert engine.finer(SimpleSettings(resolution=16), (2.0,), 1e-3) is None
+    assert engine.finer(SimpleSettings(resolution=16), {"resolution": 2.0}, 1e-3) is None
 
 
 def test_frequencies_come_from_the_accelerations_with_the_crank_held() -> None:

@@ -3,7 +3,7 @@
 import dataclasses
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -103,12 +103,12 @@ def _from_pivot(columns: Columns, mechanism: Mechanism) -> None:
 
 
 class BackwardsLadder(Mutant):
-    def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
+    def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> ReferenceSettings | None:
         return settings.replaced(modes=settings.modes - 1) if settings.modes > 1 else None
 
 
 class EndlessLadder(Mutant):
-    def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> ReferenceSettings | None:
+    def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> ReferenceSettings | None:
         return settings
 
 

@@ -4,7 +4,7 @@ import dataclasses
 import math
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -322,7 +322,7 @@ class TwoModes(ReferenceEngine):
 
     name, default_accuracy, off = "two-modes", 0.3, 1.25
 
-    def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> None:
+    def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> None:
         return None
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> Any:

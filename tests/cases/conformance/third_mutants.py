@@ -4,6 +4,7 @@ import dataclasses
 import math
 import os
 import time
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -131,7 +132,7 @@ class IntegrationAlone(ReferenceEngine):
     def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
         return (Comparison(settings, settings.replaced(tolerance=10.0 * settings.tolerance), 10.0),)
 
-    def finer(self, settings: ReferenceSettings, excess: tuple[float, ...], output_step: float) -> None:
+    def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> None:
         return None
 
 

@@ -67,7 +67,7 @@ def test_few_elements_are_not_taken_for_a_cable_that_stretches():
     def part(pair: Comparison) -> float:
         runs = (pair.run.as_dict(), pair.other.as_dict())
         run, other = (simulate(mechanism, 0.3, **settings) for settings in runs)
-        return estimated_part(run, Compared(run, other, pair.factor), mechanism.follower.length)[0]
+        return estimated_part(run, Compared(run, other, pair.factor), mechanism.follower.length).tip.error
 
     _, _, stretch, _ = ENGINE.comparisons(rung, mechanism, 1e-3)
     half, whole = (part(Comparison(*(own.replaced(elements=n) for own in (stretch.run, stretch.other)), stretch.factor)) for n in (12, 24))
@@ -83,7 +83,7 @@ def test_ladder_ends() -> None:
     steps = [rung.step for rung, _ in ladder.LADDER.rungs]
     assert steps == sorted(steps, reverse=True)
     settings, count = ExudynSettings(), 0
-    while (finer := ENGINE.finer(settings, (), 1e-3)) is not None:
+    while (finer := ENGINE.finer(settings, {}, 1e-3)) is not None:
         assert finer.step < settings.step
         settings, count = finer, count + 1
     assert count >= 1
@@ -93,13 +93,14 @@ def test_ladder_ends() -> None:
 def test_finer_settings_cure_what_is_too_large():
     settings = ExudynSettings(elements=24, step=2.5e-4)
     # of second order in time: 7 steps leave 2.0 (4/7)^2 = 0.65; 6 would leave 0.89, and with 0.1 in space too much
-    assert ENGINE.finer(settings, (2.0, 0.1), 1e-3) == settings.replaced(step=1e-3 / 7)
+    assert ENGINE.finer(settings, {"time": 2.0, "space": 0.1}, 1e-3) == settings.replaced(step=1e-3 / 7)
     # of third order in space: 32 elements leave 0.42
-    assert ENGINE.finer(settings, (0.5, 1.0), 1e-3) == settings.replaced(elements=32)
-    assert ENGINE.finer(settings, (0.5, 0.4, 0.0, 0.6), 1e-3) == settings.replaced(elements=32)  # what passing shows is in space as well
+    assert ENGINE.finer(settings, {"time": 0.5, "space": 1.0}, 1e-3) == settings.replaced(elements=32)
+    # what passing shows is in space as well
+    assert ENGINE.finer(settings, {"time": 0.5, "space": 0.4, "passing": 0.6}, 1e-3) == settings.replaced(elements=32)
     # smaller steps are cheaper than another cable, whose comparisons are all to be made again
-    assert ENGINE.finer(settings, (0.7, 0.3, 0.1), 1e-3) == settings.replaced(step=2e-4)
-    assert ENGINE.finer(settings, (0.5, 0.1, 0.8), 1e-3) == settings.replaced(axial_factor=4.0)
+    assert ENGINE.finer(settings, {"time": 0.7, "space": 0.3, "stretch": 0.1}, 1e-3) == settings.replaced(step=2e-4)
+    assert ENGINE.finer(settings, {"time": 0.5, "space": 0.1, "stretch": 0.8}, 1e-3) == settings.replaced(axial_factor=4.0)
 
 
 @example((0.0, 19.6, 0.0, 0.0), 92, 16.0, 9)  # all that is left to try are four elements more
@@ -111,7 +112,7 @@ def test_finer_settings_cure_what_is_too_large():
 )
 def test_climbing_takes_what_the_orders_leave_to_within_reach(excess, elements, axial_factor, steps):
     own = ExudynSettings(elements=elements, axial_factor=axial_factor, step=1e-3 / steps)
-    finer = ENGINE.finer(own, excess, 1e-3)
+    finer = ENGINE.finer(own, dict(zip(("time", "space", "stretch", "passing"), excess, strict=True)), 1e-3)
     if finer is None:
         return
     in_time, in_space, in_stretch, passing = excess
