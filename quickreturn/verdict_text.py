@@ -4,7 +4,7 @@ import math
 from typing import Final
 
 from quickreturn.cases.loads import UNITS
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, not_judged
+from quickreturn.cases.runs.comparison import REFERENCE, SAYS_NOTHING, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reports.findings.loads import CaseLoads, leading_loads, stress_text
@@ -41,7 +41,7 @@ def _verdict(result: CaseResult) -> list[str]:
         total = sum((check.engine, check.other) == (engine, other) for check in result.checks)
         lines.append(f"{engine} and {other} disagree by more than they claim, in {len(checks)} of {total} comparisons:")
         worst = sorted(checks, key=lambda check: -abs(check.difference) / check.tolerance if check.tolerance else -math.inf)
-        lines += [f"  {_departure(check)}" for check in worst[:SHOWN]]
+        lines += [f"  {line}" for check in worst[:SHOWN] for line in (_departure(check), *(f"  {part}" for part in check.why))]
         if len(checks) > SHOWN:
             lines.append(f"  and {len(checks) - SHOWN} more, which `departures` and --json list")
     if result.passed is None:
@@ -50,7 +50,11 @@ def _verdict(result: CaseResult) -> list[str]:
     within = [check for check in result.checks if check.engine not in departing]
     if within:
         names, others = (dict.fromkeys(getattr(check, side) for check in within) for side in ("engine", "other"))
-        lines.append(f"{', '.join(names)}: within what is claimed of {' and '.join(others)} in all {len(within)} comparisons")
+        silent = agreement(within)["says_nothing"]
+        lines.append(
+            f"{', '.join(names)}: within what is claimed of {' and '.join(others)} in all {len(within)} comparisons"
+            + (f"; {silent} of them say nothing, for more is claimed than {SAYS_NOTHING}" if silent else "")
+        )
     reference = result.runs.get(REFERENCE)
     for name, run in result.runs.items():
         if reference is not None and reference.usable and run.usable and name != REFERENCE and (why := not_judged(run)):

@@ -7,7 +7,8 @@ result.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any, Final, Literal
@@ -23,6 +24,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate, or_nan
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import LARGEST_PERIOD_RATIO, NOTHING, Run, RunRequest
+from quickreturn.engines.error_parts import ErrorPart
 from quickreturn.engines.registry import MAIN
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reference_model.rigid import crank_pace
@@ -40,6 +42,14 @@ KINDS: Final[Mapping[Kind, tuple[str, ...]]] = {
     "extreme": EXTREMES,
 }
 
+Verdict = Literal["agrees", "disagrees", "says nothing"]
+VERDICTS: Final[tuple[Verdict, ...]] = ("agrees", "disagrees", "says nothing")
+#: Largest tolerance, over the scale, of a comparison that says something where it is kept; a larger one of a frequency would hide what
+#: the thesis found, frequencies that are some percent too high.
+TELLING: Final = 0.1
+TELLING_OF_FREQUENCIES: Final = 0.02
+SAYS_NOTHING: Final = f"{TELLING:.0%} of the number, of a frequency {TELLING_OF_FREQUENCIES:.0%}".replace("%", " %")
+
 #: Accuracy classes, relative errors: an engine is in the least one that covers its estimates and its deviation.
 CLASSES: Final = (0.001, 0.003, 0.01, 0.03, 0.1)
 WORSE: Final = "worse"
@@ -51,9 +61,14 @@ class Claim:
 
     value: float
     estimate: float  # the engine's estimate of its error
-    # error of the measurement: one standard deviation of a frequency or amplitude; for an extreme the uncertainty from the spacing of
-    # samples and the channel's remaining distance from its steady state
-    uncertainty: float
+    measurement: float  # one standard deviation of a frequency or amplitude; of an extreme the uncertainty from the spacing of samples
+    settling: float = 0.0  # of an extreme: the channel's remaining distance from its steady state
+    parts: tuple[ErrorPart, ...] = field(default=(), compare=False)  # that add up to the estimate, with the runs that show them
+
+    @property
+    def uncertainty(self) -> float:
+        """Error of the measurement, and what is left to the steady state."""
+        return self.measurement + self.settling
 
     @property
     def width(self) -> float:
@@ -112,11 +127,25 @@ class Difference:
         """Whether the difference is within the tolerance; False for NaN."""
         return abs(self.difference) <= self.tolerance
 
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the two agree; a tolerance beyond `TELLING` of the scale, or `TELLING_OF_FREQUENCIES`, would hide any mistake."""
+        if not self.passed:
+            return "disagrees"
+        telling = TELLING_OF_FREQUENCIES if self.quantity in (CONSENSUS, VIBRATION[0]) else TELLING
+        return "agrees" if self.tolerance <= telling * self.scale else "says nothing"
+
+    @property
+    def why(self) -> tuple[str, ...]:
+        """The parts of both estimates, with the runs that show them, in words."""
+        return tuple(f"{name}: {part}" for name, claim in ((self.engine, self.mine), (self.other, self.its)) for part in claim.parts)
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON and CSV."""
-        names = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "scale", "passed")
+        names = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "scale", "passed", "verdict")
         claims = {"": self.mine, "other_": self.its}.items()
-        numbers = {f"{whose}{name}": value for whose, claim in claims for name, value in vars(claim).items()}
+        parts = ("value", "estimate", "uncertainty", "measurement", "settling")
+        numbers = {f"{whose}{part}": getattr(claim, part) for whose, claim in claims for part in parts}
         return {name: getattr(self, name) for name in names} | numbers
 
 
@@ -147,7 +176,12 @@ class CaseResult:
     @property
     def passed(self) -> bool | None:
         """Whether every engine delivered and none departs from another by more than both claim; None if nothing could be judged."""
-        return not self.failures and not self.missed if self.checks else None
+        return not self.failures and not self.missed if self.agreement["agree"] or self.missed else None
+
+    @property
+    def agreement(self) -> dict[str, int]:
+        """Number of comparisons that agree, that disagree, and that say nothing (`Difference.verdict`)."""
+        return agreement(self.checks)
 
     @property
     def reason(self) -> str:
@@ -158,6 +192,8 @@ class CaseResult:
             return "; ".join(
                 ["nothing to compare with", *(f"{name}: {not_judged(run) or 'alone with its claims'}" for name, run in self.runs.items())]
             )
+        if self.passed is None:
+            return f"all {len(self.checks)} comparisons say nothing: what is claimed is more than {SAYS_NOTHING}"
         departing = [f"{pair[0]} and {pair[1]} disagree by more than they claim" for pair in self.departures]
         return "; ".join([*departing, *(f"{run.engine} did not deliver: {run.status}" for run in self.failures)])
 
@@ -207,6 +243,12 @@ class CaseResult:
         places = product(halves, (None,) if kind == "frequency" else channels, KINDS[kind])
         differences = (_difference(self.case, run, opposite, quantity, where, column) for where, column, quantity in places)
         return [difference for difference in differences if difference is not None]
+
+
+def agreement(checks: Iterable[Difference]) -> dict[str, int]:
+    """See `CaseResult.agreement`."""
+    found = Counter(check.verdict for check in checks)
+    return {name: found[verdict] for name, verdict in zip(("agree", "disagree", "says_nothing"), VERDICTS, strict=True)}
 
 
 def cross_validate(
@@ -331,7 +373,7 @@ def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
                 mine = claim(table, quantity, half, channel)
                 if mine is not None and not math.isnan(mine.width) and scale > NOTHING:
-                    its = Claim(extreme.value, other.extreme_estimates[channel][half], extreme.uncertainty + unsettled)
+                    its = Claim(extreme.value, other.extreme_estimates[channel][half], extreme.uncertainty, unsettled)
                     checks.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, mine, its, scale))
     return checks
 
@@ -378,7 +420,7 @@ def claim(run: Run, quantity: str, half: str, channel: str) -> Claim | None:
         return None
     estimate, uncertainty = or_nan(measure.estimate(quantity)), or_nan(measure.number(f"{quantity}_uncertainty"))
     unsettled = or_nan((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
-    return Claim(float(value), estimate, uncertainty + unsettled)
+    return Claim(float(value), estimate, uncertainty, unsettled, measure.parts.get(quantity, ()))
 
 
 def _consensus(run: Run, half: str, channels: Sequence[str]) -> Claim | None:

@@ -96,8 +96,11 @@ def _print(written: "Written") -> None:
 
 def _verdict(results: Sequence["CaseResult"]) -> str:
     """The number of comparisons in which engines differ by more than they claim, or why there are no comparisons."""
+    from quickreturn.cases.runs.comparison import SAYS_NOTHING, agreement
+
     checks = [check for result in results for check in result.with_tables.checks]
     if not checks:
         return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"
-    beyond = sum(not check.passed for check in checks)
-    return f"engines differ by more than they claim in {beyond or 'none'} of {len(checks)} comparisons"
+    counts = agreement(checks)
+    silent = f"; {counts['says_nothing']} say nothing, for more is claimed than {SAYS_NOTHING}" if counts["says_nothing"] else ""
+    return f"engines differ by more than they claim in {counts['disagree'] or 'none'} of {len(checks)} comparisons{silent}"

@@ -43,6 +43,7 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
                 "case": result.case.name,
                 "turn": result.turn,
                 "passed": result.passed,
+                "agreement": result.agreement,
                 "reason": result.reason,
                 "notes": list(result.case.notes),
                 "engines": [

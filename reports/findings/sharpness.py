@@ -4,17 +4,13 @@ A planted error scales one number of one engine by the same factor in every case
 both engines stay the same. `cases.runs.comparison.Difference.passed` judges.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass
 
 import numpy as np
 
 from quickreturn.cases.runs.comparison import KINDS, CaseResult, Difference, Kind
-
-#: Bounds of the search for the smallest relative error that is found, and the relative precision of the search.
-SEARCHED: Final = (1e-9, 1e9)
-PRECISION: Final = 1e-3
 
 
 @dataclass(frozen=True)
@@ -43,19 +39,10 @@ def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
 
 def smallest_found(check: Difference, sign: int) -> float:
     """The smallest relative error of one sign (1 or -1) in the engine's number that the comparison finds; infinite if it finds none."""
-
-    def found(error: float) -> bool:
-        return not replace(check, mine=replace(check.mine, value=(1.0 + sign * error) * check.mine.value)).passed
-
-    low, high = SEARCHED
-    if found(low):
-        return low
-    if not found(high):
-        return float("inf")
-    while high / low > 1.0 + PRECISION:
-        middle = (low * high) ** 0.5
-        low, high = (low, middle) if found(middle) else (middle, high)
-    return high
+    change = sign * check.mine.value
+    if not check.passed:
+        return 0.0
+    return (check.tolerance - math.copysign(1.0, change) * check.difference) / abs(change) if change != 0.0 else math.inf
 
 
 def _of(engine: str, other: str, kind: Kind, checks: Sequence[Difference]) -> Sharpness:

@@ -6,8 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import CLASSES, WORSE, CaseResult, Difference
-from quickreturn.cases.runs.estimates import EXTREMES
+from quickreturn.cases.runs.comparison import CLASSES, WORSE, CaseResult, Difference, agreement
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.findings.agreement import engines_of, outward
 from quickreturn.reports.findings.sharpness import Sharpness
 from quickreturn.reports.tables.table import CASE, CHANNEL, HALF_COLUMN, QUANTITY_COLUMN, Cell, Column, Table
@@ -113,6 +114,7 @@ def summary(results: Sequence[CaseResult]) -> Table:
         QUANTITY_COLUMN,
         Column("compared", form="d"),
         Column("beyond", form="d"),
+        Column("say_nothing", form="d"),
         Column("tolerance", unit="%", form=".2g"),
         Column("used_median", "median", "1", ".2f", group="used"),
         Column("used_most", "most", "1", ".2f", group="used"),
@@ -130,10 +132,28 @@ def summary(results: Sequence[CaseResult]) -> Table:
             quantity=quantity,
             compared=len(checks),
             beyond=Cell(beyond, mark="missed" if beyond else ""),
+            say_nothing=agreement(checks)["says_nothing"],
             tolerance=float(np.median([check.tolerance / check.scale for check in checks])),
             used_median=float(np.median(used)) if used else None,
             used_most=max(used, default=None),
         )
+    return table
+
+
+def every_comparison(results: Sequence[CaseResult]) -> Table:
+    """A file: one row per comparison of two engines, agreeing or not, in SI units.
+
+    The tolerance is the sum of estimates, measurements and settling, each the sum of both engines'; `why` names the runs that show the
+    estimates.
+    """
+    names = ("case", "engine", "other", "quantity", "half", "channel", "value", "other_value", "estimate", "measurement", "settling")
+    table = Table("comparisons", (*names, "tolerance", "verdict", "unit", "why"), in_page=False)
+    for result in results:
+        for check in result.checks:
+            both = {name: getattr(check.mine, name) + getattr(check.its, name) for name in ("estimate", "measurement", "settling")}
+            unit = "Hz" if check.channel is None or check.quantity == VIBRATION[0] else COLUMNS[check.channel].unit
+            why = "; ".join(check.why)
+            table.add(check, case=result.case.name, value=check.mine.value, other_value=check.its.value, unit=unit, why=why, **both)
     return table
 
 

@@ -42,6 +42,7 @@ def test_engines_that_are_right_agree(call: Call) -> None:
     answer, case = run(call, "sound", "also-sound")
     assert (answer.code, case["passed"], case["reason"]) == (0, True, "")
     assert len(case["checks"]) >= 4
+    assert case["agreement"] == {"agree": len(case["checks"]), "disagree": 0, "says_nothing": 0}
     assert "also-sound: within what is claimed of sound in all" in answer.output
     for engine in case["engines"]:
         assert (engine["start"], engine["accuracy_class"], engine["unestimated"]) == ("periodic orbit of reference", "0.1 %", "")
@@ -66,11 +67,13 @@ def test_an_engine_that_claims_too_much_departs(call: Call) -> None:
         assert abs(check["difference"]) > check["tolerance"]
         parts = ("estimate", "other_estimate", "uncertainty", "other_uncertainty")
         assert check["tolerance"] == pytest.approx(sum(check[part] for part in parts))
+    assert case["agreement"]["disagree"] == len(missed)
     # pair, quantity, by how much, and what both claim
     line = next(line for line in answer.output.splitlines() if "minimum, pre-return, strain_1" in line)
     assert "differ by 5e-05" in line
     assert "by overclaims" in line
     assert "by sound" in line
+    assert "      sound: 4.0e-7 by resolution: step 0.2 against 0.4 (0.33 times their difference of 1.2e-6)" in answer.output
     assert answer.errors == ""
 
 

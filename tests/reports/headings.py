@@ -177,7 +177,12 @@ def agreement(tables: Tables) -> list[str]:
     if not beyond.sum():
         sharp = tables["sharpness"].groupby("kind")["found_somewhere"].max()
         least = [f"{size(sharp[kind])} in every {word}" for kind, word in (("frequency", "frequency"), ("extreme", "peak"))]
-        found = [f"{in_words(len(_alike(tables)))} agree within what they claim in all {compared.sum()} comparisons"]
+        silent = tables["compared"]["say_nothing"].sum()
+        told = f"{compared.sum() - silent} comparisons" if silent else f"all {compared.sum()} comparisons"
+        found = [
+            f"{in_words(len(_alike(tables)))} agree within what they claim in {told}",
+            *([f"{silent} more say nothing"] if silent else []),
+        ]
         found += [*least, f"or {size(sharp['amplitude'])} in every amplitude would have shown"]
     cubic = size(tables["map"]["thesis_frequency_difference"].abs().max())
     return [*found, f"the 1999 model’s frequency is {cubic} off the converged one at worst"]

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind, not_judged
+from quickreturn.cases.runs.comparison import agreement as counted
 from quickreturn.reports.findings.agreement import differences, engines_of, outward
 from quickreturn.reports.findings.sharpness import sharpness
 from quickreturn.reports.page.answer import answer_of
@@ -32,6 +33,7 @@ def agreement(content: Content) -> dict[str, Any] | None:
     return {
         "answer": answer_of(content),
         "checks": len(checks),
+        "counted": counted(checks),
         "missed": [check for check in checks if not check.passed],
         "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
         "unjudged": {name: _why(results, name) for name in names if name not in judged},
@@ -43,6 +45,7 @@ def agreement(content: Content) -> dict[str, Any] | None:
         "summary": claims.summary(results),
         "departures": claims.departures(results),
         "classes": claims.classes(results),
+        "comparisons": claims.every_comparison(results),
     }
 
 

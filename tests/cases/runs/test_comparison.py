@@ -145,6 +145,28 @@ def test_nothing_to_judge_is_neither_good_nor_bad() -> None:
         assert found.reason.startswith("nothing to compare with")
 
 
+def test_a_claim_as_wide_as_the_number_says_nothing() -> None:
+    found = result(run("reference"), run("a", claimed=0.5), run("b", claimed=0.03), run("c", claimed=0.5, off=1.0))
+    by_engine = {name: {check.quantity: check.verdict for check in found.checks if check.engine == name} for name in "abc"}
+    assert set(by_engine["a"].values()) == {"says nothing"}
+    # 3 % is too wide for a frequency alone
+    assert by_engine["b"] == {
+        CONSENSUS: "says nothing",
+        "first_mode_frequency": "says nothing",
+        "first_mode_amplitude": "agrees",
+        "minimum": "agrees",
+        "maximum": "agrees",
+    }
+    assert set(by_engine["c"].values()) == {"disagrees"}
+    counts = found.agreement
+    assert sum(counts.values()) == len(found.checks)
+    assert counts["disagree"] == len(found.missed) == len(found.checks) // 3
+    assert found.passed is False
+    nothing = result(run("reference"), run("a", claimed=0.5))
+    assert (nothing.passed, nothing.agreement["agree"], nothing.missed) == (None, 0, ())
+    assert nothing.reason.startswith(f"all {len(nothing.checks)} comparisons say nothing")
+
+
 def test_a_run_that_misses_its_accuracy_is_judged_and_told() -> None:
     found = result(run("reference"), run("a", status=Ending.INACCURATE, off=0.01, claimed=0.01))
     assert found.missed == ()
