@@ -93,19 +93,19 @@ class Compared(Generic[R]):
     # why the run that would have checked `factor` is missing, a clause; the least favourable factor then counts. "" if none is missing
     unchecked: str = ""
     of: str = ""  # what the part of the error comes from, see `ErrorPart`
-    settings: tuple[dict[str, Any], ...] = ({}, {}, {})  # of `run`, `other` and `before`
+    settings: tuple[dict[str, Any], dict[str, Any], dict[str, Any]] = ({}, {}, {})  # of `run`, `other` and `before`
 
     def part(self, difference: Callable[[R, R], float]) -> ErrorPart:
         """The part of the error that the runs show; `difference` gives the size of the difference of two results."""
-        shown, factor, pair = difference(self.run, self.other), self.factor, self.settings[:2]
+        shown, factor, (run, other, before) = difference(self.run, self.other), self.factor, self.settings
         if self.unchecked:
             factor = least_favourable(factor)
         if self.before is not None:
             further = difference(self.other, self.before[0])
             factor = shown_factor(factor, self.before[1], shown, further)
             if factor < 1.0 and further > shown:
-                shown, pair = further, self.settings[1:]
-        return ErrorPart(self.of, *pair, shown, self.factor, 1.0 / abs(factor - 1.0))
+                shown, run, other = further, other, before
+        return ErrorPart(self.of, run, other, shown, self.factor, 1.0 / abs(factor - 1.0))
 
     def mapped(self, compute: Callable[[R], Q]) -> "Compared[Q]":
         """The comparison of what `compute` makes of each result."""
@@ -127,14 +127,14 @@ def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
         if pair.instead is None:
             raise
         return compared(pair.instead, run)
-    names: tuple[dict[str, Any], ...] = (pair.run.as_dict(), pair.other.as_dict())
+    names = pair.run.as_dict(), pair.other.as_dict(), pair.before.other.as_dict() if pair.before else {}
     if pair.before is None:
         return Compared(first, second, pair.factor, of=pair.of, settings=names)
     try:
         before = run(pair.before.other), pair.before.factor
     except EngineFailure as failure:
         return Compared(first, second, pair.factor, None, str(failure), pair.of, names)
-    return Compared(first, second, pair.factor, before, "", pair.of, (*names, pair.before.other.as_dict()))
+    return Compared(first, second, pair.factor, before, "", pair.of, names)
 
 
 class EstimatedPart(NamedTuple):

@@ -40,7 +40,7 @@ def _keep_flags_apart() -> None:
         return found
 
     if numbas.__name__ != subtarget.__name__ or numbas.__module__ != subtarget.__module__:
-        CPUContext.subtarget = subtarget  # type: ignore[method-assign]
+        CPUContext.subtarget = subtarget  # type: ignore[assignment]
 
 
 def _bind_inside() -> None:
