@@ -1,21 +1,18 @@
-"""A case: a scene with its simulation times; and every key of its file, as `reference_model.mechanism` and `Case` declare them."""
+"""A case: a scene with its simulation times, and the file that describes it."""
 
-import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any
 
-from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.copies import in_words, name_of_copy
+from quickreturn.cases.document import Document, check_mapping, header_of, read_document
+from quickreturn.cases.errors import CaseError
+from quickreturn.cases.keys import PATHS, shown_value
+from quickreturn.cases.reading import in_si, read
 from quickreturn.cases.shown import Cell, Rows, Shown
-from quickreturn.cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity, unit_size
+from quickreturn.cases.written import as_toml
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
-from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
-from quickreturn.reference_model.scene_values import values_of
-
-if TYPE_CHECKING:
-    from quickreturn.cases.document import Document
+from quickreturn.reference_model.scene_values import changed_values, values_of
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -38,17 +35,14 @@ class Case(Shown):
     title: str
     tags: tuple[str, ...]
     scene: Scene
-    duration: float = quantity("s", "time to simulate, a multiple of output_step", sign="positive")
-    output_step: float = quantity("s", "between rows of a trajectory", sign="positive")
+    duration: float
+    output_step: float
     notes: tuple[str, ...] = ()
     source: str = ""
-    document: "Document | None" = field(default=None, repr=False, compare=False)
+    document: Document | None = field(default=None, repr=False, compare=False)
 
     def _parts(self) -> Iterator[Cell]:
         """Name, title, notes, and a row for each value that is given or differs from its default: in SI, and as written."""
-        from quickreturn.cases.copies import written_document
-        from quickreturn.cases.document import in_words
-
         yield f"{self.name}: {self.title}"
         yield from (f"note: {note}" for note in self.notes)
         si = {f"{section}.{key}": value for section, keys in self.values.items() for key, value in keys.items()}
@@ -75,9 +69,6 @@ class Case(Shown):
         Raises:
             CaseError: a file cannot hold a value, such as NaN.
         """
-        from quickreturn.cases.copies import written_document
-        from quickreturn.cases.written import as_toml
-
         return as_toml(replace(written_document(self), header={"name": self.name, "title": self.title, "tags": list(self.tags)}))
 
     @property
@@ -99,58 +90,69 @@ class Case(Shown):
         Raises:
             CaseError: a mistake in the overrides, or neither is given.
         """
-        from quickreturn.cases.copies import copy_of
-
-        return copy_of(self, overrides or {}, name)
-
-
-def shown_value(value: Any) -> str:
-    """A number, or several, to nine digits."""
-    return ", ".join(map(shown_value, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"
-
-
-#: Section -> key -> quantity.
-SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
-    {**SECTIONS_OF_SCENE, "simulation": {key: declared for _, key, declared in quantities_of(Case)}}
-)
-#: Keys outside all sections.
-HEADER: Final = ("name", "title", "tags")
-#: Dotted path -> quantity, in the order of the file.
-PATHS: Final = MappingProxyType({f"{section}.{key}": declared for section, keys in SECTIONS.items() for key, declared in keys.items()})
+        texts = check_mapping(overrides or {})
+        document = written_document(self)
+        before, new = case_of(document), case_of(document.overridden_by(texts, "overrides"))
+        if name is None and not texts:
+            raise CaseError(self.name, None, None, "a copy without a change needs a name", 'such as with_(name="shaper-2")')
+        if name is None:
+            earlier, later = ({} if one.document is None else one.document.overridden for one in (self, new))
+            name = name_of_copy(self.name, earlier, {path: later[path] for path in texts})
+        header_of(Document(f"copy of {self.name}", {"name": name}, {}))
+        # notes on the case itself stay; doubts about numbers are given for the copy only if they were given for the case
+        kept = [note for note in self.notes if note not in before.notes]
+        doubted = [note for note in new.notes if note in self.notes or note not in before.notes]
+        return replace(new, name=name, notes=(*kept, *doubted), source=self.source)
 
 
-def dimension_of(path: str) -> Dimension:
-    """The dimension of the quantity at a dotted path."""
-    return DIMENSIONS[PATHS[path].unit]
+def case_of(document: Document) -> Case:
+    """The case that a document describes. CaseError: as `reading.read`."""
+    return Case(**read(document)._asdict(), source=document.source, document=document)
 
 
-def value_at(path: str, text: str, *, finite: bool = False) -> float:
-    """The SI value of a text for the quantity at a dotted path; with `finite` not "inf". QuantityError: wrong text, or wrong sign."""
-    quantity, dimension = PATHS[path], dimension_of(path)
-    value = parse_quantity(text, dimension, infinity_accepted=quantity.infinity and not finite)
-    if quantity.sign == "positive" and value <= 0.0:
-        raise QuantityError("is not positive", f"{dimension.name} greater than zero is accepted")
-    if quantity.sign == "not negative" and value < 0.0:
-        raise QuantityError("is negative", f"{dimension.name} of zero or more is accepted")
-    return value
+def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:
+    """The case that a TOML text describes.
+
+    Args:
+        text: of the file.
+        source: its name in messages.
+        overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}.
+
+    Raises:
+        CaseError: any mistake in text or overrides.
+    """
+    return case_of(read_document(text, source).overridden_by(overrides or {}))
 
 
-def si_text(path: str, value: float) -> str:
-    """The shortest text of a case file that reads back as exactly this SI value of the quantity at a dotted path."""
-    unit = PATHS[path].unit
-    return "inf" if math.isinf(value) else f"{repr(float(value)).removesuffix('.0')} {unit}".removesuffix(" 1")
+def document_of(case: Case) -> Document:
+    """A case as a document, its values in SI."""
+    return Document(case.name, {"name": case.name, "title": case.title, "tags": list(case.tags)}, case.values)
 
 
-def unit_given(path: str, texts: Iterable[str]) -> tuple[str, float]:
-    """The unit in which values of the quantity at a dotted path are written, and its size in SI; the SI unit if they have several."""
-    units = {unit for text in texts if (unit := text.strip().partition(" ")[2])}
-    unit = units.pop() if len(units) == 1 else PATHS[path].unit
-    return unit, 1.0 if unit == "1" else unit_size(unit, dimension_of(path))
+def written_document(case: Case) -> Document:
+    """The document that the case was read from, with its present name, title and times; in SI if the scene was replaced since."""
+    document = case.document
+    if document is None or (read := case_of(document)).scene != case.scene:
+        return document_of(case)
+    document = replace(document, header={**document.header, "name": case.name})
+    if read.title != case.title:
+        document = replace(document, header={**document.header, "title": case.title}, overridden={})
+    times = case.values["simulation"]
+    if times == read.values["simulation"]:
+        return document
+    return replace(document, values=changed_values(document.values, {f"simulation.{key}": times[key] for key in times}))
 
 
-def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:
-    """As `value_at`, but a wrong text or sign is a CaseError about `source`."""
-    try:
-        return value_at(path, text, finite=finite)
-    except QuantityError as wrong:
-        raise CaseError(source, path, as_written(text), wrong.problem, wrong.accepted) from None
+def scenes(case: Case) -> Callable[[Mapping[str, Any]], Mechanism]:
+    """The scene of a case with other values by dotted key, texts of a case file, as a function of them.
+
+    All studies vary a machine by this function. The scene alone would not do: stiffness and mass of a follower given by its material follow
+    from its section, and the start of a crank without an initial speed follows from its torque.
+
+    Raises:
+        CaseError: the case, or the scene with its values (from the function), is none with a crank or cannot be; caused by an
+            `ImpossibleMechanism` if values contradict each other.
+    """
+    _ = case.mechanism
+    document = in_si(replace(written_document(case), overridden={}))
+    return lambda values: case_of(document.overridden_by(values, case.name)).mechanism

@@ -6,17 +6,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 from numbers import Real
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.document import Document, read_document
+from quickreturn.cases.case import Case, case_of
+from quickreturn.cases.document import OVERRIDE, Document, read_document
 from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown
 from quickreturn.cases.library import case_names, library_case, library_document
 from quickreturn.cases.library.hard import IMPOSSIBLE
-from quickreturn.cases.reading import case_of, misfit
+from quickreturn.cases.reading import misfit
 from quickreturn.cases.text_file import read_text, similar_file
 
 
-def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Case:
+def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None, by: str = OVERRIDE) -> Case:
     """The case of a library name or of a file.
 
     A name of the library wins over a file of the same name; write `./name` to mean the file.
@@ -24,31 +24,29 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> 
     Args:
         name_or_path: e.g. "thesis-24" or "my/scene.toml".
         overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}; see `cases.document.Document.overridden_by`.
+        by: source of the overrides, for messages.
 
     Raises:
         CaseError: no such case, an unreadable file, or a mistake in the file or the overrides.
     """
     if not in_library(name_or_path):
-        return case_of(_document(name_or_path, overrides))
+        return case_of(_document(name_or_path).overridden_by(overrides or {}, by))
     original = library_case(name_or_path)
     if not overrides:
         return original
-    changed, intended = case_of(_document(name_or_path, overrides)), tuple(doubts(original.scene))  # the library's own values are intended
+    changed = case_of(library_document(name_or_path).overridden_by(overrides, by))
+    intended = tuple(doubts(original.scene))  # the library's own values
     return replace(changed, notes=(*original.notes, *(note for note in changed.notes if note not in intended)), source=original.source)
 
 
-def _document(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Document:
-    """The values of a case as written, with overrides; raises as `load_case`, except for impossible values."""
-    if in_library(name_or_path):
-        document = library_document(name_or_path)
-    elif os.sep in name_or_path or name_or_path.endswith(".toml") or os.path.lexists(name_or_path):
-        shown = path_shown(name_or_path)
-        if name_or_path.lower().endswith(".csv") and os.path.isfile(name_or_path):
-            raise CaseError(shown, None, None, "is a table, not a case file", "give its case; `plot` and `compare` also take tables")
-        document = read_document(read_text(name_or_path, library=case_names()), shown)
-    else:
+def _document(name_or_path: str) -> Document:
+    """The values of a case outside the library as written; raises as `load_case`, except for impossible values."""
+    if os.sep not in name_or_path and not name_or_path.endswith(".toml") and not os.path.lexists(name_or_path):
         raise _unknown(name_or_path)
-    return document.overridden_by(overrides or {})
+    shown = path_shown(name_or_path)
+    if name_or_path.lower().endswith(".csv") and os.path.isfile(name_or_path):
+        raise CaseError(shown, None, None, "is a table, not a case file", "give its case; `plot` and `compare` also take tables")
+    return read_document(read_text(name_or_path, library=case_names()), shown)
 
 
 def in_library(name: str) -> bool:

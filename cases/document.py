@@ -7,16 +7,16 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from quickreturn.cases.broken_toml import broken_toml
-from quickreturn.cases.case import HEADER, PATHS, SECTIONS, Case, dimension_of, shown_value
+from quickreturn.cases.copies import LONGEST_TITLE
 from quickreturn.cases.errors import CaseError, as_written, attempted, nearest_or_all, shortened, together
-from quickreturn.reference_model.scene_values import replaced_by
+from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value
+from quickreturn.reference_model.scene_values import changed_values, replaced_by
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
 
 #: Names of cases and tags.
 NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
-_LONGEST_TITLE: Final = 200
 
 #: Source of a value from the command line, in messages.
 OVERRIDE: Final = "--set"
@@ -29,9 +29,10 @@ class Document:
     source: str  # file or case name, for messages
     header: Mapping[str, Any]  # name, title and tags as read
     values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI if the case was not a text
-    overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> raw value that `--set` gave, latest last
+    overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> raw value that was set from outside, latest last
+    set_by: str = OVERRIDE  # source of these values, for messages
     mistakes: tuple[CaseError, ...] = ()  # mistakes in sections and keys, which the values therefore lack
-    replaced: Mapping[str, str] = field(default_factory=dict)  # dotted key that `--set` removed -> the key that takes its place
+    replaced: Mapping[str, str] = field(default_factory=dict)  # dotted key that they removed -> the key that takes its place
 
     def at(self, path: str) -> Any:
         """The value at a dotted key, or at a key of the header; None if there is none."""
@@ -44,55 +45,50 @@ class Document:
         shown = None if given is None else as_written(given)
         if isinstance(given, (float, tuple)):
             shown = f"{shown_value(given)} {PATHS[path].unit}"
-        return CaseError(OVERRIDE if path in self.overridden else self.source, path, shown, problem, accepted)
+        return CaseError(self.set_by if path in self.overridden else self.source, path, shown, problem, accepted)
 
     def blame(self, *paths: str) -> str:
-        """Of keys that contradict each other the one to name: the first that `--set` gave, otherwise the first."""
+        """Of keys that contradict each other the one to name: the first that was set from outside, otherwise the first."""
         return next((path for path in paths if path in self.overridden), paths[0])
 
-    def changed(self, values: Mapping[str, Any]) -> "Document":
-        """The document with other raw values by dotted key; None leaves out a key, or a section that is named alone."""
-        changed = {section: dict(keys) for section, keys in self.values.items()}
-        for path, value in values.items():
-            section, _, key = path.partition(".")
-            if value is not None:
-                changed.setdefault(section, {})[key] = value
-            elif key:
-                changed.get(section, {}).pop(key, None)
-            else:
-                changed.pop(section, None)
-        return replace(self, values=changed)
+    def changed(self, changes: Mapping[str, Any], by: str) -> "Document":
+        """The document with raw values set from outside, by dotted key; without those that they replace, see `changed_values`.
 
-    def overridden_by(self, texts: Mapping[str, str]) -> "Document":
-        """The document with values replaced as on the command line: dotted key -> text as in the file, or as TOML reads it.
+        Messages name `by` as the source of the new values.
+        """
+        gone = [path for path in replaced_by(changes) if path not in changes]
+        instead = {path: next(key for key in changes if path in replaced_by([key])) for path in gone if self.at(path) is not None}
+        return replace(
+            self,
+            values=changed_values(self.values, changes),
+            overridden={path: value for path, value in self.overridden.items() if path not in (*gone, *changes)} | dict(changes),
+            set_by=by,
+            replaced={**self.replaced, **instead},
+        )
 
-        If keys replace each other, such as the two ways of driving the crank, those set here remove the others. If both are set, the
-        conflict remains.
+    def overridden_by(self, texts: Mapping[str, str], by: str = OVERRIDE) -> "Document":
+        """`changed` by texts as on the command line: as in the file, or as TOML reads them.
 
         Raises:
             CaseError: a key that cannot be set, or a value of the wrong kind.
         """
-        values: dict[str, Any] = dict.fromkeys(replaced_by(texts))
-        mistakes: list[CaseError] = []
+        values, mistakes = dict[str, Any](), list[CaseError]()
         for path, text in texts.items():
             values[path] = _value_of(text) if isinstance(text, str) else list(text) if isinstance(text, tuple) else text
             if path in HEADER:
-                problem = "cannot be set", "only quantities can, such as crank.torque"
-                mistakes.append(CaseError(OVERRIDE, path, as_written(text), *problem))
+                mistakes.append(CaseError(by, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque"))
             else:
-                attempted(mistakes, _check, OVERRIDE, path, values[path])
+                attempted(mistakes, _check, by, path, values[path])
         if mistakes:
             raise together([*self.mistakes, *mistakes])
-        earlier = {path: value for path, value in self.overridden.items() if path not in values}
-        removed = [path for path in values if path not in texts and self.at(path) is not None]
-        instead = {path: next(other for other in texts if path in replaced_by([other])) for path in removed}
-        overridden = earlier | {path: values[path] for path in texts}
-        return replace(self.changed(values), overridden=overridden, replaced={**self.replaced, **instead})
+        return self.changed(values, by)
 
 
-def document_of(case: Case) -> Document:
-    """A case as a document, its values in SI."""
-    return Document(case.name, {"name": case.name, "title": case.title, "tags": list(case.tags)}, case.values)
+def check_mapping(overrides: Any) -> Mapping[str, str]:
+    """The argument itself. CaseError: it is not a mapping."""
+    if not isinstance(overrides, Mapping):
+        raise CaseError("overrides", None, None, f"{as_written(overrides)} is not a dictionary", 'such as {"crank.length": "5 in"}')
+    return overrides
 
 
 def read_document(text: str, source: str) -> Document:
@@ -168,8 +164,8 @@ def header_of(document: Document) -> tuple[str, str, tuple[str, ...]]:
         accepted = f"{signs}, beginning with a letter or digit, are accepted"
         mistakes.append(document.error("name", "is not a name", accepted))
     title = document.header.get("title", name or "")
-    if not isinstance(title, str) or not title.isprintable() or len(title) > _LONGEST_TITLE:
-        mistakes.append(document.error("title", "is not a title", f"one line of up to {_LONGEST_TITLE} characters in quotes is accepted"))
+    if not isinstance(title, str) or not title.isprintable() or len(title) > LONGEST_TITLE:
+        mistakes.append(document.error("title", "is not a title", f"one line of up to {LONGEST_TITLE} characters in quotes is accepted"))
     tags = document.header.get("tags", [])
     if not isinstance(tags, list) or not all(isinstance(tag, str) and NAME.fullmatch(tag) for tag in tags):
         mistakes.append(document.error("tags", "is not a list of tags", 'write one such as ["thesis", "fast"], each tag like a name'))
@@ -186,17 +182,3 @@ def _value_of(text: str) -> Any:
         except ValueError:
             return text
     return text
-
-
-def in_words(value: Any) -> str:
-    """A raw value, such as "5 in", or several as "(0 m/s^2, -9.81 m/s^2)"."""
-    return value if isinstance(value, str) else f"({', '.join(map(str, value))})"
-
-
-def with_changes(title: str, overridden: Mapping[str, Any]) -> str:
-    """A title with the values that override those of the file, because it may contain the old ones; their number if there is no room."""
-    if not overridden:
-        return title
-    *others, last = (f"{path} = {in_words(value)}" for path, value in overridden.items())
-    told = f"{title}, with {', '.join(others)}{' and ' if others else ''}{last}"
-    return told if len(told) <= _LONGEST_TITLE else f"{title}, with {len(overridden)} other values"

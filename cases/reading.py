@@ -1,16 +1,17 @@
-"""Converts a document to a `Case` in SI units, or to messages about its mistakes."""
+"""Reads a document: values in SI units, or messages about its mistakes."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
-from quickreturn.cases.case import PATHS, SECTIONS, Case, dimension_of, value_at
-from quickreturn.cases.document import Document, header_of, read_document, with_changes
+from quickreturn.cases.copies import with_changes
+from quickreturn.cases.document import Document, header_of
 from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, attempted, together
+from quickreturn.cases.keys import PATHS, SECTIONS, dimension_of, value_at
 from quickreturn.cases.units import QuantityError
-from quickreturn.reference_model.mechanism import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, Scene
 from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, replaced_by, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # output steps: a table of a gigabyte
@@ -18,22 +19,20 @@ _LARGEST_ANGLE: Final = math.radians(1e6)  # doubles are 4e-12 rad apart there; 
 _ROUNDING: Final = 1e-9  # relative error allowed in a quotient of two doubles that were read from decimal texts
 
 
-def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:
-    """The case that a TOML text describes.
+class Content(NamedTuple):
+    """What a document says: see `cases.case.Case`."""
 
-    Args:
-        text: of the file.
-        source: its name in messages.
-        overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}.
-
-    Raises:
-        CaseError: any mistake in text or overrides.
-    """
-    return case_of(read_document(text, source).overridden_by(overrides or {}))
+    name: str
+    title: str
+    tags: tuple[str, ...]
+    scene: Scene
+    duration: float  # s
+    output_step: float  # s
+    notes: tuple[str, ...]  # doubts about values
 
 
-def case_of(document: Document) -> Case:
-    """The case that a document describes.
+def read(document: Document) -> Content:
+    """The content of a document.
 
     Raises:
         CaseError: all mistakes of single values; if every value can be read, values that contradict each other.
@@ -54,8 +53,7 @@ def case_of(document: Document) -> Case:
         mistakes.append(document.error(document.blame("simulation.duration", "simulation.output_step"), *problem))
     if mistakes:
         raise together(mistakes)
-    notes, title = tuple(doubts(scene)), with_changes(title, document.overridden)
-    return Case(name=name, title=title, tags=tags, scene=scene, source=document.source, notes=notes, document=document, **times)
+    return Content(name, with_changes(title, document.overridden), tags, scene, **times, notes=tuple(doubts(scene)))
 
 
 def in_si(document: Document) -> Document:

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from quickreturn.cases.case import PATHS, Case, si_text, si_value, unit_given
-from quickreturn.cases.copies import scenes
+from quickreturn.cases.case import Case, scenes
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
+from quickreturn.cases.keys import PATHS, si_text, si_value, unit_given
 from quickreturn.cases.loads.peak import Peak, peak_of
 from quickreturn.cases.loads.resonance import resonance
 from quickreturn.cases.runs import endings

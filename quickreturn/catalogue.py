@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case, with_times
-from quickreturn.cases.copies import reported_as_overrides
+from quickreturn.cases.document import check_mapping
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.library import CatalogueLine, case_names, catalogue
 from quickreturn.cases.shown import Cell, Rows, Shown
@@ -62,8 +62,7 @@ def case(
     """
     if isinstance(name, Case):
         raise CaseError(name.name, None, None, "this is a case already", "change it by its method with_")
-    with reported_as_overrides(overrides or {}):
-        loaded = load_case(_name(name), overrides)
+    loaded = load_case(_name(name), check_mapping(overrides or {}), "overrides")
     return with_times(loaded, duration, output_step)
 
 

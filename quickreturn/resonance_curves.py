@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from quickreturn.accuracy import checked
-from quickreturn.cases.case import PATHS, si_value
 from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
+from quickreturn.cases.keys import PATHS, si_value
 from quickreturn.cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.units import shown_unit

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 import numpy as np
 
 from quickreturn.accuracy import checked
-from quickreturn.cases.case import Case, si_text, unit_given
+from quickreturn.cases.case import Case, parse_case
 from quickreturn.cases.errors import Argument, CaseError, as_written, texts_given
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.reading import parse_case
+from quickreturn.cases.keys import si_text, unit_given
 from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
 from quickreturn.cases.sweep.measures import MEASURES, Measure, measure
 from quickreturn.cases.sweep.rows import MeasureRequest

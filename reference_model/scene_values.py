@@ -2,7 +2,7 @@
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from quickreturn.reference_model.mechanism import (
     Base,
@@ -24,8 +24,12 @@ from quickreturn.reference_model.quantities import Quantity, quantities_of
 Value = float | tuple[float, ...]
 #: Section -> key -> SI value.
 Values = Mapping[str, Mapping[str, Value]]
+#: Dotted key, `section.key` -> SI value; None leaves out the key, or the section that is named alone.
+Changes = Mapping[str, Value | None]
 #: Section -> keys that are given.
 Keys = Mapping[str, Container[str]]
+
+T = TypeVar("T")
 
 #: Section -> dataclasses whose quantities it holds. A scene has only one of [crank]'s two drives.
 _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
@@ -131,6 +135,25 @@ def replaced_by(paths: Container[str]) -> list[str]:
     for first, others in ALTERNATIVES:
         dropped += others if first in paths else [first] if any(path in paths for path in others) else []
     return dropped
+
+
+def changed_values(values: Mapping[str, Mapping[str, T]], changes: Mapping[str, T | None]) -> dict[str, dict[str, T]]:
+    """Values by section and key with changes by dotted key, one after the other; None leaves out a key, or the section that is named alone.
+
+    A key that is set removes those that it replaces, such as the other way of driving the crank; if those are set as well, the conflict
+    remains.
+    """
+    new = {section: dict(keys) for section, keys in values.items()}
+    gone = replaced_by([path for path, value in changes.items() if value is not None])
+    for path, value in {**dict.fromkeys(gone), **changes}.items():
+        section, _, key = path.partition(".")
+        if value is not None:
+            new.setdefault(section, {})[key] = value
+        elif key:
+            new.get(section, {}).pop(key, None)
+        else:
+            new.pop(section, None)
+    return new
 
 
 def misfits_of_keys(given: Keys) -> Iterator[ImpossibleMechanism]:

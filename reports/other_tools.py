@@ -7,7 +7,8 @@ from typing import Any, Final
 
 import jinja2
 
-from quickreturn.cases.case import SECTIONS, Case
+from quickreturn.cases.case import Case
+from quickreturn.cases.keys import SECTIONS
 from quickreturn.cases.measures.time_scale import TURN, time_scale
 from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
 from quickreturn.reference_model.columns import BENDING, COLUMNS

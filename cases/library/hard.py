@@ -9,9 +9,10 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.cases.document import Document, document_of
-from quickreturn.cases.reading import case_of
+from quickreturn.cases.case import case_of, document_of
+from quickreturn.cases.document import Document
 from quickreturn.cases.variation import Variation
+from quickreturn.reference_model.scene_values import changed_values
 
 TAG: Final = "hard"
 ORIGINAL: Final = "thesis-24"
@@ -104,6 +105,6 @@ def scene_title(name: str) -> str:
 
 def scene_document(name: str, original: Document) -> Document:
     """A hard scene as in a case file, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
-    values = SCENES[name].values(document_of(case_of(original)).at)
+    values = changed_values(original.values, SCENES[name].values(document_of(case_of(original)).at))
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
-    return replace(original.changed(values), source=name, header=header)
+    return replace(original, source=name, header=header, values=values)

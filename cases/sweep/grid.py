@@ -9,10 +9,10 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.case import PATHS, Case, si_value, unit_given
-from quickreturn.cases.copies import scenes
+from quickreturn.cases.case import Case, scenes
 from quickreturn.cases.errors import Argument, CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.keys import PATHS, si_value, unit_given
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.engines.registry import engine, engine_names

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.case import Case, case_of
 from quickreturn.cases.document import Document
-from quickreturn.cases.reading import case_of
 from quickreturn.cases.thesis.data import read_table, read_toml
+from quickreturn.reference_model.scene_values import changed_values
 
 TAG: Final = "thesis"
 
@@ -94,8 +94,7 @@ def run_document(number: int) -> Document:
         "crank.initial_speed": f"{run.crank_speed} rad/s",
     }
     header = {"name": run_name(number), "title": run_title(number), "tags": [TAG]}
-    shared = Document(run_name(number), header, read_toml("scene.toml"))
-    return shared.changed({**of_run, **tip_body(run.plates)})
+    return Document(run_name(number), header, changed_values(read_toml("scene.toml"), {**of_run, **tip_body(run.plates)}))
 
 
 def run_case(number: int) -> Case:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
-from quickreturn.cases.case import Case, si_text, unit_given
-from quickreturn.cases.copies import scenes
+from quickreturn.cases.case import Case, scenes
 from quickreturn.cases.errors import Argument, CaseError, as_written
+from quickreturn.cases.keys import si_text, unit_given
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.uncertainty.covariance import LOOSE, best_step, covariance, reach, smooth_part, undetermined
 from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, FittedParameter

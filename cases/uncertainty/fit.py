@@ -7,8 +7,9 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from scipy import stats
 
-from quickreturn.cases.case import Case, unit_given
+from quickreturn.cases.case import Case
 from quickreturn.cases.copies import LONGEST_NAME
+from quickreturn.cases.keys import unit_given
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.uncertainty.parameters import Parameter, overrides
 from quickreturn.reference_model.witnesses import Witness, Witnesses

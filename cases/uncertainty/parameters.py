@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
-from quickreturn.cases.case import PATHS, si_text, si_value
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.keys import PATHS, si_text, si_value
 from quickreturn.cases.units import plain_number
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.quantities import Quantity

@@ -36,8 +36,8 @@ def command(file: str, origin: str | None, assignments: Sequence[str]) -> None:
     The name of the case is that of the file without .toml. Keys that the machine does not use stand there as comments. A file that exists
     is never overwritten.
     """
+    from quickreturn.cases.case import written_document
     from quickreturn.cases.case_file import load_case
-    from quickreturn.cases.copies import written_document
     from quickreturn.cases.written import as_toml
     from quickreturn.reports.output import write_file
 

@@ -177,7 +177,7 @@ def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
 
 
 def _is_engine(section: str) -> bool:
-    from quickreturn.cases.case import SECTIONS
+    from quickreturn.cases.keys import SECTIONS
     from quickreturn.engines.registry import engine_names
     from quickreturn.questions import ANY_ENGINE
 

@@ -57,7 +57,7 @@ def _print_for_others(cases: "Sequence[Case]", overrides: Mapping[str, str]) -> 
 
 
 def _document(loaded: "Case") -> dict[str, Any]:
-    from quickreturn.cases.case import SECTIONS
+    from quickreturn.cases.keys import SECTIONS
 
     return {name: getattr(loaded, name) for name in ("name", "title", "tags", "source", "notes")} | {
         "scene": loaded.values,
@@ -127,7 +127,7 @@ def _models(scene: Any) -> list[dict[str, Any]]:
 
 
 def _print(document: dict[str, Any]) -> None:
-    from quickreturn.cases.case import shown_value
+    from quickreturn.cases.keys import shown_value
     from quickreturn.reports.output import print_table
 
     click.echo(f"{document['name']}: {document['title']}")

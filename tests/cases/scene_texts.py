@@ -4,8 +4,8 @@ from dataclasses import astuple, is_dataclass
 
 import pytest
 
+from quickreturn.cases.case import parse_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.reading import parse_case
 
 SCENE = """\
 name = "scene"

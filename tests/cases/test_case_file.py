@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case, with_times
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.reading import parse_case
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from tests.cases.scene_texts import IN_SI, SCENE, changed, numbers
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from quickreturn.cases.case import parse_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.reading import parse_case
 from quickreturn.reference_model.mechanism import FollowerAlone, PrescribedSpeed
 from tests.cases.scene_texts import SCENE, message
 

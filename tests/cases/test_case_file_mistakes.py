@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.case import SECTIONS
+from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.reading import parse_case
+from quickreturn.cases.keys import SECTIONS
 from tests.cases.scene_texts import SCENE, changed, message
 
 #: What is written instead, and how the answer begins.

@@ -2,9 +2,8 @@
 
 import pytest
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.case import Case, parse_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.reading import parse_case
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from tests.cases.scene_texts import SCENE, changed, numbers
 

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from quickreturn.cases.case import PATHS, Case, si_text
+from quickreturn.cases.case import Case, parse_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.key import key_of
-from quickreturn.cases.reading import parse_case
+from quickreturn.cases.keys import PATHS, si_text
 from quickreturn.cases.resonance_curve import checked_scenes, job, range_of
 from quickreturn.cases.sweep.grid import OF_START, axis, scenes_of
 from quickreturn.cases.sweep.rows import MeasureRequest

@@ -2,9 +2,9 @@
 
 import pytest
 
+from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.library import case_names, registered
-from quickreturn.cases.reading import parse_case
 from tests.cases.scene_texts import SCENE
 
 #: Young's modulus and density of what an arm may be made of, from common tables of materials.

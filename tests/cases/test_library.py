@@ -5,12 +5,11 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases import library
+from quickreturn.cases.case import case_of, document_of, parse_case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.document import document_of
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.library import case_names, catalogue
 from quickreturn.cases.library.hard import IMPOSSIBLE, SCENES
-from quickreturn.cases.reading import case_of, parse_case
 from quickreturn.cases.thesis.runs import run_name
 from tests.cases.scene_texts import SCENE
 

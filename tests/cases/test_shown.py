@@ -3,9 +3,9 @@
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 
+from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.conformance.checks import Check, Conformance
-from quickreturn.cases.reading import parse_case
 from quickreturn.cases.shown import Cell, Rows, Shown
 from tests.cases.scene_texts import SCENE
 

@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from quickreturn.cases.case import PATHS, SECTIONS, Case
+from quickreturn.cases.case import Case, document_of, parse_case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.document import document_of
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.keys import PATHS, SECTIONS
 from quickreturn.cases.library import case_names
-from quickreturn.cases.reading import parse_case
 from quickreturn.cases.written import as_toml
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, SpinUp
 from quickreturn.reference_model.scene_values import SPIN_UP

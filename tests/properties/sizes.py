@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from quickreturn.cases.case import dimension_of
+from quickreturn.cases.keys import dimension_of
 from quickreturn.cases.units import DIMENSIONS
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.columns import COLUMNS

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from quickreturn.cases import units
-from quickreturn.cases.case import Case, dimension_of
-from quickreturn.cases.reading import parse_case
+from quickreturn.cases.case import Case, parse_case
+from quickreturn.cases.keys import dimension_of
 from quickreturn.cases.units import Dimension
 from quickreturn.reference_model.scene_values import values_of
 from tests.properties.law import for_all

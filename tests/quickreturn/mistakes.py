@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from quickreturn.cases.case import PATHS, SECTIONS, dimension_of
+from quickreturn.cases.keys import PATHS, SECTIONS, dimension_of
 from tests.cases.scene_texts import SCENE
 
 Scene = dict[str, dict[str, str]]  # section -> key -> value as TOML text; the header is the section ""

@@ -15,9 +15,9 @@ from pathlib import Path
 import click
 import pytest
 
+from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.reading import parse_case
 from quickreturn.command_line import COMMANDS
 from tests.quickreturn import mistakes
 from tests.quickreturn.conftest import Answer, Call

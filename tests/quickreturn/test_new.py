@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.case import PATHS
 from quickreturn.cases.case_file import load_case
+from quickreturn.cases.keys import PATHS
 from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE

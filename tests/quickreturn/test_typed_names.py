@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.case import PATHS
 from quickreturn.cases.errors import Argument, CaseError
+from quickreturn.cases.keys import PATHS
 from quickreturn.cases.sweep.grid import scenes_of
 from quickreturn.cases.sweep.rows import Impossible
 from quickreturn.cases.uncertainty.calibration import frees_of

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.case import si_text
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.keys import si_text
 from quickreturn.cases.library import library_case
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, axis, scenes_of

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from quickreturn import sweeping
-from quickreturn.cases.document import document_of
+from quickreturn.cases.case import case_of, document_of
 from quickreturn.cases.jobs.here import Nobody, ThisProcess
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Limits, Outcome
@@ -20,7 +20,6 @@ from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import library_case
-from quickreturn.cases.reading import case_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep import grid as of_grid
 from quickreturn.cases.sweep.grid import Grid, axis

@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from quickreturn.cases.case import case_of, written_document
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.copies import written_document
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.reading import case_of
 from quickreturn.cases.uncertainty.parameters import Parameter, distribution, overrides
 
 CASE = load_case("thesis-24")

@@ -1,0 +1,72 @@
+"""Every key of a case file: the quantity that it names, as the dataclasses declare it, and its values in SI and as texts."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final
+
+from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity, unit_size
+from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
+from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
+
+
+@dataclass(frozen=True, kw_only=True)
+class Times:
+    """Times of a simulation."""
+
+    duration: float = quantity("s", "time to simulate, a multiple of output_step", sign="positive")
+    output_step: float = quantity("s", "between rows of a trajectory", sign="positive")
+
+
+#: Section -> key -> quantity.
+SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
+    {**SECTIONS_OF_SCENE, "simulation": {key: declared for _, key, declared in quantities_of(Times)}}
+)
+#: Keys outside all sections.
+HEADER: Final = ("name", "title", "tags")
+#: Dotted path -> quantity, in the order of the file.
+PATHS: Final = MappingProxyType({f"{section}.{key}": declared for section, keys in SECTIONS.items() for key, declared in keys.items()})
+
+
+def shown_value(value: Any) -> str:
+    """A number, or several, to nine digits."""
+    return ", ".join(map(shown_value, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"
+
+
+def dimension_of(path: str) -> Dimension:
+    """The dimension of the quantity at a dotted path."""
+    return DIMENSIONS[PATHS[path].unit]
+
+
+def value_at(path: str, text: str, *, finite: bool = False) -> float:
+    """The SI value of a text for the quantity at a dotted path; with `finite` not "inf". QuantityError: wrong text, or wrong sign."""
+    quantity, dimension = PATHS[path], dimension_of(path)
+    value = parse_quantity(text, dimension, infinity_accepted=quantity.infinity and not finite)
+    if quantity.sign == "positive" and value <= 0.0:
+        raise QuantityError("is not positive", f"{dimension.name} greater than zero is accepted")
+    if quantity.sign == "not negative" and value < 0.0:
+        raise QuantityError("is negative", f"{dimension.name} of zero or more is accepted")
+    return value
+
+
+def si_text(path: str, value: float) -> str:
+    """The shortest text of a case file that reads back as exactly this SI value of the quantity at a dotted path."""
+    unit = PATHS[path].unit
+    return "inf" if math.isinf(value) else f"{repr(float(value)).removesuffix('.0')} {unit}".removesuffix(" 1")
+
+
+def unit_given(path: str, texts: Iterable[str]) -> tuple[str, float]:
+    """The unit in which values of the quantity at a dotted path are written, and its size in SI; the SI unit if they have several."""
+    units = {unit for text in texts if (unit := text.strip().partition(" ")[2])}
+    unit = units.pop() if len(units) == 1 else PATHS[path].unit
+    return unit, 1.0 if unit == "1" else unit_size(unit, dimension_of(path))
+
+
+def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:
+    """As `value_at`, but a wrong text or sign is a CaseError about `source`."""
+    try:
+        return value_at(path, text, finite=finite)
+    except QuantityError as wrong:
+        raise CaseError(source, path, as_written(text), wrong.problem, wrong.accepted) from None
