@@ -9,6 +9,7 @@ from quickreturn.cases.runs.comparison import CONSENSUS, REFERENCE, CaseResult, 
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import Run
+from quickreturn.engines.accurate import TIP
 from quickreturn.reports.findings.runs import mean_crank_speed
 from quickreturn.reports.tables.table import CASE, Cell, Column, ColumnList, Mark, Table, Value
 from quickreturn.reports.words import channel_name, cost, listed, settings_words, short_name
@@ -156,7 +157,9 @@ def settings(results: Sequence[CaseResult]) -> Table:
     for result in results:
         for run in result.runs.values():
             text = settings_words(run.settings or {}) or "none: the run ended before"
-            table.add(run, case=result.case.name, start=run.start or Cell(None, note=run.status), settings=text)
+            estimate = Cell(run.error_estimate, note="; ".join(map(str, run.error_parts.get(TIP, ()))))
+            start = run.start or Cell(None, note=run.status)
+            table.add(run, case=result.case.name, error_estimate=estimate, start=start, settings=text)
     return table
 
 
