@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from quickreturn.engines.start import Field, Start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider, changed
+from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider
 from quickreturn.reference_model.quantities import quantities_of
+from quickreturn.reference_model.scene_values import Changes, changed
 
 Array = NDArray[np.float64]
 _Scene = TypeVar("_Scene", bound=Scene)
@@ -72,7 +73,7 @@ class Units:
     def scene(self, scene: _Scene) -> _Scene:
         """A scene's numbers in these units."""
         if isinstance(scene, Mechanism) and not scene.slider.is_rigid:  # its stiffest roller may be a constant of the law, in SI
-            scene = changed(scene, {"slider": _with_both_sides(scene.slider)})
+            scene = changed(scene, _both_sides(scene.slider))
         converted: _Scene = self._part(scene)
         return converted
 
@@ -118,6 +119,6 @@ def _power_of_two(size: float) -> float:
     return math.ldexp(1.0, math.frexp(size)[1])
 
 
-def _with_both_sides(slider: Slider) -> Slider:
+def _both_sides(slider: Slider) -> Changes:
     plus, minus = slider.sides
-    return replace(slider, joint_stiffness=math.inf, joint_stiffness_plus=plus, joint_stiffness_minus=minus)
+    return {"slider.joint_stiffness": math.inf, "slider.joint_stiffness_plus": plus, "slider.joint_stiffness_minus": minus}

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.continuation import BranchPoint, Image, corrected
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, changed
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.periodic import periodic_orbit
 from quickreturn.reference_model.poincare import PoincareMap
+from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]
 
@@ -43,7 +44,7 @@ class CycleFamily:
         speed = scene.crank.drive.initial_speed
         if isinstance(scene.crank.drive, PrescribedSpeed) and speed != 0.0:
             rounded = math.copysign(PACE ** round(math.log(abs(speed), PACE)), speed)
-            scene = changed(scene, {"crank.drive.speed": rounded})
+            scene = changed(scene, {"crank.prescribed_speed": rounded})
         model = self._built(scene)
         state = model.straight_state(math.pi, speed)
         return PoincareMap(model, self.tolerance), state

@@ -10,9 +10,8 @@ Source of the thesis' values: sections 3.2 and 5.3, tables 3.1, 5.1 and 5.2.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Final, Literal, TypeVar
+from dataclasses import dataclass, field
+from typing import ClassVar, Final, Literal
 
 from quickreturn.reference_model.errors import ToldError
 from quickreturn.reference_model.quantities import quantity
@@ -449,27 +448,3 @@ class FollowerAlone(_Bodies):
 
 #: What an engine may be asked to simulate.
 Scene = Mechanism | FollowerAlone
-
-
-_Part = TypeVar("_Part")
-
-
-def changed(part: _Part, values: Mapping[str, Any]) -> _Part:
-    """A copy of a scene, or of a part of it, with other values, all set at once.
-
-    Each is named by its path in the dataclasses: "tip.mass", "crank.drive.torque", "gravity".
-
-    Raises:
-        ImpossibleMechanism: as the dataclasses do.
-    """
-    whole: Any = part
-    fields: dict[str, Any] = {}
-    nested: dict[str, dict[str, Any]] = {}
-    for path, value in values.items():
-        name, _, rest = path.partition(".")
-        if rest:
-            nested.setdefault(name, {})[rest] = value
-        else:
-            fields[name] = value
-    copy: _Part = replace(whole, **fields, **{name: changed(getattr(part, name), below) for name, below in nested.items()})
-    return copy

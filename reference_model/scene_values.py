@@ -2,7 +2,7 @@
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeVar, cast
 
 from quickreturn.reference_model.mechanism import (
     Base,
@@ -30,6 +30,7 @@ Changes = Mapping[str, Value | None]
 Keys = Mapping[str, Container[str]]
 
 T = TypeVar("T")
+AnyScene = TypeVar("AnyScene", bound=Scene)
 
 #: Section -> dataclasses whose quantities it holds. A scene has only one of [crank]'s two drives.
 _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
@@ -58,9 +59,11 @@ NAMED: Final[Mapping[str, Quantity]] = MappingProxyType(
 )
 #: Sections that a scene with a crank may lack.
 OPTIONAL_SECTIONS: Final = ("tip", "slider")
+#: Keys of a crank that a torque drives.
+OF_TORQUE: Final = ("crank.torque", "crank.damping", "crank.initial_speed")
 #: Keys that exclude each other: the first of each pair, and the others. A case file needs one of the two sides.
 ALTERNATIVES: Final = (
-    ("crank.prescribed_speed", ("crank.torque", "crank.damping", "crank.initial_speed")),
+    ("crank.prescribed_speed", OF_TORQUE),
     ("follower.elastic_modulus", ("follower.bending_stiffness",)),
     ("follower.density", ("follower.mass_per_length",)),
 )
@@ -137,6 +140,23 @@ def replaced_by(paths: Container[str]) -> list[str]:
     return dropped
 
 
+def value_at(scene: Scene, path: str) -> Value | None:
+    """The value of a scene at a dotted key; None if the scene lacks it."""
+    section, _, key = path.partition(".")
+    return values_of(scene).get(section, {}).get(key)
+
+
+def changed(scene: AnyScene, changes: Changes) -> AnyScene:
+    """A scene with changes, see `changed_values`.
+
+    A scene holds the stiffness and the mass of its follower, whatever gave them: another thickness leaves them. A case knows its material.
+
+    Raises:
+        ImpossibleMechanism: as `scene_of`.
+    """
+    return cast(AnyScene, scene_of(changed_values(values_of(scene), changes)))
+
+
 def changed_values(values: Mapping[str, Mapping[str, T]], changes: Mapping[str, T | None]) -> dict[str, dict[str, T]]:
     """Values by section and key with changes by dotted key, one after the other; None leaves out a key, or the section that is named alone.
 
@@ -169,8 +189,7 @@ def misfits_of_keys(given: Keys) -> Iterator[ImpossibleMechanism]:
         if _has(given, first) and (conflicting := [other for other in others if _has(given, other)]):
             accepted = DRIVE_CHOICE if first.startswith("crank.") else "give one of them"
             yield ImpossibleMechanism(first, f"conflicts with {conflicting[0]}", accepted)
-    speed, of_torque = ALTERNATIVES[0]
-    if "crank" in given and not any(_has(given, path) for path in (speed, *of_torque)):
+    if "crank" in given and not any(_has(given, path) for path in ("crank.prescribed_speed", *OF_TORQUE)):
         yield ImpossibleMechanism("crank", "nothing drives the crank", DRIVE_CHOICE)
     elif missing := tuple(_missing(given, _is_alone(given))):
         yield MissingQuantity(missing)

@@ -9,9 +9,10 @@ from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.library import library_case
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, Tip, changed
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.scene_values import changed
 
 #: Square of the tip body's radius of gyration over that of the follower's length: the thesis' plates, 0.068 in^2 and 25 in (table 5.1).
 GYRATION: Final = 0.068 / 25.0**2
@@ -55,15 +56,17 @@ def scene_of(groups: Groups) -> Mechanism:
         base,
         {
             "crank.length": groups.crank * base.pivot_distance,
-            "crank.drive": PrescribedSpeed(speed=1.0),
+            "crank.prescribed_speed": 1.0,
             "base.damping": 0.0,
-            "tip": Tip(mass=mass, inertia=mass * GYRATION * arm.length**2) if mass else None,
-            "slider": Slider(joint_stiffness=stiffness),
+            "tip": None,
+            **({"tip.mass": mass, "tip.inertia": mass * GYRATION * arm.length**2} if mass else {}),
+            "slider": None,
+            "slider.joint_stiffness": stiffness,
         },
     )
     lowest = stiffness_ratio(slow)  # at a speed of 1 rad/s this is the angular frequency of the lowest mode, rad/s
     damping = 2.0 * groups.damping * lowest * arm.mass_per_length
-    return changed(slow, {"crank.drive.speed": groups.speed * lowest, "follower.damping": damping})
+    return changed(slow, {"crank.prescribed_speed": groups.speed * lowest, "follower.damping": damping})
 
 
 def groups_of(mechanism: Mechanism) -> Groups | None:

@@ -18,12 +18,13 @@ from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, Tip
 _DURATION: Final = 0.6  # s: the base has turned steadily for a while
 #: The mild scene's follower on a turning base: it bends by a hundredth of its length.
 SCENE: Final = FollowerAlone(spin_up=SpinUp(speed=6.0, time=0.4), base=BASE.base, follower=BASE.follower, tip=BASE.tip)
+_GRAVITY: Final = "mechanism.gravity"
 #: Every quantity of a follower alone, except those without effect on the columns.
 CHANGES: Final = (
-    Change("base.spin_up_speed", {"spin_up.speed": 8.0}),
-    Change("base.spin_up_time", {"spin_up.time": 0.3}),
-    Change("mechanism.gravity along n1", {"gravity": (9.81, 0.0)}, alike={"gravity acts with the wrong sign": {"gravity": (-9.81, 0.0)}}),
-    Change("mechanism.gravity along n2", {"gravity": (0.0, 9.81)}, alike={"gravity acts with the wrong sign": {"gravity": (0.0, -9.81)}}),
+    Change("base.spin_up_speed", {"base.spin_up_speed": 8.0}),
+    Change("base.spin_up_time", {"base.spin_up_time": 0.3}),
+    Change("mechanism.gravity along n1", {_GRAVITY: (9.81, 0.0)}, alike={"gravity acts with the wrong sign": {_GRAVITY: (-9.81, 0.0)}}),
+    Change("mechanism.gravity along n2", {_GRAVITY: (0.0, 9.81)}, alike={"gravity acts with the wrong sign": {_GRAVITY: (0.0, -9.81)}}),
     Change("follower.length", {"follower.length": 0.64}),
     Change("follower.mass_per_length", {"follower.mass_per_length": 0.6}),
     Change("follower.bending_stiffness", {"follower.bending_stiffness": 12.0}),

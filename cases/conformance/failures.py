@@ -13,7 +13,7 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import changed
+from quickreturn.reference_model.scene_values import changed
 
 #: Changes of the mild scene, SI: a slack follower whose bent end the slider reaches at the farthest place.
 _PUSHED_OFF: Final = {"crank.length": 0.1795, "crank.initial_angle": 0.5, "follower.bending_stiffness": 10.0, "tip.mass": 0.1}

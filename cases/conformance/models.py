@@ -12,10 +12,11 @@ from quickreturn.cases.conformance.bench import Motion, solution
 from quickreturn.cases.conformance.checks import Array
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
-from quickreturn.cases.variation import Variation, possible_results, value_at
+from quickreturn.cases.variation import Variation, possible_results
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, PrescribedSpeed, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Scene, TorqueDrive
+from quickreturn.reference_model.scene_values import value_at
 
 #: Factor by which a quantity is changed to see its effect, which is then proportional; and that of the inertias of base and tip, which are
 #: small compared with the follower's.
@@ -33,9 +34,9 @@ _EXPLAINED: Final = 0.02
 #: Common mistakes by a factor.
 _SIMPLE: Final = {0.5: "half", 2.0: "twice"}
 _SCALED: Final = (
-    "follower.bending_stiffness", "follower.mass_per_length", "follower.length", "pivot_distance", "crank.length", "crank.mass",
-    "crank.inertia", "crank.center_of_mass", "crank.drive.torque", "crank.drive.damping", "crank.drive.initial_speed", "tip.mass",
-    "tip.inertia", "base.inertia", "spin_up.speed", "spin_up.time",
+    "follower.bending_stiffness", "follower.mass_per_length", "follower.length", "mechanism.pivot_distance", "crank.length", "crank.mass",
+    "crank.inertia", "crank.center_of_mass", "crank.torque", "crank.damping", "crank.initial_speed", "tip.mass", "tip.inertia",
+    "base.inertia", "base.spin_up_speed", "base.spin_up_time",
 )  # fmt: skip
 #: Scene -> the weighted difference of its motion from that of the scene asked for, column after column.
 Departure = Callable[[Scene], Array]
@@ -91,15 +92,10 @@ def _others(scene: Scene, effect: Departure) -> Iterator[tuple[Variation, Hypoth
     }
     tried = [Variation(words, values) for words, values in others.items()]
     for path in _scaled(scene):
-        tried += [Variation(f"{_key(path)} {words} as large", scaled={path: factor}) for factor, words in _SIMPLE.items()]
+        tried += [Variation(f"{path} {words} as large", scaled={path: factor}) for factor, words in _SIMPLE.items()]
     of = {each.name: each for each in tried}
     for words, values in possible_results(scene, tried, effect):
         yield of[words], Hypothesis(words, _advice(words), values)
-
-
-def _key(path: str) -> str:
-    """A quantity's key in a case file by its place in the scene."""
-    return path.replace("drive.", "")
 
 
 def _advice(words: str) -> str:
@@ -119,11 +115,11 @@ def _of_crank(crank: Crank) -> dict[str, dict[str, Any]]:
     if isinstance(drive, TorqueDrive):
         turned = drive.torque + 2.0 * drive.damping * drive.initial_speed
         others |= {
-            "crank.damping ignored": {"crank.drive.damping": 0.0},
-            "crank.torque ignored": {"crank.drive.torque": 0.0},
-            "crank.torque of the wrong sign": {"crank.drive.torque": -drive.torque},
-            "crank.damping of the wrong sign, as a drive": {"crank.drive.torque": turned},
-            "the crank's speed prescribed": {"crank.drive": PrescribedSpeed(speed=drive.initial_speed)},
+            "crank.damping ignored": {"crank.damping": 0.0},
+            "crank.torque ignored": {"crank.torque": 0.0},
+            "crank.torque of the wrong sign": {"crank.torque": -drive.torque},
+            "crank.damping of the wrong sign, as a drive": {"crank.torque": turned},
+            "the crank's speed prescribed": {"crank.prescribed_speed": drive.initial_speed},
         }
     return others
 
@@ -155,5 +151,5 @@ def _factors(scene: Scene, shown: Array, effect: Departure, begin: float) -> Ite
                 if rms(left) <= _EXPLAINED * rms(shown):
                     break
                 slope = (there - before) / step
-            words = f"{_key(path)} {factor:.4g} times as large"
+            words = f"{path} {factor:.4g} times as large"
             yield Variation(words, scaled={path: factor}), Hypothesis(words, _advice(words), there, fitted=1)

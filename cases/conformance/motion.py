@@ -23,7 +23,8 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, Scene, changed
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.scene_values import changed
 
 _BENT_DURATION: Final = 0.25  # s
 #: Mistake -> the fields of the start that it changes.

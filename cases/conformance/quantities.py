@@ -19,7 +19,8 @@ from quickreturn.cases.mistakes import share_of
 from quickreturn.cases.variation import Variation, possible_results
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene, changed
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene
+from quickreturn.reference_model.scene_values import OF_TORQUE, changed
 
 #: Part of the effect below which a quantity counts as without effect.
 _NONE: Final = 0.02
@@ -77,7 +78,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
     with wrong rows are reported once: those found here are added to `told`. Raises as a function for `check_by` may.
     """
     advice = f"model {change.name} or refuse it in `check`, with a sentence"
-    of_drive = any(path.startswith("crank.drive.") for path in change.given)
+    of_drive = any(path in OF_TORQUE for path in change.given)
     if scene is bench.scene and isinstance(bench.scene.crank.drive, PrescribedSpeed) and of_drive:
         return "refused: a driven crank is not modelled"
     context = changed(scene, change.context)

@@ -20,7 +20,8 @@ from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import Mechanism, changed
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.scene_values import changed
 
 _DURATION: Final = 0.1  # s
 #: Relative difference that is allowed in a column.

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from quickreturn.cases.variation import Variation
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive, changed
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.scene_values import changed
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
@@ -41,7 +42,7 @@ BASE: Final = Mechanism(
     tip=_TIP,
 )
 #: The mild scene for engines that need a prescribed crank speed.
-PRESCRIBED: Final = changed(BASE, {"crank.drive": PrescribedSpeed(speed=SPEED)})
+PRESCRIBED: Final = changed(BASE, {"crank.prescribed_speed": SPEED})
 
 
 @dataclass(frozen=True)
@@ -84,14 +85,17 @@ _WHOLE_TURN: Final = {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}
 _CUT: Final = {**_TOOL, **_SLOT}
 
 
+_GRAVITY: Final = "mechanism.gravity"
+
+
 def _gravity(along: str, gravity: tuple[float, float], other: str) -> Change:
     alike: dict[str, dict[str, Any]] = {
-        "gravity acts with the wrong sign": {"gravity": (-gravity[0], -gravity[1])},
-        f"gravity acts along {other} in place of {along}": {"gravity": gravity[::-1]},
-        "gravity does not act on the crank": {"gravity": gravity, **_NO_MOMENT},
+        "gravity acts with the wrong sign": {_GRAVITY: (-gravity[0], -gravity[1])},
+        f"gravity acts along {other} in place of {along}": {_GRAVITY: gravity[::-1]},
+        "gravity does not act on the crank": {_GRAVITY: gravity, **_NO_MOMENT},
     }
-    alike[f"gravity acts along minus {other} in place of {along}: it is turned by a quarter"] = {"gravity": (-gravity[1], -gravity[0])}
-    return Change(f"mechanism.gravity along {along}", {"gravity": gravity}, alike=alike)
+    alike[f"gravity acts along minus {other} in place of {along}: it is turned by a quarter"] = {_GRAVITY: (-gravity[1], -gravity[0])}
+    return Change(f"mechanism.gravity along {along}", {_GRAVITY: gravity}, alike=alike)
 
 
 def turned(vector: tuple[float, float], angle: float) -> tuple[float, float]:
@@ -107,34 +111,34 @@ _ELSEWHERE: Final = 2.0
 
 #: Every quantity that can show in a motion. The width of the section does not.
 CHANGES: Final = (
-    Change("mechanism.pivot_distance", {"pivot_distance": 0.40}),
+    Change("mechanism.pivot_distance", {"mechanism.pivot_distance": 0.40}),
     _gravity("n1", (9.81, 0.0), "n2"),
     _gravity("n2", (0.0, 9.81), "n1"),
     Change(
         "mechanism.gravity with the crank elsewhere",
-        {"gravity": _ASLANT},
+        {_GRAVITY: _ASLANT},
         {"crank.initial_angle": _ELSEWHERE},
         {
-            "gravity acts with the wrong sign": {"gravity": (-_ASLANT[0], -_ASLANT[1])},
-            "gravity along n1 has the wrong sign": {"gravity": (-_ASLANT[0], _ASLANT[1])},
-            "gravity along n2 has the wrong sign": {"gravity": (_ASLANT[0], -_ASLANT[1])},
-            "gravity along n1 and n2 is exchanged": {"gravity": _ASLANT[::-1]},
-            "gravity is turned by a quarter, counter-clockwise": {"gravity": (-_ASLANT[1], _ASLANT[0])},
-            "gravity is turned by a quarter, clockwise": {"gravity": (_ASLANT[1], -_ASLANT[0])},
-            "gravity turns with the crank's angle at the start": {"gravity": turned(_ASLANT, _ELSEWHERE - math.pi)},
-            "gravity turns against the crank's angle at the start": {"gravity": turned(_ASLANT, math.pi - _ELSEWHERE)},
-            "gravity does not act on the crank": {"gravity": _ASLANT, **_NO_MOMENT},
+            "gravity acts with the wrong sign": {_GRAVITY: (-_ASLANT[0], -_ASLANT[1])},
+            "gravity along n1 has the wrong sign": {_GRAVITY: (-_ASLANT[0], _ASLANT[1])},
+            "gravity along n2 has the wrong sign": {_GRAVITY: (_ASLANT[0], -_ASLANT[1])},
+            "gravity along n1 and n2 is exchanged": {_GRAVITY: _ASLANT[::-1]},
+            "gravity is turned by a quarter, counter-clockwise": {_GRAVITY: (-_ASLANT[1], _ASLANT[0])},
+            "gravity is turned by a quarter, clockwise": {_GRAVITY: (_ASLANT[1], -_ASLANT[0])},
+            "gravity turns with the crank's angle at the start": {_GRAVITY: turned(_ASLANT, _ELSEWHERE - math.pi)},
+            "gravity turns against the crank's angle at the start": {_GRAVITY: turned(_ASLANT, math.pi - _ELSEWHERE)},
+            "gravity does not act on the crank": {_GRAVITY: _ASLANT, **_NO_MOMENT},
         },
     ),
     Change(
         "mechanism.gravity at a prescribed speed",
-        {"gravity": _ASLANT},
-        {"crank.drive": PrescribedSpeed(speed=SPEED), "crank.initial_angle": _ELSEWHERE},
+        {_GRAVITY: _ASLANT},
+        {"crank.prescribed_speed": SPEED, "crank.initial_angle": _ELSEWHERE},
         {
-            "gravity does not act on the crank": {"gravity": _ASLANT, **_NO_MOMENT},
-            "the crank's weight has the wrong sign": {"gravity": _ASLANT, "crank.center_of_mass": -BASE.crank.center_of_mass},
+            "gravity does not act on the crank": {_GRAVITY: _ASLANT, **_NO_MOMENT},
+            "the crank's weight has the wrong sign": {_GRAVITY: _ASLANT, "crank.center_of_mass": -BASE.crank.center_of_mass},
             "the crank's weight is taken at the slider": {
-                "gravity": _ASLANT,
+                _GRAVITY: _ASLANT,
                 "crank.center_of_mass": BASE.crank.length,
                 "crank.inertia": 0.0,
             },
@@ -145,11 +149,11 @@ CHANGES: Final = (
     Change("crank.center_of_mass", {"crank.center_of_mass": 0.06}),
     Change("crank.inertia", {"crank.inertia": 6e-3}),
     Change("crank.initial_angle", {"crank.initial_angle": 2.3}),
-    Change("crank.initial_speed", {"crank.drive.initial_speed": 9.0}),
-    Change("crank.torque", {"crank.drive.torque": 1.2}),
-    Change("crank.damping", {"crank.drive.damping": 0.1}),
-    Change("crank.prescribed_speed", {"crank.drive": PrescribedSpeed(speed=SPEED)}),
-    Change("crank.prescribed_speed, reversed", {"crank.drive": PrescribedSpeed(speed=-SPEED)}),
+    Change("crank.initial_speed", {"crank.initial_speed": 9.0}),
+    Change("crank.torque", {"crank.torque": 1.2}),
+    Change("crank.damping", {"crank.damping": 0.1}),
+    Change("crank.prescribed_speed", {"crank.prescribed_speed": SPEED}),
+    Change("crank.prescribed_speed, reversed", {"crank.prescribed_speed": -SPEED}),
     Change("base.inertia", {"base.inertia": 8e-3}),
     Change("base.damping", {"base.damping": 0.1}),
     Change("base.friction_torque", {"base.friction_torque": 0.1}),

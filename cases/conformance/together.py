@@ -9,7 +9,8 @@ from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_b
 from quickreturn.cases.conformance.motion import MistakesInMildScene, findings
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism, changed
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
+from quickreturn.reference_model.scene_values import changed
 
 #: Duration of the motion, s: three quarters of a turn.
 _DURATION: Final = 0.4
@@ -18,7 +19,7 @@ _OUTPUT_STEP: Final = 5e-4
 #: Optional features of a scene: name -> values. Each is added if the engine accepts it.
 PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "crank.initial_angle": {"crank.initial_angle": 2.3},
-    "mechanism.gravity": {"gravity": (5.0, -7.0)},
+    "mechanism.gravity": {"mechanism.gravity": (5.0, -7.0)},
     "base.damping": {"base.damping": 0.03},
     "follower.damping": {"follower.damping": 2.0},
     "tip.center_of_mass": {"tip.center_of_mass": 0.06, "tip.inertia": 4e-4},

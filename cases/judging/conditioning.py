@@ -65,7 +65,7 @@ def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> C
 
 def variations(mechanism: Mechanism) -> tuple[Variation, ...]:
     """Variations with one kind of parameter larger by `CHANGE`: bending stiffness, dampings of beam and pivot, mean crank speed."""
-    speed = ("crank.drive.torque", "crank.drive.initial_speed") if mechanism.crank_is_free else ("crank.drive.speed",)
+    speed = ("crank.torque", "crank.initial_speed") if mechanism.crank_is_free else ("crank.prescribed_speed",)
     kinds = {"stiffness": ("follower.bending_stiffness",), "damping": ("follower.damping", "base.damping"), "speed": speed}
     return tuple(Variation(name, scaled=dict.fromkeys(paths, 1.0 + CHANGE)) for name, paths in kinds.items())
 

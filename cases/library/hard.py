@@ -9,7 +9,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.cases.case import case_of, document_of
+from quickreturn.cases.case import case_of
 from quickreturn.cases.document import Document
 from quickreturn.cases.variation import Variation
 from quickreturn.reference_model.scene_values import changed_values
@@ -105,6 +105,6 @@ def scene_title(name: str) -> str:
 
 def scene_document(name: str, original: Document) -> Document:
     """A hard scene as in a case file, with scaled values in SI. Raises KeyError for a name that is not in `SCENES`."""
-    values = changed_values(original.values, SCENES[name].values(document_of(case_of(original)).at))
+    values = changed_values(original.values, SCENES[name].changes(case_of(original).scene))
     header = {"name": name, "title": scene_title(name), "tags": [TAG]}
     return replace(original, source=name, header=header, values=values)

@@ -27,7 +27,8 @@ from quickreturn.engines.error_parts import Compared, compared
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.scene_values import changed
 
 if TYPE_CHECKING:
     from quickreturn.engines.own.found_orbit import FoundOrbit
@@ -244,9 +245,8 @@ def _at_speed(scene: Mechanism, part: float) -> Mechanism:
     """The scene with `part` times its prescribed speed, or times its torque and initial speed."""
     drive = scene.crank.drive
     if isinstance(drive, TorqueDrive):
-        values = {"crank.drive.torque": part * drive.torque, "crank.drive.initial_speed": part * drive.initial_speed}
-        return changed(scene, values)
-    return changed(scene, {"crank.drive.speed": part * drive.speed})
+        return changed(scene, {"crank.torque": part * drive.torque, "crank.initial_speed": part * drive.initial_speed})
+    return changed(scene, {"crank.prescribed_speed": part * drive.speed})
 
 
 def _peak(state: "FoundOrbit") -> float:

@@ -12,7 +12,8 @@ from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
 from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.eigenproblem import eigh
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, changed
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.scene_values import changed
 
 
 def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
@@ -22,7 +23,7 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
     """
     units = Units.of(mechanism)
     mechanism, hinges = units.scene(mechanism), hinge_count(mechanism, links)
-    held = changed(mechanism, {"crank.drive": PrescribedSpeed(speed=0.0)})
+    held = changed(mechanism, {"crank.prescribed_speed": 0.0})
     mass, stiffness = chain.follower_matrices(chain.build(held, hinges, 0.0), held, hinges)
     constraint = support_row(mechanism, hinges, crank_angle)
     if not mechanism.slider.is_rigid:

@@ -22,9 +22,10 @@ from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.base_moment import needs_base_shape
 from quickreturn.reference_model.constants import unslowed
 from quickreturn.reference_model.joint import friction_in_words, joint_in_words, rollers
-from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider, changed
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
 
 if TYPE_CHECKING:
@@ -295,7 +296,7 @@ def joint_inertia(scene: Scene, modes: int) -> float:
     stiffness = scene.slider.closed_stiffness
     if scene.crank is None or scene.follower.is_rigid or stiffness <= 0.0:
         return 0.0
-    held = changed(scene, {"slider": Slider(inertia=scene.slider.inertia)})
+    held = changed(scene, {"slider": None, "slider.inertia": scene.slider.inertia})
     rigid, compliant = (float(frozen_crank_modes(machine, math.pi, 1).frequencies[0]) for machine in (held, scene))
     change = 2.0 * abs(1.0 - compliant / rigid)  # of the frequency's square, with which a motion's amplitude changes
     if change > SOFT:

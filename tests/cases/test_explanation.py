@@ -10,7 +10,7 @@ from quickreturn.cases.conformance.bench import Motion, solution
 from quickreturn.cases.conformance.scenes import BASE
 from quickreturn.cases.explanation import Explanation, Hypothesis, explain
 from quickreturn.cases.mistakes import diagnose, lateness, share_of
-from quickreturn.reference_model.mechanism import changed
+from quickreturn.reference_model.scene_values import changed
 
 X = np.linspace(0.0, 2.0 * np.pi, 201)
 EXPECTED = np.sin(X)

@@ -1,6 +1,5 @@
 """Two rollers, friction and material damping in MuJoCo's chain and in Exudyn's cable, against `reference`, limits and conservation laws."""
 
-import dataclasses
 import math
 from functools import cache
 
@@ -18,15 +17,16 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
+from quickreturn.reference_model.mechanism import Mechanism, Slider
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.scene_values import changed
 from tests.engines.energy import imbalance
 from tests.engines.scenes import run_24
 
 DURATION = 0.25  # s: the slider turns back at 0.19 s, and its force changes hands
 CHAIN, CABLE = ChainSettings(links=18), ExudynSettings(elements=16, newton_tolerance=1e-6)
-HELD = {"drive": PrescribedSpeed(speed=16.6)}
+HELD = {"crank.prescribed_speed": 16.6}
 
 SOFT = run_24(slider=Slider(joint_stiffness_plus=1e4, joint_stiffness_minus=4e4, preload=2.0, contact_damping=0.5))
 PLAY = run_24(slider=Slider(joint_stiffness=1e5, clearance=2e-4, contact_damping=0.5), follower={"material_damping": 1e-4})
@@ -92,7 +92,7 @@ def test_friction_of_the_pivot_acts_as_in_reference() -> None:
 
 
 def test_held_crank_takes_the_torque_of_reference() -> None:
-    scene = changed(RUBBING, {"crank": dataclasses.replace(RUBBING.crank, **HELD), "gravity": (1.0, -9.81)})
+    scene = changed(RUBBING, {**HELD, "mechanism.gravity": (1.0, -9.81)})
     assert_near(chain(scene), reference(scene), {"crank_torque": 3.6e-4, "dissipated_energy": 6e-5})
 
 

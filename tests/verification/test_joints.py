@@ -21,7 +21,8 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis.runs import run_name
 from quickreturn.engines.registry import engine
-from quickreturn.reference_model.mechanism import Mechanism, changed
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.scene_values import changed
 from tests.slices import Portion
 from tests.verification.random_scenes import sensible_machines
 from tests.verification.test_sensible_machines import SEED, case_of

@@ -30,7 +30,8 @@ from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Re
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive, changed
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]
 
@@ -124,7 +125,7 @@ def _at_speed(engine: AnyEngine, settings: Settings, request: Request) -> list[C
         if not corrections or not isinstance(drive, TorqueDrive) or abs(reached / request.speed - 1.0) < SPEED:
             return list(cycles)
         corrections -= 1
-        scene = changed(scene, {"crank.drive.torque": drive.torque + drive.damping * (request.speed - reached)})
+        scene = changed(scene, {"crank.torque": drive.torque + drive.damping * (request.speed - reached)})
 
 
 def _steady_cycles(
@@ -168,9 +169,8 @@ def carrying(scene: Mechanism, half: str) -> Mechanism:
     plus, minus = scene.slider.sides
     if plus == minus:
         return scene
-    without = {"joint_stiffness_plus": math.inf, "joint_stiffness_minus": math.inf, "preload": 0.0, "contact_damping": 0.0}
-    one_roller = {"joint_stiffness": plus if half == "post" else minus, **without}
-    return changed(scene, {f"slider.{key}": value for key, value in one_roller.items()})
+    without = dict.fromkeys(f"slider.{key}" for key in ("joint_stiffness_plus", "joint_stiffness_minus", "preload", "contact_damping"))
+    return changed(scene, {"slider.joint_stiffness": plus if half == "post" else minus, **without})
 
 
 def _first_modes(scene: Mechanism, cycles: list[Cycle]) -> dict[str, Half]:

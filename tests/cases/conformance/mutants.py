@@ -13,7 +13,8 @@ from quickreturn.engines.base import Comparison, EngineFailure, Simulation
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, changed
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.scene_values import changed, value_at
 
 Columns = dict[str, NDArray[np.float64]]
 
@@ -64,12 +65,10 @@ def of_scene(**values: Any) -> type[Mutant]:
 
     def scene(self: Mutant, mechanism: Mechanism) -> Mechanism:
         for path, value in values.items():
-            dotted = path.replace("__", ".")
-            owner: Any = mechanism
-            for part in dotted.split("."):
-                owner = getattr(owner, part, None)
-            if owner is not None:
-                mechanism = changed(mechanism, {dotted: value(owner) if callable(value) else value})
+            key = path.replace("__", ".")
+            present = value_at(mechanism, key) if "." in key else getattr(mechanism, key)
+            if present is not None:
+                mechanism = changed(mechanism, {key: value(present) if callable(value) else value})
         return mechanism
 
     return type("OfScene", (Mutant,), {"scene": scene})
@@ -220,9 +219,9 @@ MUTANTS: dict[str, tuple[type[Mutant], str, str]] = {
     "crank inertia 5 %": (of_scene(crank__inertia=lambda x: 1.05 * x), "crank", "motion"),
     "no tip body": (of_scene(tip=None), "no tip|tip.mass", "motion"),
     "crank inertia about O": (of_scene(crank__center_of_mass=0.0), "crank.inertia taken about O", "motion"),
-    "gravity ignored": (of_scene(gravity=(0.0, 0.0)), "gravity.* ignored", "quantities"),
-    "gravity turned round": (of_scene(gravity=lambda g: (-g[0], -g[1])), "gravity.* sign", "quantities"),
-    "gravity exchanged": (of_scene(gravity=lambda g: (g[1], g[0])), "gravity acts along n2 in place of n1", "quantities"),
+    "gravity ignored": (of_scene(mechanism__gravity=(0.0, 0.0)), "gravity.* ignored", "quantities"),
+    "gravity turned round": (of_scene(mechanism__gravity=lambda g: (-g[0], -g[1])), "gravity.* sign", "quantities"),
+    "gravity exchanged": (of_scene(mechanism__gravity=lambda g: (g[1], g[0])), "gravity acts along n2 in place of n1", "quantities"),
     "follower damping ignored": (of_scene(follower__damping=0.0), "follower.damping is ignored", "quantities"),
     "follower damping doubled": (of_scene(follower__damping=lambda x: 2.0 * x), "follower.damping acts", "quantities"),
     "base damping ignored": (of_scene(base__damping=0.0), "base.damping is ignored", "quantities"),

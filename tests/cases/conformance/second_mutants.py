@@ -9,7 +9,8 @@ import numpy as np
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, changed
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.scene_values import changed
 from tests.cases.conformance.mutants import Columns, Mutant, column, of_columns, of_frequencies, of_scene
 
 
@@ -40,11 +41,7 @@ class _ForwardSpeed(Mutant):
 
     def scene(self, mechanism: Mechanism) -> Mechanism:
         drive = mechanism.crank.drive
-        return (
-            changed(mechanism, {"crank.drive": PrescribedSpeed(speed=abs(drive.speed))})
-            if isinstance(drive, PrescribedSpeed)
-            else mechanism
-        )
+        return changed(mechanism, {"crank.prescribed_speed": abs(drive.speed)}) if isinstance(drive, PrescribedSpeed) else mechanism
 
     def start(self, start: Start) -> Start:
         return dataclasses.replace(start, crank_speed=abs(start.crank_speed))

@@ -32,8 +32,8 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import setting
 from quickreturn.engines.simple import SimpleEngine
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.mechanism import Mechanism, Scene, changed
-from quickreturn.reference_model.scene_values import NAMED
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.scene_values import NAMED, changed
 from tests.cases.conformance.joint_mutants import JOINT
 from tests.cases.conformance.mutants import MUTANTS as FIRST
 from tests.cases.conformance.mutants import Columns, Mutant
@@ -413,9 +413,9 @@ def test_every_change_is_one_that_the_scene_takes() -> None:
 
 
 def test_a_quantity_deep_in_a_scene_is_changed_and_nothing_else() -> None:
-    other = changed(BASE, {"crank.drive.torque": 1.0, "gravity": (0.0, 1.0)})
+    other = changed(BASE, {"crank.torque": 1.0, "mechanism.gravity": (0.0, 1.0)})
     assert other.crank.drive.torque == 1.0  # type: ignore[union-attr]
-    assert changed(other, {"crank.drive.torque": 0.6, "gravity": (0.0, 0.0)}) == BASE
+    assert changed(other, {"crank.torque": 0.6, "mechanism.gravity": (0.0, 0.0)}) == BASE
 
 
 def test_root_mean_square() -> None:

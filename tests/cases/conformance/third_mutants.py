@@ -15,8 +15,9 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, changed
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.scene_values import changed
 from tests.cases.conformance.mutants import Columns, Mutant, Spoiling, column, of_columns, of_frequencies, of_scene
 
 Array = NDArray[np.float64]
@@ -91,7 +92,7 @@ def _damping_without_offset(m: Mechanism) -> dict[str, Any]:
 def _turned_with_the_crank(m: Mechanism) -> dict[str, Any]:
     angle = m.crank.initial_angle - math.pi
     c, s = math.cos(angle), math.sin(angle)
-    return {"gravity": (c * m.gravity[0] - s * m.gravity[1], s * m.gravity[0] + c * m.gravity[1])}
+    return {"mechanism.gravity": (c * m.gravity[0] - s * m.gravity[1], s * m.gravity[0] + c * m.gravity[1])}
 
 
 class OfAlone(Mutant):
@@ -281,12 +282,12 @@ THIRD: dict[str, tuple[type[ReferenceEngine], str, str]] = {
     "damping without offset": (of_pair(_damping_without_offset), r"follower.damping.*nor without tip.center_of_mass", "quantities"),
     "gravity turns with the start": (of_pair(_turned_with_the_crank), "gravity turns with the crank's angle at the start", "quantities"),
     "gravity a quarter": (
-        of_pair(lambda m: {"gravity": (-m.gravity[1], m.gravity[0])}),
+        of_pair(lambda m: {"mechanism.gravity": (-m.gravity[1], m.gravity[0])}),
         "turned by a quarter, counter-clock",
         "quantities",
     ),
     "alone: stiffness": (of_alone(follower__bending_stiffness=21.0), "follower.bending_stiffness 1.05 times", "follower alone"),
-    "alone: no gravity": (of_alone(gravity=(0.0, 0.0)), "gravity along n1 is ignored", "follower alone"),
+    "alone: no gravity": (of_alone(mechanism__gravity=(0.0, 0.0)), "gravity along n1 is ignored", "follower alone"),
     "alone: damping ignored": (of_alone(follower__damping=0.0), "follower.damping is ignored", "follower alone"),
     "alone: strain sign": (_StrainOfAlone, "strain_1 has the wrong sign", "follower alone"),
     "estimate too small, no finer rung": (IntegrationAlone, "columns are off by more than .* own estimate", "motion"),
@@ -300,7 +301,7 @@ THIRD: dict[str, tuple[type[ReferenceEngine], str, str]] = {
     ),
     "tip inertia shifted twice": (of_pair(_twice_shifted), "tip.inertia is shifted to the flexible end twice", "quantities"),
     "base held": (_Clamped, "base is held", "frequencies"),
-    "half the torque": (of_scene(crank__drive__torque=lambda x: 0.5 * x), "crank.torque half as large", "motion"),
+    "half the torque": (of_scene(crank__torque=lambda x: 0.5 * x), "crank.torque half as large", "motion"),
     "twice the stiffness": (of_scene(follower__bending_stiffness=lambda x: 2.0 * x), "bending_stiffness twice as large", "motion"),
     "half the tip mass": (of_scene(tip__mass=lambda x: 0.5 * x), "tip.mass half as large", "motion"),
     "twice the crank inertia": (of_scene(crank__inertia=lambda x: 2.0 * x), "crank.inertia twice as large", "motion"),

@@ -16,7 +16,7 @@ from quickreturn.cases.runs.marching import channels_of, settle
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.error_parts import Compared
-from quickreturn.reference_model.mechanism import changed
+from quickreturn.reference_model.scene_values import changed
 from tests.cases.runs.test_estimates import measures
 
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 101)

@@ -16,7 +16,7 @@ from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
-from quickreturn.reference_model.mechanism import changed
+from quickreturn.reference_model.scene_values import changed
 
 ALL = ("thesis-15", "thesis-17", "thesis-22", "thesis-24", "hard-ei-x10", "hard-no-tip")
 

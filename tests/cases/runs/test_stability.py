@@ -14,7 +14,8 @@ from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
 from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.errors import ExitCode
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, changed
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.scene_values import changed
 from tests.verification.random_scenes import sensible_machines
 
 #: Modulus of the largest multiplier in the thesis' runs 1 to 24: eigenvalue of the whole Jacobian of a model with 8 modes, by central
@@ -74,7 +75,7 @@ def test_run_and_sweep_have_the_same_multiplier() -> None:
     asked = MeasureRequest(measures=("multiplier",), settings={"modes": "4", "tolerance": "1e-6"})
     alone = row([mechanism], asked)
     assert measure("multiplier").of(SettledMotion(mechanism, run)) == (alone.values[0, 0], alone.errors[0, 0])
-    behind = row([changed(mechanism, {"crank.drive.torque": 1.1 * mechanism.crank.drive.torque}), mechanism], asked)  # type: ignore[union-attr]
+    behind = row([changed(mechanism, {"crank.torque": 1.1 * mechanism.crank.drive.torque}), mechanism], asked)  # type: ignore[union-attr]
     assert abs(behind.values[1, 0] - alone.values[0, 0]) < alone.errors[0, 0]
 
 
@@ -132,7 +133,7 @@ def test_cycles_that_were_marched_without_damping_are_neutral() -> None:
 
 LOSSES = (
     *("base.damping", "base.friction_torque", "follower.damping", "follower.material_damping"),
-    *("crank.drive.damping", "slider.friction", "slider.friction_force"),
+    *("crank.damping", "slider.friction", "slider.friction_force"),
 )
 
 
@@ -145,7 +146,7 @@ def test_whatever_loses_energy_lets_a_march_settle(loss: str) -> None:
 def undamped(speed: float) -> Mechanism:
     """Run 24 without torque and damping, at a multiple of its speed."""
     mechanism = library_case("hard-undamped").mechanism
-    return changed(mechanism, {"crank.drive.initial_speed": speed * mechanism.crank.drive.initial_speed})
+    return changed(mechanism, {"crank.initial_speed": speed * mechanism.crank.drive.initial_speed})
 
 
 def assert_neutral(modes: int, tolerance: float, speed: float) -> None:

@@ -14,9 +14,10 @@ from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
 from quickreturn.cases.sweep.rows import LEFT, MeasureRequest, row
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, changed
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.periodic import floquet_multipliers
+from quickreturn.reference_model.scene_values import changed
 
 RPM = math.pi / 30.0
 NAMES = ("peak.tip_acceleration", "rms.strain_2", "min.slider_force", "peak.stress", "peak.crank_force", "multiplier", "turn.drive_work")

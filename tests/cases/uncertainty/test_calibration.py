@@ -21,8 +21,8 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import changed
 from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]
 

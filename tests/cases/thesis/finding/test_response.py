@@ -10,8 +10,9 @@ from quickreturn.cases.thesis.finding import study
 from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects
 from quickreturn.cases.thesis.finding.response import Response, _ring, respond
 from quickreturn.cases.thesis.runs import run_case
-from quickreturn.reference_model.mechanism import Mechanism, changed
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.scene_values import changed
 
 PERIOD = 0.378  # s
 
