@@ -71,7 +71,8 @@ class Assessment:
         estimate_of: the error that is estimated.
         further_run_skipped: whether a still finer run, which checks how fast the error falls, was not needed (`Comparison.alike`).
         hurried: whether the time limit prevented a run, so that a faster machine would give a better answer.
-        reached: False if the estimate misses the accuracy, or if it is unknown or not verified although an accuracy was asked explicitly.
+        reached: False if the estimate misses the accuracy, if a run for it broke down on every rung, or if it is unknown or not verified
+            although an accuracy was asked explicitly.
         remark: why not reached, not estimated, or estimated without the run that shows how fast the error falls (a sentence); "" if all is
             well.
         setup_seconds: building the model of the delivered run.
@@ -209,6 +210,7 @@ class _Judged:
     largest: dict[str, float] = field(default_factory=dict)
     remark: str = ""
     further_run_skipped: bool = False
+    broken: bool = False  # whether the error is unknown because a run for its estimate broke down
 
     @property
     def estimate(self) -> float | None:
@@ -290,7 +292,8 @@ class _Runs:
             if isinstance(reason, _NoTime) and self._has_estimate:  # a coarser rung with an estimate is worth more than this one
                 raise
             why = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
-            return _Judged(settings, made, remark=f"the error is unknown: {why}")
+            broken = isinstance(reason, EngineFailure) and not isinstance(reason, _NoTime)
+            return _Judged(settings, made, remark=f"the error is unknown: {why}", broken=broken)
         self._has_estimate = True
         columns = {name: [part.columns[name] for part in parts] for name in parts[0].columns}
         known = {name: tuple(part for part in some if part is not None) for name, some in columns.items()}
@@ -336,7 +339,7 @@ class _Runs:
         """The delivered run, held against the accuracy `target`; `asked`: whether the caller asked for it explicitly."""
         estimate, remark, reached = judged.estimate, judged.remark, True
         if estimate is None:
-            reached = not asked
+            reached = not asked and not (judged.broken and target is not None)
         elif target is not None and estimate > target:
             reached = False
             error = "integration error" if self.engine.estimates == "integration" else "error"

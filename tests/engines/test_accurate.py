@@ -240,6 +240,19 @@ def test_failing_coarse_run_makes_the_estimate_unknown() -> None:
     assert not run({"step": "0.05", "behaviour": "coarse fails"}, accuracy=1e-2).reached
 
 
+def test_an_accuracy_is_not_reached_where_all_runs_for_an_estimate_fail() -> None:
+    """Nor is the engine's default one; settings that are given aim at none."""
+
+    class Alone(FakeEngine):
+        def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
+            return (Comparison(settings, settings.replaced(behaviour="fails"), 4.0),)
+
+    result = run(engine=Alone())
+    assert (result.reached, result.error_estimate, result.hurried) == (False, None, False)
+    assert result.remark.startswith("the error is unknown: the run for its estimate failed")
+    assert run({"step": "0.05"}, engine=Alone()).reached
+
+
 def test_finer_run_serves_where_the_coarser_one_fails() -> None:
     class WithSpare(FakeEngine):
         def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
