@@ -28,10 +28,10 @@ from quickreturn.engines.error_parts import (
     LOADS,
     ErrorPart,
     EstimatedPart,
-    compared,
+    NoEstimate,
+    all_compared,
     estimated_part,
     relative_size,
-    same_motion,
     total,
 )
 from quickreturn.engines.one_run import CompletedRun, run_once
@@ -189,10 +189,6 @@ def simulate(
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
 
 
-class _NoEstimate(Exception):
-    """The error cannot be estimated; the text is a clause that says why."""
-
-
 class _NoTime(EngineFailure):
     """A run that was not begun for lack of time."""
 
@@ -288,7 +284,7 @@ class _Runs:
         progress.tell(phase="estimating the error", rung=self._rung)
         try:
             parts, skipped, unchecked = self._parts(settings, made.trajectory)
-        except (_NoEstimate, EngineFailure) as reason:
+        except (NoEstimate, EngineFailure) as reason:
             if isinstance(reason, _NoTime) and self._has_estimate:  # a coarser rung with an estimate is worth more than this one
                 raise
             why = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
@@ -305,18 +301,11 @@ class _Runs:
     def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[EstimatedPart], bool, str]:
         """The parts of the error (see `estimated_part`); whether a `Comparison.before` was not needed; why one is missing, else ""."""
         pairs, follower = self.engine.comparisons(settings, self.scene, self._run[-1]), self.scene.follower
-        if any(pair.run == pair.other for pair in pairs):
-            raise _NoEstimate("these settings leave no others to compare with")
-        parts, skipped, unchecked = [], False, ""
-        for pair in pairs:
-            trusted = pair.before is not None and pair.alike > 0.0 and self._converge_alike(pair)
-            skipped |= trusted
-            runs = compared(replace(pair, before=None) if trusted else pair, lambda other: self.run(other).trajectory)
-            if not follower.is_rigid and same_motion(runs.run.columns, runs.other.columns):
-                raise _NoEstimate("the run to compare with is the same to the last digit")
-            parts.append(estimated_part(trajectory, runs, follower.length))
-            unchecked = unchecked or runs.unchecked
-        return parts, skipped, unchecked
+        trusted = [pair.before is not None and pair.alike > 0.0 and self._converge_alike(pair) for pair in pairs]
+        made = [replace(pair, before=None) if alone else pair for pair, alone in zip(pairs, trusted, strict=True)]
+        runs = all_compared(made, lambda other: self.run(other).trajectory, lambda run: run.columns, bends=not follower.is_rigid)
+        unchecked = next((each.unchecked for each in runs if each.unchecked), "")
+        return [estimated_part(trajectory, each, follower.length) for each in runs], any(trusted), unchecked
 
     def _converge_alike(self, pair: Comparison) -> bool:
         """Whether the differences between the two runs are within what `Comparison.alike` allows."""

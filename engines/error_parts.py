@@ -1,7 +1,7 @@
 """Parts of an error, from differences of runs whose errors stand in a known ratio (`engines.base.Comparison`)."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final, Generic, NamedTuple, TypeVar
@@ -135,6 +135,33 @@ def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
     except EngineFailure as failure:
         return Compared(first, second, pair.factor, None, str(failure), pair.of, names)
     return Compared(first, second, pair.factor, before, "", pair.of, names)
+
+
+class NoEstimate(Exception):
+    """The error cannot be estimated; the text is a clause that says why."""
+
+
+def all_compared(
+    pairs: Sequence[Comparison], run: Callable[[Settings], R], signals: Callable[[R], Mapping[str, NDArray[np.float64]]], *, bends: bool
+) -> list[Compared[R]]:
+    """The results of all comparisons of an error estimate.
+
+    Args:
+        pairs: the comparisons.
+        run: makes a result from settings; EngineFailure: it breaks down.
+        signals: the columns of a result.
+        bends: whether the follower does: its deflection then differs between any two runs.
+
+    Raises:
+        NoEstimate: there is nothing to compare with.
+        EngineFailure: see `compared`.
+    """
+    if any(pair.run == pair.other for pair in pairs):
+        raise NoEstimate("these settings leave no others to compare with")
+    found = [compared(pair, run) for pair in pairs]
+    if bends and any(same_motion(signals(runs.run), signals(runs.other)) for runs in found):
+        raise NoEstimate("the run to compare with is the same to the last digit")
+    return found
 
 
 class EstimatedPart(NamedTuple):

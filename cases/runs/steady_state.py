@@ -37,7 +37,7 @@ from quickreturn.cases.runs.stability import NOT_CONVERGED, Multiplier, multipli
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
-from quickreturn.engines.error_parts import Compared, compared, same_motion
+from quickreturn.engines.error_parts import Compared, NoEstimate, all_compared
 from quickreturn.engines.one_run import CompletedRun, raised
 from quickreturn.engines.own.found_orbit import FoundOrbit
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -261,19 +261,16 @@ class _RunInProgress:
             return result
 
         pairs = settled_pairs(self._engine, self._settings, self._mechanism)
-        if any(pair.run == pair.other for pair in pairs):
-            return (), "there are no other settings to compare with"
         try:
-            comparisons = tuple(compared(pair, run) for pair in pairs)
+            return tuple(all_compared(pairs, run, lambda cycles: cycles[-1], bends=not self._mechanism.follower.is_rigid)), ""
+        except NoEstimate as reason:
+            return (), str(reason)
         except EngineFailure as failure:
             return (), f"the run for their estimate {failure}"
         except OF_THE_MACHINE:
             raise
         except Exception as error:  # the delivered cycle stays good
             return (), f"the run for their estimate: {raised(error)}"
-        if not self._mechanism.follower.is_rigid and any(same_motion(runs.run[-1], runs.other[-1]) for runs in comparisons):
-            return (), "the run to compare with is the same to the last digit"
-        return comparisons, ""
 
     def _same_cycles(self, settings: Settings) -> tuple[Columns, ...]:
         """The steady cycles with other settings: found directly like the delivered one, or after as many cycles; settled at least.
