@@ -1,7 +1,8 @@
 """A case: a scene with its simulation times, and the file that describes it."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from quickreturn.cases.copies import in_words, name_of_copy
@@ -12,7 +13,7 @@ from quickreturn.cases.reading import in_si, read
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.written import as_toml
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.scene_values import changed_values, values_of
+from quickreturn.reference_model.scene_values import Changes, changed_values, values_of
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -80,6 +81,25 @@ class Case(Shown):
             self.name, "[crank]", None, "this case has no crank and no slider, but the command needs them", "use show or simulate"
         )
 
+    def mechanism_with(self, changes: Changes) -> Mechanism:
+        """The mechanism with other values in SI, by dotted key: what the case's file would describe with them.
+
+        All studies vary a machine by this function. The scene alone would not do: stiffness and mass of a follower given by its material
+        follow from its section, and the start of a crank without an initial speed follows from its torque.
+
+        Raises:
+            CaseError: the case has no crank, or the values cannot be; caused by an `ImpossibleMechanism` if they contradict each other.
+        """
+        _ = self.mechanism
+        scene = read(self._in_si.changed(changes, self.name)).scene
+        assert scene.crank is not None
+        return scene
+
+    @cached_property
+    def _in_si(self) -> Document:
+        """The file's values in SI."""
+        return in_si(replace(written_document(self), overridden={}))
+
     def with_(self, overrides: Mapping[str, str] | None = None, *, name: str | None = None) -> "Case":
         """A copy with other values and another name; its title states the changes.
 
@@ -141,18 +161,3 @@ def written_document(case: Case) -> Document:
     if times == read.values["simulation"]:
         return document
     return replace(document, values=changed_values(document.values, {f"simulation.{key}": times[key] for key in times}))
-
-
-def scenes(case: Case) -> Callable[[Mapping[str, Any]], Mechanism]:
-    """The scene of a case with other values by dotted key, texts of a case file, as a function of them.
-
-    All studies vary a machine by this function. The scene alone would not do: stiffness and mass of a follower given by its material follow
-    from its section, and the start of a crank without an initial speed follows from its torque.
-
-    Raises:
-        CaseError: the case, or the scene with its values (from the function), is none with a crank or cannot be; caused by an
-            `ImpossibleMechanism` if values contradict each other.
-    """
-    _ = case.mechanism
-    document = in_si(replace(written_document(case), overridden={}))
-    return lambda values: case_of(document.overridden_by(values, case.name)).mechanism

@@ -9,7 +9,7 @@ from typing import Any, Final
 from quickreturn.cases.broken_toml import broken_toml
 from quickreturn.cases.copies import LONGEST_TITLE
 from quickreturn.cases.errors import CaseError, as_written, attempted, nearest_or_all, shortened, together
-from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value
+from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of
 from quickreturn.reference_model.scene_values import changed_values, replaced_by
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
@@ -29,7 +29,7 @@ class Document:
     source: str  # file or case name, for messages
     header: Mapping[str, Any]  # name, title and tags as read
     values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI if the case was not a text
-    overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> raw value that was set from outside, latest last
+    overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> text(s) of a value set from outside, latest last
     set_by: str = OVERRIDE  # source of these values, for messages
     mistakes: tuple[CaseError, ...] = ()  # mistakes in sections and keys, which the values therefore lack
     replaced: Mapping[str, str] = field(default_factory=dict)  # dotted key that they removed -> the key that takes its place
@@ -42,6 +42,8 @@ class Document:
     def error(self, path: str, problem: str, accepted: str = "", *, value: Any = None) -> CaseError:
         """The mistake at a dotted key, with its value as written (or a part of it, `value`) if there is one."""
         given = self.at(path) if value is None else value
+        if path in self.overridden:
+            given = text_of(path, given)
         shown = None if given is None else as_written(given)
         if isinstance(given, (float, tuple)):
             shown = f"{shown_value(given)} {PATHS[path].unit}"
@@ -52,16 +54,17 @@ class Document:
         return next((path for path in paths if path in self.overridden), paths[0])
 
     def changed(self, changes: Mapping[str, Any], by: str) -> "Document":
-        """The document with raw values set from outside, by dotted key; without those that they replace, see `changed_values`.
+        """The document with raw values, or numbers in SI, set from outside, by dotted key; see `changed_values`.
 
         Messages name `by` as the source of the new values.
         """
-        gone = [path for path in replaced_by(changes) if path not in changes]
-        instead = {path: next(key for key in changes if path in replaced_by([key])) for path in gone if self.at(path) is not None}
+        given = {path: text_of(path, value) for path, value in changes.items() if value is not None}
+        gone = [path for path in replaced_by(given) if path not in given]
+        instead = {path: next(key for key in given if path in replaced_by([key])) for path in gone if self.at(path) is not None}
         return replace(
             self,
             values=changed_values(self.values, changes),
-            overridden={path: value for path, value in self.overridden.items() if path not in (*gone, *changes)} | dict(changes),
+            overridden={path: text for path, text in self.overridden.items() if path not in (*gone, *changes)} | given,
             set_by=by,
             replaced={**self.replaced, **instead},
         )

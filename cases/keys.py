@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from quickreturn.cases.errors import CaseError, as_written
-from quickreturn.cases.units import DIMENSIONS, Dimension, QuantityError, parse_quantity, unit_size
+from quickreturn.cases.units import DIMENSIONS, RANGE, Dimension, QuantityError, is_in_range, parse_quantity, unit_size
 from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
 from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
 
@@ -35,15 +35,39 @@ def shown_value(value: Any) -> str:
     return ", ".join(map(shown_value, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"
 
 
+class Written(float):
+    """A number in SI that remembers the text from which it was read, for messages."""
+
+    text: str
+
+    def __new__(cls, value: float, text: str) -> "Written":
+        """The value in SI of a text."""
+        new = super().__new__(cls, value)
+        new.text = text
+        return new
+
+    def __reduce__(self) -> tuple[type, tuple[float, str]]:
+        return Written, (float(self), self.text)
+
+
 def dimension_of(path: str) -> Dimension:
     """The dimension of the quantity at a dotted path."""
     return DIMENSIONS[PATHS[path].unit]
 
 
-def value_at(path: str, text: str, *, finite: bool = False) -> float:
-    """The SI value of a text for the quantity at a dotted path; with `finite` not "inf". QuantityError: wrong text, or wrong sign."""
+def value_at(path: str, given: str | float, *, finite: bool = False) -> float:
+    """The SI value of a text, or of a number in SI, for the quantity at a dotted path; with `finite` not infinite.
+
+    QuantityError: wrong text, wrong sign, or out of range.
+    """
     quantity, dimension = PATHS[path], dimension_of(path)
-    value = parse_quantity(text, dimension, infinity_accepted=quantity.infinity and not finite)
+    infinity = quantity.infinity and not finite
+    if not isinstance(given, float):
+        value = parse_quantity(given, dimension, infinity_accepted=infinity)
+    elif given == 0.0 or is_in_range(given) or (infinity and given == math.inf):
+        value = float(given)
+    else:
+        raise QuantityError("is out of range", RANGE)
     if quantity.sign == "positive" and value <= 0.0:
         raise QuantityError("is not positive", f"{dimension.name} greater than zero is accepted")
     if quantity.sign == "not negative" and value < 0.0:
@@ -55,6 +79,16 @@ def si_text(path: str, value: float) -> str:
     """The shortest text of a case file that reads back as exactly this SI value of the quantity at a dotted path."""
     unit = PATHS[path].unit
     return "inf" if math.isinf(value) else f"{repr(float(value)).removesuffix('.0')} {unit}".removesuffix(" 1")
+
+
+def text_of(path: str, value: Any) -> Any:
+    """The text, or list of texts, that a case file has for a value in SI at a dotted path: as it was written if the value remembers it.
+
+    A text or list of texts is returned as it is.
+    """
+    if isinstance(value, tuple):
+        return [text_of(path, each) for each in value]
+    return value.text if isinstance(value, Written) else si_text(path, value) if isinstance(value, float) else value
 
 
 def unit_given(path: str, texts: Iterable[str]) -> tuple[str, float]:

@@ -1,7 +1,7 @@
 """Reads a document: values in SI units, or messages about its mistakes."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
@@ -9,10 +9,10 @@ from quickreturn.cases.copies import with_changes
 from quickreturn.cases.document import Document, header_of
 from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, attempted, together
-from quickreturn.cases.keys import PATHS, SECTIONS, dimension_of, value_at
+from quickreturn.cases.keys import PATHS, SECTIONS, Written, dimension_of, value_at
 from quickreturn.cases.units import QuantityError
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Scene
-from quickreturn.reference_model.scene_values import MissingQuantity, misfits_of_keys, replaced_by, scene_of
+from quickreturn.reference_model.scene_values import MissingQuantity, Value, misfits_of_keys, replaced_by, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # output steps: a table of a gigabyte
 _LARGEST_ANGLE: Final = math.radians(1e6)  # doubles are 4e-12 rad apart there; at far larger angles a crank would turn in jumps
@@ -54,6 +54,20 @@ def read(document: Document) -> Content:
     if mistakes:
         raise together(mistakes)
     return Content(name, with_changes(title, document.overridden), tags, scene, **times, notes=tuple(doubts(scene)))
+
+
+def changes_of(texts: Mapping[str, Any], source: str) -> dict[str, Value]:
+    """Changes in SI, which remember their texts: dotted key -> text as on the command line, or list of texts.
+
+    CaseError, which names `source`: all mistakes.
+    """
+    document = Document(source, {}, {}).overridden_by(texts, source)
+    values = in_si(document)
+    return {path: _written(text, values.at(path)) for path, text in document.overridden.items()}
+
+
+def _written(text: Any, value: Any) -> Value:
+    return tuple(map(Written, value, text)) if isinstance(value, tuple) else Written(value, text)
 
 
 def in_si(document: Document) -> Document:
@@ -129,7 +143,7 @@ def _quantity(document: Document, path: str, written: Any) -> Any:
     """SI value, or tuple of SI values, of the text at a key."""
     if isinstance(written, (list, tuple)):
         return tuple(_quantity(document, path, one) for one in written)
-    if isinstance(written, float):
+    if isinstance(written, float) and path not in document.overridden:
         return written
     try:
         value = value_at(path, written)

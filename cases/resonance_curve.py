@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from quickreturn.cases.case import Case, scenes
+from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
-from quickreturn.cases.keys import PATHS, si_text, si_value, unit_given
+from quickreturn.cases.keys import PATHS, si_value, unit_given
 from quickreturn.cases.loads.peak import Peak, peak_of
 from quickreturn.cases.loads.resonance import resonance
 from quickreturn.cases.runs import endings
@@ -207,12 +207,11 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
     for name in measures:
         if name not in PEAKS:
             raise CaseError(ARGUMENT, name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
-    scene_with = scenes(case)
-    held = {} if speed is None else {SPEED: si_text(SPEED, speed)}
+    held = {} if speed is None else {SPEED: speed}
 
     def scene_at(value: float) -> Mechanism:
         progress.tell(phase=f"following the motion at {value / varied.size:.4g} {varied.unit}")
-        return scene_with(held | {varied.key: si_text(varied.key, value)})
+        return case.mechanism_with(held | {varied.key: value})
 
     for value in (varied.low, varied.high):
         _check(scene_at(value))

@@ -27,7 +27,7 @@ _UNIT_RULE: Final = " (names joined by * and /, whole exponents from -9 to 9 as 
 _BASE_UNITS: Final = ("meter", "kilogram", "second", "radian")
 _LARGEST_EXPONENT: Final = 400  # of ten in a number; the SI value of a larger one is out of the range of doubles
 _SMALLEST, _LARGEST = 1e-60, 1e60  # range of SI magnitudes: products of a few remain ordinary doubles
-_RANGE: Final = f"magnitudes from {_SMALLEST:g} to {_LARGEST:g} in SI units and zero are accepted"
+RANGE: Final = f"magnitudes from {_SMALLEST:g} to {_LARGEST:g} in SI units and zero are accepted"
 _DECIMAL: Final = Context(prec=50)
 
 
@@ -131,6 +131,11 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
         raise QuantityError(problem, accepted)
     number, _, unit = text.partition(" ")
     return _to_si(number, _factor(number, unit, dimension, accepted))
+
+
+def is_in_range(value: float) -> bool:
+    """Whether a magnitude in SI that is not zero is accepted."""
+    return _SMALLEST <= abs(value) <= _LARGEST
 
 
 def unit_size(unit: str, dimension: Dimension) -> float:
@@ -305,10 +310,10 @@ def _name(exponents: Exponents) -> str:
 def _to_si(number: str, factor: Decimal) -> float:
     mantissa, _, exponent = number.lower().partition("e")
     if exponent and abs(int(exponent)) > _LARGEST_EXPONENT:
-        raise QuantityError("is out of range", _RANGE)
+        raise QuantityError("is out of range", RANGE)
     value = float(_DECIMAL.multiply(_DECIMAL.create_decimal(number), factor))
     if value == 0.0 and not mantissa.strip("+-0."):
         return 0.0
-    if not _SMALLEST <= abs(value) <= _LARGEST:
-        raise QuantityError("is out of range", _RANGE)
+    if not is_in_range(value):
+        raise QuantityError("is out of range", RANGE)
     return value

@@ -140,7 +140,7 @@ def replaced_by(paths: Container[str]) -> list[str]:
     return dropped
 
 
-def value_at(scene: Scene, path: str) -> Value | None:
+def value_at(scene: Scene, path: str) -> Any:
     """The value of a scene at a dotted key; None if the scene lacks it."""
     section, _, key = path.partition(".")
     return values_of(scene).get(section, {}).get(key)

@@ -106,7 +106,7 @@ def _cause(scene: Mechanism, degrees: float, given: Array, expected: Array) -> t
     """The mistake in the engine's frequencies, and what to do."""
     n = len(given)
 
-    def at(angle: float, **quantities: object) -> Array:
+    def at(angle: float, **quantities: Any) -> Array:
         return _expected(changed(scene, quantities), angle, n)
 
     ratio, clamped = given / expected, _expected(changed(scene, {"base.inertia": _HEAVY}), degrees, n + 1)[1:]

@@ -68,15 +68,7 @@ SCENES: Final = MappingProxyType(
                 "crank.inertia": "0.9004 lbf*s^2*in",
             },
         ),
-        "hard-prescribed-speed": Variation(
-            "crank speed prescribed",
-            {
-                "crank.prescribed_speed": "16.617773 rad/s",
-                "crank.torque": None,
-                "crank.damping": None,
-                "crank.initial_speed": None,
-            },
-        ),
+        "hard-prescribed-speed": Variation("crank speed prescribed", {"crank.prescribed_speed": "16.617773 rad/s"}),
         "hard-start-at-0deg": Variation("start in the quick return", {"crank.initial_angle": "0 deg"}),
         "hard-reversed": Variation("reversed rotation", _AT_EQUILIBRIUM, scaled={"crank.torque": -1.0}),
         "hard-slider-mass": Variation("slider of 0.5 kg", {"slider.mass": "0.5 kg"}),

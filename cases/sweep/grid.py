@@ -3,20 +3,23 @@
 import itertools
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.case import Case, scenes
+from quickreturn.cases.case import Case
+from quickreturn.cases.copies import in_words
 from quickreturn.cases.errors import Argument, CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.keys import PATHS, si_value, unit_given
+from quickreturn.cases.keys import PATHS, Written, si_value, text_of, unit_given
+from quickreturn.cases.reading import changes_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
+from quickreturn.reference_model.scene_values import Changes, Value
 
 #: Key of an axis whose values are engines.
 ENGINE: Final = "engine"
@@ -35,8 +38,13 @@ class Axis:
 
     key: str  # dotted key of a case file, or "engine"
     texts: tuple[str, ...]  # the values as in a case file
-    values: tuple[float, ...] | tuple[str, ...]  # the values in SI; of engines and vectors the texts
-    unit: str  # SI; "" of texts
+    numbers: tuple[Value, ...]  # the values in SI, which remember their texts; empty of engines
+    unit: str  # SI; "" of engines and vectors
+
+    @property
+    def values(self) -> tuple[Value, ...] | tuple[str, ...]:
+        """The values as coordinates: in SI; of engines and vectors the texts."""
+        return self.numbers if self.unit else self.texts
 
     @property
     def given(self) -> tuple[str, float]:
@@ -51,15 +59,20 @@ def axis(text: str) -> Axis:
         raise CaseError(VARY, None, as_written(text), "is no axis", f"write KEY = VALUES, {_SPEC}")
     if key in OF_START:
         raise CaseError(VARY, key, None, "changes no steady motion", "vary another key")
-    unit, several = ("", True) if key == ENGINE else (unit_of(key), PATHS[key].count is not None)
+    unit = "" if key == ENGINE else unit_of(key)
     texts = _ranged(key, values) if ".." in values and key != ENGINE else _listed(key, values)
     for name in texts if key == ENGINE else ():
         if name not in engine_names():
             raise CaseError(VARY, ENGINE, as_written(name), "is unknown", nearest_or_all(name, engine_names()))
-    numbers = texts if several else tuple(si_value(key, each, VARY) for each in texts)
-    if len(set(numbers)) < len(numbers):
+    numbers = tuple(_number(key, each) for each in texts) if unit else ()
+    if len(set(numbers or texts)) < len(texts):
         raise CaseError(VARY, key, None, "has a value twice", "give each once")
-    return Axis(key, texts, numbers, "" if several else unit)
+    return Axis(key, texts, numbers, "" if unit and PATHS[key].count else unit)
+
+
+def _number(key: str, text: str) -> Value:
+    """The value in SI of a text, or of a list of texts. CaseError: it is invalid."""
+    return Written(si_value(key, text, VARY), text) if PATHS[key].count is None else changes_of({key: text}, VARY)[key]
 
 
 def unit_of(key: str) -> str:
@@ -139,9 +152,9 @@ class Grid:
         """The engine at a place of the grid."""
         return next((axis.texts[at] for axis, at in zip(self.axes, place, strict=True) if axis.key == ENGINE), otherwise)
 
-    def overrides(self, place: tuple[int, ...]) -> dict[str, str]:
-        """Key -> value of the case file at a place of the grid, as text."""
-        return {axis.key: axis.texts[at] for axis, at in zip(self.axes, place, strict=True) if axis.key != ENGINE}
+    def changes(self, place: tuple[int, ...]) -> dict[str, Value]:
+        """The changes of the case at a place of the grid."""
+        return {axis.key: axis.numbers[at] for axis, at in zip(self.axes, place, strict=True) if axis.key != ENGINE}
 
 
 def keeps_shapes(key: str) -> bool:
@@ -149,30 +162,29 @@ def keeps_shapes(key: str) -> bool:
     return key.startswith(("crank.", "base.", "slider.", "tip.force", "mechanism.gravity", "follower.damping")) and key != "crank.length"
 
 
-def scenes_of(case: Case, changes: Iterable[Mapping[str, str]]) -> list[Mechanism | Impossible]:
-    """The scenes of a case with other values, as texts of a case file; for an impossible one the reason."""
-    scene_with = scenes(case)
+def scenes_of(case: Case, changes: Iterable[Changes]) -> list[Mechanism | Impossible]:
+    """The scenes of a case with changes; for an impossible one the reason."""
 
-    def scene(overrides: Mapping[str, str]) -> Mechanism | Impossible:
+    def scene(changed: Changes) -> Mechanism | Impossible:
         try:
-            return scene_with(overrides)
+            return case.mechanism_with(changed)
         except CaseError as wrong:
             impossible = wrong.__cause__  # why the parts do not fit together
             open_loop = isinstance(impossible, ImpossibleMechanism) and impossible.key == "crank.length"
             return Impossible(OPEN if open_loop else Ending.REFUSED, str(wrong).removeprefix(f"{case.name}: "))
 
-    return [scene(overrides) for overrides in changes]
+    return [scene(each) for each in changes]
 
 
-def measured_row(case: Case, changes: tuple[Mapping[str, str], ...], asked: MeasureRequest) -> Row:
+def measured_row(case: Case, changes: tuple[Changes, ...], asked: MeasureRequest) -> Row:
     """Measures a case with one set of values after another."""
     return row(scenes_of(case, changes), asked)
 
 
-def job(case: Case, changes: Sequence[Mapping[str, str]], asked: MeasureRequest) -> Job[Row]:
+def job(case: Case, changes: Sequence[Changes], asked: MeasureRequest) -> Job[Row]:
     """`measured_row` as a job, whose row is stored as a whole."""
     changed = tuple(map(dict, changes))
-    first = ", ".join(f"{key} = {text}" for key, text in changed[0].items())
+    first = ", ".join(f"{key} = {in_words(text_of(key, value))}" for key, value in changed[0].items())
     own = type(engine(asked.engine)).__module__.startswith("quickreturn.engines.own.")
     return Job(
         name=f"{asked.engine}, {len(changed)} points from {first}",

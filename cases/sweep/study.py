@@ -76,7 +76,7 @@ def study(grid: Grid, asked: MeasureRequest, workshop: Workshop, path: Path = "u
                 before, behind, backwards = place[:along], place[along + 1 :], slice(None, None, -1 if way == "down" else 1)
                 where = (*before, backwards, *behind)
                 points = [(*before, at, *behind) for at in range(grid.shape[along])][backwards]
-            changes = [grid.overrides(each) for each in points]
+            changes = [grid.changes(each) for each in points]
             jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
             places.append((number, *where))
     for at, row in zip(places, computed(jobs, workshop), strict=True):

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
-from quickreturn.cases.case import Case, scenes
+from quickreturn.cases.case import Case
 from quickreturn.cases.errors import Argument, CaseError, as_written
 from quickreturn.cases.keys import si_text, unit_given
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.uncertainty.covariance import LOOSE, best_step, covariance, reach, smooth_part, undetermined
 from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, FittedParameter
-from quickreturn.cases.uncertainty.parameters import Parameter, distribution, overrides
+from quickreturn.cases.uncertainty.parameters import Parameter, changes, distribution
 from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.own.reference import ReferenceSettings
@@ -128,7 +128,7 @@ class _Search:
     """Fits the coordinates `at` of the free parameters, shape (p,), to longer and longer stretches of a table."""
 
     def __init__(self, case: Case, model: TableModel, frees: Sequence[Free]) -> None:
-        self.case, self.model, self.frees, self.scene_with = case, model, frees, scenes(case)
+        self.case, self.model, self.frees = case, model, frees
         self.bounds = tuple(np.transpose([each.bounds for each in frees]))
         self.simulations = 0
         engine, scene = model.engine, case.mechanism
@@ -157,7 +157,7 @@ class _Search:
     def _simulated(self, at: Array, settings: ReferenceSettings, rows: int) -> Array:
         self.simulations += 1
         values = {each.parameter: each.value(float(coordinate)) for each, coordinate in zip(self.frees, at, strict=True)}
-        scene = self.scene_with(overrides(self.case.mechanism, values))
+        scene = self.case.mechanism_with(changes(self.case.mechanism, values))
         return self.model.simulated(scene, settings, rows)
 
     def _fitted(self, begin: Array, rows: int, weights: Array) -> Array:

@@ -9,9 +9,9 @@ from scipy import stats
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.copies import LONGEST_NAME
-from quickreturn.cases.keys import unit_given
+from quickreturn.cases.keys import text_of, unit_given
 from quickreturn.cases.shown import Cell, Rows, Shown
-from quickreturn.cases.uncertainty.parameters import Parameter, overrides
+from quickreturn.cases.uncertainty.parameters import Parameter, changes
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 PROBABILITY: Final = 0.95
@@ -120,8 +120,9 @@ class Fit(Shown):
     def fitted(self) -> Case:
         """The case with the fitted values."""
         values = {Parameter.of_key(each.key, self.case.name): each.value for each in self.found}
+        texts = {path: text_of(path, value) for path, value in changes(self.case.mechanism, values).items()}
         suffix = "-fitted"
-        return self.case.with_(overrides(self.case.mechanism, values), name=self.case.name[: LONGEST_NAME - len(suffix)] + suffix)
+        return self.case.with_(texts, name=self.case.name[: LONGEST_NAME - len(suffix)] + suffix)
 
     def as_document(self) -> dict[str, Any]:
         """The fit as a JSON document."""

@@ -12,11 +12,11 @@ from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
-from quickreturn.cases.keys import PATHS, si_text, si_value
+from quickreturn.cases.keys import PATHS, si_value
 from quickreturn.cases.units import plain_number
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.quantities import Quantity
-from quickreturn.reference_model.scene_values import values_of
+from quickreturn.reference_model.scene_values import Value, values_of
 
 Array = NDArray[np.float64]
 
@@ -75,18 +75,18 @@ class Parameter:
         return float(value if self.place is None else value[self.place])
 
 
-def overrides(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, Any]:
-    """Values (SI) as texts of a case file by dotted key; other components of a vector keep the scene's values."""
-    texts: dict[str, Any] = {}
+def changes(scene: Mechanism, values: Mapping[Parameter, float]) -> dict[str, Value]:
+    """Changes of a scene by values (SI) of parameters; other components of a vector keep the scene's values."""
+    changed: dict[str, Value] = {}
     for parameter, value in values.items():
-        text = si_text(parameter.path, value)
         if parameter.place is None:
-            texts[parameter.path] = text
+            changed[parameter.path] = float(value)
         else:
-            parts = [Parameter(parameter.path, place) for place in range(parameter.quantity.count or 0)]
-            vector = texts.get(parameter.path) or tuple(si_text(part.path, part.of(scene)) for part in parts)
-            texts[parameter.path] = tuple(text if part == parameter else other for part, other in zip(parts, vector, strict=True))
-    return texts
+            parts = (Parameter(parameter.path, place) for place in range(parameter.quantity.count or 0))
+            vector = changed.get(parameter.path) or tuple(part.of(scene) for part in parts)
+            assert isinstance(vector, tuple)
+            changed[parameter.path] = (*vector[: parameter.place], float(value), *vector[parameter.place + 1 :])
+    return changed
 
 
 @dataclass(frozen=True)

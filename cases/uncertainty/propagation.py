@@ -26,7 +26,7 @@ from quickreturn.cases.sweep.grid import job
 from quickreturn.cases.sweep.measures import measure
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import computed, joined
-from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, distribution, overrides
+from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, changes, distribution
 from quickreturn.cases.units import shown_unit
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
@@ -173,8 +173,8 @@ class Points:
     def jobs(self) -> list[Job[Row]]:
         """A job for each `ROW` points."""
         scene = self.case.mechanism
-        changes = [overrides(scene, dict(zip(self.distributions, point, strict=True))) for point in self.inputs]
-        return [job(self.case, changes[first : first + ROW], self.asked) for first in range(0, len(changes), ROW)]
+        points = [changes(scene, dict(zip(self.distributions, point, strict=True))) for point in self.inputs]
+        return [job(self.case, points[first : first + ROW], self.asked) for first in range(0, len(points), ROW)]
 
     def scatter(self, workshop: Workshop) -> Scatter:
         """Compute the points that are not stored. KeyboardInterrupt: Ctrl-C; finished points are stored."""

@@ -1,5 +1,7 @@
 """Every way to give a machine another value leads to the same machine, also where a value follows from others of its file."""
 
+import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -7,17 +9,22 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case import Case, parse_case
+from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.key import key_of
-from quickreturn.cases.keys import PATHS, si_text
+from quickreturn.cases.keys import PATHS, si_text, unit_given
+from quickreturn.cases.reading import changes_of
 from quickreturn.cases.resonance_curve import checked_scenes, job, range_of
-from quickreturn.cases.sweep.grid import OF_START, axis, scenes_of
-from quickreturn.cases.sweep.rows import MeasureRequest
+from quickreturn.cases.sweep.grid import OF_START, Grid, axis, scenes_of
+from quickreturn.cases.sweep.rows import Impossible, MeasureRequest
+from quickreturn.cases.thesis.finding.effects import effects
 from quickreturn.cases.uncertainty.calibration import _Search, frees_of
+from quickreturn.cases.uncertainty.parameters import Parameter, changes
 from quickreturn.cases.uncertainty.propagation import planned
+from quickreturn.cases.units import DIMENSIONS
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.mechanism import Mechanism, Slider
 from quickreturn.reference_model.scene_values import values_of
 from tests.cases.scene_texts import SCENE
 
@@ -33,7 +40,16 @@ FILES = {
 }
 #: Keys that can vary continuously, and values where the scene has none of which a part could be taken.
 KEYS = [path for path, about in PATHS.items() if about.count is None and about.moves and path not in OF_START and "spin_up" not in path]
+OTHER = {dimension.si_unit: other for dimension in DIMENSIONS.values() for other in dimension.examples if other != dimension.si_unit}
 VALUES = {"crank.prescribed_speed": 11.0, "follower.elastic_modulus": 6.9e10, "follower.density": 2500.0}
+
+
+#: Keys of lists, with values; the SI value of the second text is that of the first one.
+LISTS = {
+    "mechanism.gravity": (["0.254 m/s^2", "-9.8044 m/s^2"], ["10 in/s^2", "-386 in/s^2"]),
+    "follower.strain_gauges": (["0.127 m", "0.254 m", "0.508 m"], ["5 in", "254 mm", "20 in"]),
+    "tip.force": (["0 N", "4.4482216152605 N"], ["0 lbf", "1 lbf"]),
+}
 
 
 def by_file(text: str, key: str, value: str) -> Mechanism:
@@ -49,7 +65,7 @@ def by_written_copy(case: Case, key: str, value: str) -> Mechanism:
 
 
 def by_sweep(case: Case, key: str, value: str) -> Mechanism:
-    (scene,) = scenes_of(case, [{key: axis(f"{key} = {value}").texts[0]}])
+    (scene,) = scenes_of(case, [{key: axis(f"{key} = {value}").numbers[0]}])
     assert isinstance(scene, Mechanism)
     return scene
 
@@ -93,20 +109,26 @@ def _si(key: str, value: str) -> float:
     return found
 
 
-def _value(case: Case, key: str) -> str:
-    """A value a little off the one of the case."""
+def _value(case: Case, key: str, unit: str) -> str:
+    """A value a little off the one of the case, in SI or in a unit of another system."""
     section, _, name = key.partition(".")
     present = case.values.get(section, {}).get(name, VALUES.get(key, PATHS[key].default))
     present = present if isinstance(present, float) and np.isfinite(present) and present else 0.3
-    return si_text(key, 0.97 * VALUES.get(key, present))
+    value = 0.97 * VALUES.get(key, present)
+    if unit == "SI" or PATHS[key].unit == "1":
+        return si_text(key, value)
+    other = OTHER[PATHS[key].unit]
+    return f"{value / unit_given(key, [f'1 {other}'])[1]:.9g} {other}"
 
 
+@pytest.mark.parametrize("unit", ["SI", "other"])
 @pytest.mark.parametrize("name", FILES)
-def test_every_way_to_change_a_value_gives_the_same_machine(name: str) -> None:
+def test_every_way_to_change_a_value_gives_the_same_machine(name: str, unit: str) -> None:
+    """For every key, in SI and other units: of a follower given by its stiffness or by its material, with a torque or a speed."""
     case = parse_case(FILES[name], "scene.toml")
     compared = dict.fromkeys((way.__name__ for way in WAYS), 0)
     for key in KEYS:
-        value = _value(case, key)
+        value = _value(case, key, unit)
         try:
             expected = by_file(FILES[name], key, value)
         except CaseError:
@@ -124,6 +146,55 @@ def test_every_way_to_change_a_value_gives_the_same_machine(name: str) -> None:
             assert values_of(scene) == values_of(expected), (key, way)
             compared[way.__name__] += 1
     assert min(compared.values()) >= 20, compared
+
+
+@pytest.mark.parametrize("key", LISTS)
+@pytest.mark.parametrize("name", FILES)
+def test_every_way_to_change_a_list_gives_the_same_machine(name: str, key: str) -> None:
+    """A sweep takes it as a whole, a parameter is one number of it."""
+    case, (in_si, in_other) = parse_case(FILES[name], "scene.toml"), LISTS[key]
+    expected = parse_case(FILES[name], "scene.toml", {key: str(in_si).replace("'", '"')}).mechanism
+    numbers = changes_of({key: in_other}, "test")[key]
+    assert isinstance(numbers, tuple)
+    parameters = {Parameter.of_key(f"{key}[{place}]", "test"): value for place, value in enumerate(numbers, start=1)}
+    (swept,) = scenes_of(case, [{key: axis(f"{key} = {in_other!s}").numbers[0]}])
+    for scene in (swept, case.with_({key: in_other}).mechanism, case.mechanism_with(changes(case.mechanism, parameters))):
+        assert isinstance(scene, Mechanism)
+        assert values_of(scene) == values_of(expected)
+
+
+def test_an_effect_of_the_thesis_is_the_case_file_with_its_values() -> None:
+    for effect in effects():
+        for place, strength in enumerate(effect.strengths):
+            texts = {**({effect.set: strength} if "." in effect.set else {}), **effect.also}
+            assert effect.scene(7, place) == load_case("thesis-07", texts).mechanism, effect.id
+
+
+def test_a_mistake_in_a_change_shows_the_value_as_it_was_given() -> None:
+    case = parse_case(FILES["material"], "scene.toml")
+    (swept,) = scenes_of(case, [Grid(case, (axis("crank.length = 20.0 in"),)).changes((0,))])
+    assert isinstance(swept, Impossible)
+    assert swept.sentence.startswith('crank.length: "20.0 in" cannot be: the crank (0.508 m) must be shorter')
+    for changed, told in (
+        ({"crank.length": 0.508}, 'scene: crank.length: "0.508 m" cannot be: the crank (0.508 m) must be shorter'),
+        ({"tip.mass": -1e-3}, 'scene: tip.mass: "-0.001 kg" is negative; a mass of zero or more is accepted'),
+        ({"tip.mass": 1e99}, 'scene: tip.mass: "1e+99 kg" is out of range; magnitudes from 1e-60 to 1e+60'),
+        ({"tip.mass": math.inf}, 'scene: tip.mass: "inf" is out of range; magnitudes from 1e-60 to 1e+60'),
+        (
+            {"follower.bending_stiffness": 2.0, "follower.elastic_modulus": 1e9},
+            'elastic_modulus: "1000000000 Pa" conflicts',
+        ),
+        ({"crank.prescribed_speed": 0.1, "crank.damping": 1.0}, 'prescribed_speed: "0.1 rad/s" conflicts with crank.damping; give either'),
+    ):
+        with pytest.raises(CaseError, match=re.escape(told)):
+            case.mechanism_with(changed)
+
+
+def test_what_is_left_out_has_its_default() -> None:
+    case = parse_case(FILES["stiffness"], "scene.toml")
+    assert case.mechanism_with({"tip": None}).tip is None
+    assert case.mechanism_with({"crank.initial_speed": None}).crank.drive.initial_speed == pytest.approx(16.617773, rel=1e-6)
+    assert case.mechanism_with({"slider": None, "slider.mass": 0.5}).slider == Slider(mass=0.5)
 
 
 def test_stored_curves_of_equal_scenes_differ_where_their_files_answer_a_change_differently() -> None:

@@ -5,9 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.reading import changes_of
 from quickreturn.cases.thesis.data import read_toml
+from quickreturn.cases.thesis.runs import run_case
 from quickreturn.reference_model.mechanism import Mechanism
+
+FILE: Final = "effects.toml"
 
 
 @dataclass(frozen=True)
@@ -26,8 +29,8 @@ class Effect:
 
     def scene(self, run: int, strength: int) -> Mechanism:
         """The scene of a run of the thesis with this effect; `strength`: its place among `strengths`."""
-        values = {self.set: self.strengths[strength]} if "." in self.set else {}
-        return load_case(f"thesis-{run:02d}", {**values, **self.also}).mechanism
+        texts = {self.set: self.strengths[strength]} if "." in self.set else {}
+        return run_case(run).mechanism_with(changes_of({**texts, **self.also}, FILE))
 
     def settings(self, strength: int) -> dict[str, str]:
         """Settings of the engine, as texts."""
@@ -42,7 +45,7 @@ PUBLISHED: Final = Effect("published", "none", "", ("",), (), ("as published",))
 def effects() -> tuple[Effect, ...]:
     """All effects; `words` default to the strengths."""
     listed = []
-    for entry in read_toml("effects.toml")["effect"]:
+    for entry in read_toml(FILE)["effect"]:
         lists = {key: tuple(entry.get(key, entry["strengths"])) for key in ("strengths", "choices", "words")}
         listed.append(Effect(**entry | lists))
     return tuple(listed)

@@ -19,12 +19,14 @@ from quickreturn.cases.jobs.job import Limits, Outcome
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.keys import Written
 from quickreturn.cases.library import library_case
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep import grid as of_grid
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import study
+from quickreturn.reference_model.scene_values import Changes
 from quickreturn.table_files import dataset_file
 from tests.quickreturn.program import PROGRAM
 
@@ -55,7 +57,7 @@ class _Dies(ThisProcess):
 
     def run(self, jobs, watch=None):  # type: ignore[no-untyped-def]
         for outcome in super().run(jobs, watch):
-            lost = any("100 rpm" in change.values() for change in outcome.job.arguments[1])
+            lost = any(change["crank.prescribed_speed"].text == "100 rpm" for change in outcome.job.arguments[1])
             yield Outcome(outcome.job, failure="killed by SIGSEGV") if lost else outcome
 
 
@@ -96,7 +98,7 @@ def test_equal_machines_that_a_change_makes_different_are_kept_apart() -> None:
     as_material = library_case("shaper-cutting")
     as_stiffness = case_of(document_of(as_material))
     assert as_stiffness.scene == as_material.scene
-    change = [{"follower.thickness": "30 mm"}]
+    change = [{"follower.thickness": 0.03}]
     assert key_of(of_grid.job(as_material, change, ASKED)) != key_of(of_grid.job(as_stiffness, change, ASKED))
 
 
@@ -114,8 +116,8 @@ def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypat
     Its multiplier is found to 0.08 from either side, which makes no other motion.
     """
 
-    def folded(case: object, changes: tuple[dict[str, str], ...], asked: MeasureRequest) -> Row:
-        speeds = [float(change["crank.prescribed_speed"].split()[0]) for change in changes]
+    def folded(case: object, changes: tuple[dict[str, Written], ...], asked: MeasureRequest) -> Row:
+        speeds = [float(change["crank.prescribed_speed"].text.split()[0]) for change in changes]
         up = speeds[0] < speeds[-1]
         values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5 + 0.08 * up] for speed in speeds])
         return Row(values, np.full_like(values, 0.01), (Ending.SETTLED,) * len(speeds), ("",) * len(speeds))
@@ -138,7 +140,7 @@ def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
 def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_property: Any) -> None:
     """What a study of 100,000 points takes besides its points: a tenth of it is measured here."""
 
-    def costless(case: object, changes: tuple[dict[str, str], ...], asked: MeasureRequest) -> Row:
+    def costless(case: object, changes: tuple[Changes, ...], asked: MeasureRequest) -> Row:
         values = np.ones((len(changes), len(asked.measures)))
         return Row(values, values, (Ending.SETTLED,) * len(changes), ("",) * len(changes))
 

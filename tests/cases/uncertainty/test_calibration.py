@@ -12,11 +12,12 @@ from scipy.optimize import least_squares
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.keys import text_of
 from quickreturn.cases.recorded import RecordedTable, table_of
 from quickreturn.cases.uncertainty.calibration import TABLE_ERROR, Free, calibrate
 from quickreturn.cases.uncertainty.covariance import covariance, reach, smooth_part, undetermined
 from quickreturn.cases.uncertainty.fit import FittedParameter
-from quickreturn.cases.uncertainty.parameters import Parameter, overrides
+from quickreturn.cases.uncertainty.parameters import Parameter, changes
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import rms
@@ -248,7 +249,7 @@ def trial(seed: int) -> Trial:
     keys = ("follower.bending_stiffness", "follower.mass_per_length", "follower.damping")
     begun = {Parameter.of_key(key, "test"): Parameter.of_key(key, "test").of(case.mechanism) for key in keys}
     values = {key: begun[key] * np.exp(chance.uniform(-spread, spread)) for key, spread in zip(begun, (0.2, 0.2, 0.6), strict=True)}
-    scene = case.with_(overrides(case.mechanism, values)).mechanism
+    scene = case.mechanism_with(changes(case.mechanism, values))
     name, turns = ("reference", "exudyn", "mujoco")[seed // 4 % 3], chance.choice([1.2, 2.0, 3.5])
     noise, digits = chance.choice([0.0, 0.0, 0.002, 0.05]), chance.choice([3, 5, 17])
     made, seconds = engine(name), round(float(turns) * 2.0 * np.pi / crank_pace(scene), 3)
@@ -261,7 +262,8 @@ def trial(seed: int) -> Trial:
     free = [*values][:2] if seed % 2 else [*values][::2]
     known = {key: value for key, value in values.items() if key not in free}
     how = f"{case.name} by {name}, {seconds} s, noise {noise}, {digits} digits, {len(kept)} columns"
-    return Trial(how, {key.key: values[key] for key in free}, case.with_(overrides(case.mechanism, known), name=case.name), table)
+    begin = case.with_({path: text_of(path, value) for path, value in changes(case.mechanism, known).items()}, name=case.name)
+    return Trial(how, {key.key: values[key] for key in free}, begin, table)
 
 
 @pytest.mark.verify

@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.case import case_of, written_document
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.uncertainty.parameters import Parameter, distribution, overrides
+from quickreturn.cases.uncertainty.parameters import Parameter, changes, distribution
 
 CASE = load_case("thesis-24")
 MASS = Parameter.of_key("slider.mass", "test")
@@ -58,8 +57,8 @@ def test_what_is_no_distribution_gets_one_sentence(text: object, told: str) -> N
 def test_one_place_of_a_list_changes_and_the_others_stay() -> None:
     along, across = (Parameter.of_key(f"mechanism.gravity[{place}]", "test") for place in (1, 2))
     scene = CASE.with_({"mechanism.gravity": '["1 m/s^2", "2 m/s^2"]'}).mechanism
-    one = case_of(written_document(CASE).overridden_by(overrides(scene, {across: 3.0}))).mechanism
+    one = CASE.mechanism_with(changes(scene, {across: 3.0}))
     assert one.gravity == (1.0, 3.0)
-    both = case_of(written_document(CASE).overridden_by(overrides(scene, {along: 4.0, across: 3.0, MASS: 0.1}))).mechanism
+    both = CASE.mechanism_with(changes(scene, {along: 4.0, across: 3.0, MASS: 0.1}))
     assert (both.gravity, both.slider.mass) == ((4.0, 3.0), 0.1)
     assert math.isclose(across.of(scene), 2.0)
