@@ -8,9 +8,6 @@ TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
 PARALLEL ?= 2
 PROCESSES ?= 3
-# Folders that install as quickreturn.NAME; for the type checker links lay them out as they install.
-INNER := reference_model engines cases reports
-TYPED := build/typed/quickreturn
 
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
@@ -48,8 +45,7 @@ record: $(READY)
 lint: $(TEST)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -sfn $(addprefix $(CURDIR)/,$(wildcard quickreturn/*) $(INNER)) $(TYPED)
-	$(BIN)/mypy $(TYPED) tests/verification
+	$(BIN)/mypy quickreturn tests/verification
 
 # The documentation site, without a network: build/site/index.html. Each warning, lost link or unknown name is an error.
 docs: $(TEST)
@@ -61,7 +57,7 @@ compile: $(TEST)
 $(READY): EXTRA :=
 $(TEST): EXTRA := [test]
 $(VERIFY): EXTRA := [verify]
-$(READY) $(TEST) $(VERIFY): pyproject.toml setup.py constraints.txt
+$(READY) $(TEST) $(VERIFY): pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.$(EXTRA)'
 	touch $@

@@ -11,9 +11,9 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-#: What holds `reference_model` and the packages beside it: the checkout, or the package `quickreturn` as installed.
-_HOME: Final = Path(__file__).resolve().parents[1]
 PACKAGE: Final = "quickreturn"
+#: The folder of the package; a checkout has links in it to the folders beside it, such as this one.
+_HOME: Final = Path(__file__).parents[1]
 
 _NAMES: Final = r"from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]+)"
 #: Import statements at the head of a module, and those anywhere in it.
@@ -38,14 +38,10 @@ def source_of(module: str) -> Path | None:
 @cache
 def _modules_of(part: str) -> dict[str, Path]:
     """All modules of a part of this package, or a module of that name; of "" the package alone."""
-    for home in (_HOME, _HOME / PACKAGE):  # in a checkout the public package is a folder beside the others
-        if not part and (home / "__init__.py").is_file():
-            return {PACKAGE: home / "__init__.py"}
-        if part and (home / part / "__init__.py").is_file():
-            return dict(_below(str(home / part), f"{PACKAGE}.{part}"))
-        if part and (home / f"{part}.py").is_file():
-            return {f"{PACKAGE}.{part}": home / f"{part}.py"}
-    return {}
+    if (_HOME / part / "__init__.py").is_file():
+        return dict(_below(str(_HOME / part), f"{PACKAGE}.{part}")) if part else {PACKAGE: _HOME / "__init__.py"}
+    file = _HOME / f"{part}.py"
+    return {f"{PACKAGE}.{part}": file} if file.is_file() else {}
 
 
 def _below(folder: str, package: str) -> Iterator[tuple[str, Path]]:
@@ -63,16 +59,12 @@ def text_of(file: Path) -> bytes:
     return file.read_bytes()
 
 
-def modules_in(package: str, find: Find = source_of) -> dict[str, Path]:
-    """All modules of a package, itself included, with their files. Empty if there is no such package."""
-    file = find(package)
+def modules_in(package: str) -> dict[str, Path]:
+    """All modules of a package of this project, itself included, with their files. Empty if there is no such package."""
+    file = source_of(package)
     if file is None or file.name != "__init__.py":
         return {} if file is None else {package: file}
-    found = {}
-    for path in sorted(file.parent.rglob("*.py")):
-        parts = path.relative_to(file.parent).with_suffix("").parts
-        found[".".join((package, *(parts[:-1] if parts[-1] == "__init__" else parts)))] = path
-    return found
+    return dict(sorted(_below(str(file.parent), package)))
 
 
 def imported_modules(modules: Iterable[str], *, late: bool = True, find: Find = source_of) -> dict[str, Path]:

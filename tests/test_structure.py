@@ -7,11 +7,15 @@ from pathlib import Path
 
 import pytest
 
+import quickreturn
+from quickreturn.reference_model.imported_modules import modules_in
+
 ROOT = Path(__file__).resolve().parents[1]
 #: From bottom to top; what stands in `quickreturn` itself is above them all.
 FLOORS = ("reference_model", "engines", "cases", "reports")
 TOP = "quickreturn"
-FILES = [file for folder in (*FLOORS, TOP) for file in sorted((ROOT / folder).rglob("*.py"))]
+PACKAGE = Path(quickreturn.__file__).parent
+FILES = list(modules_in(TOP).values())
 
 
 def imported(file: Path) -> set[str]:
@@ -33,7 +37,7 @@ def floor_of(module: str) -> int:
 
 @pytest.mark.parametrize("floor", FLOORS)
 def test_imports_go_one_way(floor: str) -> None:
-    files = sorted((ROOT / floor).rglob("*.py"))
+    files = list(modules_in(f"{TOP}.{floor}").values())
     assert len(files) > 10
     for file in files:
         above = {name for name in imported(file) if name.split(".")[0] == TOP and floor_of(name) > FLOORS.index(floor)}
@@ -43,23 +47,23 @@ def test_imports_go_one_way(floor: str) -> None:
 def test_the_core_imports_nothing_of_the_thesis() -> None:
     """Its engine is one method among others; its runs, words, studies and chapters register with the core, or the top passes them in."""
     apart = {f"{TOP}.cases.thesis", f"{TOP}.reports.thesis"}
-    importing = {file.relative_to(ROOT) for file in FILES if any(".".join(name.split(".")[:3]) in apart for name in imported(file))}
-    core = {file for file in importing if file.parts[:2] not in (("cases", "thesis"), ("reports", "thesis")) and file.parts[0] != TOP}
+    importing = {file.relative_to(PACKAGE) for file in FILES if any(".".join(name.split(".")[:3]) in apart for name in imported(file))}
+    core = {file for file in importing if file.parts[:2] not in (("cases", "thesis"), ("reports", "thesis")) and file.parts[0] in FLOORS}
     assert core == {Path("reports/drawing/document_pictures.py")}  # a program of its own, which no module imports
     assert len(importing) > 20
 
 
 def test_commands_import_no_commands() -> None:
-    names = {file.stem for file in (ROOT / TOP / "commands").glob("*.py") if "@click.command" in file.read_text("utf-8")}
+    names = {file.stem for file in (PACKAGE / "commands").glob("*.py") if "@click.command" in file.read_text("utf-8")}
     assert len(names) > 15
     for name in names:
-        found = {each.split(".")[2] for each in imported(ROOT / TOP / "commands" / f"{name}.py") if each.startswith(f"{TOP}.commands.")}
+        found = {each.split(".")[2] for each in imported(PACKAGE / "commands" / f"{name}.py") if each.startswith(f"{TOP}.commands.")}
         assert found & names == set(), name
 
 
 def test_one_folder_draws() -> None:
     drawing = [file for file in FILES if any(name.split(".")[0] == "matplotlib" for name in imported(file))]
-    assert {file.parent.relative_to(ROOT).as_posix() for file in drawing} == {"reports/drawing"}
+    assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {"reports/drawing"}
 
 
 def test_the_tests_see_what_a_user_sees() -> None:
