@@ -15,8 +15,9 @@ import sys
 import textwrap
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from multiprocessing import forkserver
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,14 @@ from quickreturn.engines.base import EngineFailure
 PRELOAD = ("quickreturn.cases.jobs.worker",)  # these jobs need nothing slow
 GIB = 2**30
 RAISE = codecs.strict_errors  # raises whatever exception it is given
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_server_left_behind() -> Iterator[None]:
+    """The tests after these get a fork server that has imported what their jobs need; otherwise each job would import it."""
+    yield
+    end_waiting()
+    forkserver._forkserver._stop()  # type: ignore[attr-defined]
 
 
 def done(function: Callable[..., Any], *arguments: Any, limits: Limits | None = None) -> Outcome[Any]:

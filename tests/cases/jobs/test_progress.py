@@ -38,7 +38,7 @@ def script(tmp_path: Path) -> Path:
 
 def test_nothing_is_shown_where_it_is_not_asked_for(capfd: pytest.CaptureFixture[str]) -> None:
     jobs = [Job(text, str.upper, (text,)) for text in "abc"]
-    assert [outcome.value for outcome in answers(LocalProcesses(preload=()), jobs, "runs")] == ["A", "B", "C"]
+    assert [outcome.value for outcome in answers(LocalProcesses(), jobs, "runs")] == ["A", "B", "C"]
     assert capfd.readouterr() == ("", "")
 
 
