@@ -5,7 +5,6 @@ the error and the quantities that the model has. Grid, integration, ladder, erro
 frequencies follow. An engine that needs more derives from `engines.base.Engine`.
 """
 
-import dataclasses
 import math
 import time
 from abc import ABC, abstractmethod
@@ -23,7 +22,8 @@ from quickreturn.engines.settings import SettingError, Settings, setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.scene_values import OF_TORQUE, changed
 
 Array = NDArray[np.float64]
 
@@ -180,10 +180,8 @@ class SimpleEngine(Engine[SimpleSettings]):
         """From differences of the accelerations about the straight follower at rest, with a crank too heavy to move."""
         self.check(mechanism)
         free = "crank.torque" in self.quantities
-        drive = TorqueDrive(torque=0.0, damping=0.0, initial_speed=0.0) if free else PrescribedSpeed(speed=0.0)
-        crank = dataclasses.replace(mechanism.crank, inertia=_HEAVY, drive=drive)
-        tip = mechanism.tip and dataclasses.replace(mechanism.tip, force=(0.0, 0.0))
-        still = dataclasses.replace(mechanism, crank=crank, gravity=(0.0, 0.0), tip=tip)
+        at_rest = dict.fromkeys(OF_TORQUE if free else ("crank.prescribed_speed",), 0.0)
+        still = changed(mechanism, {**at_rest, "crank.inertia": _HEAVY, "mechanism.gravity": None, "tip.force": None})
         model = self.model(still, Start(crank_angle, 0.0), settings.resolution)
         rest = model.state[: len(model.state) // 2]
         moved = np.concatenate([rest - _DISPLACEMENT * np.eye(len(rest)), rest + _DISPLACEMENT * np.eye(len(rest))])

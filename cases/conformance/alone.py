@@ -13,7 +13,8 @@ from quickreturn.cases.conformance.quantities import followed
 from quickreturn.cases.conformance.scenes import BASE, Change
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, Tip
+from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp
+from quickreturn.reference_model.scene_values import changed
 
 _DURATION: Final = 0.6  # s: the base has turned steadily for a while
 #: The mild scene's follower on a turning base: it bends by a hundredth of its length.
@@ -60,9 +61,8 @@ def alone(bench: Bench) -> Iterator[Check]:
 
 
 def _everything() -> FollowerAlone:
-    tip = Tip(mass=0.08, inertia=8e-4, center_of_mass=0.05)
-    follower = replace(BASE.follower, damping=2.0)
-    return FollowerAlone(spin_up=SCENE.spin_up, base=SCENE.base, follower=follower, tip=tip, gravity=(4.0, -7.0))
+    tip = {"tip.mass": 0.08, "tip.inertia": 8e-4, "tip.center_of_mass": 0.05}
+    return changed(SCENE, {**tip, "follower.damping": 2.0, "mechanism.gravity": (4.0, -7.0)})
 
 
 def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:

@@ -1,7 +1,7 @@
 """The mechanism's own time scale: its natural frequencies and modes as functions of the crank angle."""
 
 import functools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,9 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.measures.moving_mode import moving_mode
 from quickreturn.cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import FrozenModes, frozen_crank_modes
+from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]
 
@@ -66,9 +67,8 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     """
     if mechanism.follower.is_rigid:
         return None
-    crank = mechanism.crank
-    drive = replace(crank.drive, torque=1.0, initial_speed=1.0) if isinstance(crank.drive, TorqueDrive) else PrescribedSpeed(speed=1.0)
-    return _tabulated(replace(mechanism, crank=replace(crank, drive=drive)))
+    of_torque = {"crank.torque": 1.0, "crank.initial_speed": 1.0}
+    return _tabulated(changed(mechanism, of_torque if mechanism.crank_is_free else {"crank.prescribed_speed": 1.0}))
 
 
 @functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines

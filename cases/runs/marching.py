@@ -3,7 +3,6 @@
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
@@ -17,9 +16,10 @@ from quickreturn.engines.base import EngineFailure, Simulation, SteadyState
 from quickreturn.engines.one_run import check_trajectory
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Columns, Trajectory, join
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.scene_values import changed
 
 #: Samples in a period of the third mode, so that extremes are right to 1 % ...
 SAMPLES: Final = 12
@@ -47,7 +47,7 @@ def output_step(mechanism: Mechanism) -> float:
     turn = 2.0 * math.pi / pace if pace > 0.0 else math.inf
     third = 0.0
     if not mechanism.follower.is_rigid and mechanism.slider.joint_stiffness > 0.0:
-        third = _third_frequency(replace(mechanism, crank=replace(mechanism.crank, drive=PrescribedSpeed(speed=1.0))))
+        third = _third_frequency(changed(mechanism, {"crank.prescribed_speed": 1.0}))
     step = min(max(1.0 / (SAMPLES * third) if third > 0.0 else ANY_STEP, turn / ROWS[1] if pace > 0.0 else 0.0), turn / ROWS[0])
     power = 10.0 ** math.floor(math.log10(step))
     return max(round(digit * power, 12) for digit in (1, 2, 5) if digit * power <= step * (1.0 + 1e-9))
