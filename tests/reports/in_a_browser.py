@@ -66,20 +66,20 @@ class Tabs:
     def __init__(self, browser: Browser) -> None:
         self.complaints: list[str] = []
         self._browser = browser
-        self._free: dict[tuple[Any, ...], list[Page]] = {}
+        self._free: dict[bool, list[Page]] = {True: [], False: []}
         self._taken: list[tuple[list[Page], Page]] = []
 
-    def take(self, watched: bool, **about: Any) -> Page:
-        """A free one, in a context with these options; `watched`: what is drawn is kept."""
-        free = self._free.setdefault((watched, *sorted(about.items())), [])
-        page = free.pop() if free else self._new(watched, **about)
+    def take(self, touched: bool, reduced_motion: Any, color_scheme: Any) -> Page:
+        """A free one; `touched`: of a device with a touch screen."""
+        free = self._free[touched]
+        page = free.pop() if free else self._new(touched)
+        page.emulate_media(reduced_motion=reduced_motion, color_scheme=color_scheme)
         self._taken.append((free, page))
         return page
 
-    def _new(self, watched: bool, **about: Any) -> Page:
-        page = self._browser.new_context(**about).new_page()
-        if watched:
-            page.add_init_script(WATCHING)
+    def _new(self, touched: bool) -> Page:
+        page = self._browser.new_context(has_touch=touched).new_page()
+        page.add_init_script(WATCHING)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("console", lambda message: self.complaints.append(message.text) if message.type == "error" else None)
         page.on("request", lambda request: self.complaints.append(request.url) if request.url.startswith("http") else None)
@@ -111,9 +111,15 @@ def opened(tabs: Tabs, address: str) -> Iterator[Open]:
     """Open the page at a place in it; whatever the browser complains of fails the test."""
 
     def open_page(
-        place: str = "", url: str = address, width: int = 1400, height: int = 900, watched: bool = False, **about: object
+        place: str = "",
+        url: str = address,
+        width: int = 1400,
+        height: int = 900,
+        has_touch: bool = False,
+        reduced_motion: str = "no-preference",
+        color_scheme: str = "light",
     ) -> Page:
-        page = tabs.take(watched, **about)
+        page = tabs.take(has_touch, reduced_motion, color_scheme)
         page.set_viewport_size({"width": width, "height": height})
         page.goto(url + place)
         page.wait_for_selector("html[data-ready=true]", timeout=10_000)

@@ -46,7 +46,7 @@ OPEN = """async () => {
 
 
 def everything(opened: Open, **about: Any) -> Page:
-    page = opened("#at=200", watched=True, reduced_motion="reduce", **about)
+    page = opened("#at=200", reduced_motion="reduce", **about)
     page.evaluate(OPEN)
     return page
 
@@ -129,7 +129,7 @@ def test_curves_that_lie_on_each_other_are_all_seen_in_their_own_colours(opened:
     lead = result.runs["reference"]
     runs = {name: dataclasses.replace(lead, engine=name) for name in ("reference", "exudyn", "mujoco")}
     write(content_of(results=[compare(result.case, runs)], facts=machine_facts()), tmp_path)
-    page = opened("#at=0", (tmp_path / "index.html").as_uri(), watched=True, reduced_motion="reduce")
+    page = opened("#at=0", (tmp_path / "index.html").as_uri(), reduced_motion="reduce")
     pixels = page.evaluate("""() => {
         const canvas = document.getElementById("curve"), { points } = seen.get(canvas), ratio = canvas.width / canvas.clientWidth;
         const whole = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;

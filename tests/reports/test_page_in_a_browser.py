@@ -108,7 +108,7 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
 @pytest.mark.parametrize("turning", [-1, pytest.param(1, marks=pytest.mark.verify)])
 def test_time_runs_to_the_right_whichever_way_the_crank_turns(opened: Open, tmp_path: Path, turning: int) -> None:
     write(content_of(results=[made_up_result("example", turning=turning)], facts=machine_facts()), tmp_path)
-    page = opened("#chapter=each", (tmp_path / "index.html").as_uri(), watched=True, reduced_motion="reduce")
+    page = opened("#chapter=each", (tmp_path / "index.html").as_uri(), reduced_motion="reduce")
     page.wait_for_selector("#signals canvas")
     texts = page.evaluate("seen.get(document.querySelector('#signals canvas')).texts")
     angles = [text for text, left, *_ in sorted(texts, key=lambda text: text[1]) if text.endswith("°")]
@@ -131,7 +131,7 @@ def test_a_link_counts_though_the_old_state_is_written_late(opened: Open) -> Non
 
 
 def test_the_name_of_the_quick_return_lies_where_the_curves_leave_more_room(opened: Open) -> None:
-    page = opened("#at=0&signal=slider_force", watched=True, reduced_motion="reduce")
+    page = opened("#at=0&signal=slider_force", reduced_motion="reduce")
     seen = page.evaluate("seen.get(document.getElementById('curve'))")
     ((_, left, top, right, bottom),) = [text for text in seen["texts"] if text[0] == "quick return"]
     assert len(seen["points"]) > 500
@@ -163,7 +163,7 @@ def test_the_curve_tells_values_zooms_and_is_taken_away(opened: Open) -> None:
 
 
 def test_tables_are_sorted_and_filtered(opened: Open) -> None:
-    page = opened("#chapter=runs")
+    page = opened("#at=0&chapter=runs")
     page.locator("#table-run_by_engine th[data-column='pre_frequency [Hz]'] button").click()
     values = page.locator("#table-run_by_engine tbody tr").evaluate_all("rows => rows.map(row => row.cells[8].dataset.value)")
     known = [float(value) for value in values if value]
@@ -191,7 +191,7 @@ def test_a_hostile_title_stays_text(opened: Open, tmp_path: Path) -> None:
     own = reported_result("example")
     own = dataclasses.replace(own, case=dataclasses.replace(own.case, title=HOSTILE, notes=(HOSTILE,)))
     write(content_of(results=[own], facts=machine_facts()), tmp_path)
-    page = opened("#chapter=each", (tmp_path / "index.html").as_uri())
+    page = opened("#at=0&chapter=each", (tmp_path / "index.html").as_uri())
     assert page.inner_text("h1") == HOSTILE
     assert page.title() == f"{HOSTILE} – quickreturn"
     assert HOSTILE in page.inner_text("#caption")
@@ -240,7 +240,7 @@ def test_an_animation_of_its_own_runs_over_time(opened: Open, tmp_path: Path) ->
 
 
 def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) -> None:
-    page = opened(color_scheme="dark")
+    page = opened("#at=0", color_scheme="dark")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print")
     assert page.locator("#stills canvas").count() == 4
@@ -293,14 +293,14 @@ FILLED = """() => {
 
 def test_all_chapters_are_printed_on_few_pages(opened: Open) -> None:
     """The thesis' own page, with all 24 runs, has 25 at most; this one has three runs."""
-    page = opened()
+    page = opened("#at=0")
     pages = page.pdf(format="A4").count(b"/Type /Page\n")
     assert 8 < pages <= 20
 
 
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (2560, 1440)])
 def test_the_mechanism_uses_the_space_that_there_is(opened: Open, width: int, height: int) -> None:
-    page = opened("#at=100", width=width, height=height, watched=True)
+    page = opened("#at=100", width=width, height=height)
     box, main = (page.locator(name).bounding_box() or {} for name in (".stage", "main"))
     assert main["width"] == width
     assert box["height"] > 0.45 * height
@@ -321,7 +321,7 @@ def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None
 
 
 def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
-    page = opened("#chapter=methods&section=methods-thesis-24")
+    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
     choices = page.locator("#methods .choices").first
     first, second = choices.locator(".drawn").all()
     for name, shown, other in (
@@ -357,7 +357,7 @@ def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switc
         page.wait_for_function("title => document.querySelector('.answer:not([hidden]) h1').innerText === title", arg=result.case.title)
         assert page.locator(".answer:visible").count() == 1
         assert page.locator(".answer:visible dt").count() == 8
-    assert opened().locator("#stress").count() == 0  # the thesis' page keeps its first screen
+    assert opened("#at=0").locator("#stress").count() == 0  # the thesis' page keeps its first screen
 
 
 def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
@@ -372,7 +372,7 @@ def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
 
 
 def test_the_map_of_classes_is_read_by_keyboard_on_a_telephone(opened: Open) -> None:
-    page = opened("#chapter=classes", width=390, height=844)
+    page = opened("#at=0&chapter=classes", width=390, height=844)
     chapter = page.locator("#classes")
     chapter.locator("input[type=radio]").nth(0).focus()
     page.keyboard.press("ArrowRight")

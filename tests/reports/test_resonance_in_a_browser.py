@@ -28,7 +28,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def chart(opened: Open, width: int = 1400) -> tuple[Page, Locator]:
-    page = opened("#chapter=resonance", watched=True, reduced_motion="reduce", width=width)
+    page = opened("#chapter=resonance", reduced_motion="reduce", width=width)
     found = page.locator("#resonance .chart")
     found.wait_for()
     return page, found
