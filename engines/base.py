@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, ClassVar, Final, Generic, Literal, TypeVar, get_args
+from typing import Any, Final, Generic, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -169,13 +169,13 @@ SPIN_UP: Final = "base.spin_up_speed"
 class Engine(ABC, Generic[S]):
     """One way of simulating the mechanism. Instances carry no state; everything about a run is in its settings."""
 
-    name: ClassVar[str]  # as typed on the command line
-    method: ClassVar[str]  # one line, for `quickreturn engines` and the report
-    interface: ClassVar[int] = INTERFACE  # version that the engine is written for; state it as a number
-    compiles: ClassVar[bool] = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
-    default_accuracy: ClassVar[float]  # error of the tip deflection that the default settings aim at
-    estimates: ClassVar[EstimateOf] = "total"  # the error that it estimates
-    quantities: ClassVar[tuple[str, ...]] = ()  # `section.key` of those quantities in `scene_values.NAMED` that the model has
+    name: str  # as typed on the command line
+    method: str  # one line, for `quickreturn engines` and the report
+    interface: int = INTERFACE  # version that the engine is written for; state it as a number
+    compiles: bool = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
+    default_accuracy: float  # error of the tip deflection that the default settings aim at
+    estimates: EstimateOf = "total"  # the error that it estimates
+    quantities: tuple[str, ...] = ()  # `section.key` of those quantities in `scene_values.NAMED` that the model has
     settings_type: type[S]
 
     def __init_subclass__(cls) -> None:
@@ -244,8 +244,10 @@ class Engine(ABC, Generic[S]):
         """Settings from coarse to fine for a benchmark of speed against error: those for `LADDER_ACCURACIES`, each once."""
         return tuple(dict.fromkeys(self.settings_for(accuracy, mechanism) for accuracy in LADDER_ACCURACIES))
 
-    def steady_state(self, mechanism: Mechanism, start: Start, settings: S) -> SteadyState | None:
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: S, near: SteadyState | None = None) -> SteadyState | None:
         """The periodic steady state, by a direct search that begins in `start`; None (the default) if the engine has no such search.
+
+        `near` is a state that this engine found for a neighbouring scene or with other settings; the search may begin there instead.
 
         Raises:
             Refusal: as `prepare`.

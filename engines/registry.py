@@ -11,7 +11,7 @@ import difflib
 from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, ClassVar, Final, NoReturn, cast
+from typing import Any, Final, NoReturn, cast
 
 from quickreturn.engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
 from quickreturn.engines.settings import Settings as AnySettings
@@ -30,10 +30,10 @@ _MODULES: Final = {
     "reference": "quickreturn.engines.own.reference:ReferenceEngine",
     "exudyn": "quickreturn.engines.exudyn.engine:ExudynEngine",
     "mujoco": "quickreturn.engines.mujoco.engine:MujocoEngine",
-    "fixed-shapes": "quickreturn.engines.own.fixed_shapes:FixedShapesEngine",
-    "multiplier": "quickreturn.engines.own.multiplier:MultiplierEngine",
-    "stiff-spring": "quickreturn.engines.own.stiff_spring:StiffSpringEngine",
-    "nodal-load": "quickreturn.engines.own.nodal_load:NodalLoadEngine",
+    "fixed-shapes": "quickreturn.engines.own.fixed_shapes:ENGINE",
+    "multiplier": "quickreturn.engines.own.multiplier:ENGINE",
+    "stiff-spring": "quickreturn.engines.own.stiff_spring:ENGINE",
+    "nodal-load": "quickreturn.engines.own.nodal_load:ENGINE",
     "moving-boundaries": "quickreturn.engines.own.moving_boundaries:MovingBoundariesEngine",
 }
 
@@ -68,7 +68,7 @@ def engine(name: str) -> AnyEngine:
     if entries is None:
         raise UnknownEngine(_unknown(name))
     if len(entries) > 1:
-        return _missing(name, f"{len(entries)} packages provide an engine of this name: {', '.join(map(_origin, entries))}")
+        return _Missing(name, f"{len(entries)} packages provide an engine of this name: {', '.join(map(_origin, entries))}")
     return _loaded(name, entries[0].load)
 
 
@@ -96,20 +96,21 @@ def _third_party() -> dict[str, list[EntryPoint]]:
 
 
 def _loaded(name: str, load: Callable[[], object]) -> AnyEngine:
-    """An instance of the class that `load` returns; a `_Missing` if the class is no engine of this name and interface."""
+    """An instance of the class that `load` returns, or the instance; a `_Missing` if that is no engine of this name and interface."""
     try:
-        kind = load()
-        if not (isinstance(kind, type) and issubclass(kind, Engine)):
-            return _missing(name, f"{kind!r} is not a class derived from engines.base.Engine")
-        loaded = kind()
+        loaded = load()
+        if isinstance(loaded, type) and issubclass(loaded, Engine):
+            loaded = loaded()
+        if not isinstance(loaded, Engine):
+            return _Missing(name, f"{loaded!r} is not a class derived from engines.base.Engine")
         if loaded.name != name:
-            return _missing(name, f'its class calls itself "{loaded.name}"')
+            return _Missing(name, f'its class calls itself "{loaded.name}"')
         if loaded.interface != INTERFACE:
-            return _missing(name, f"it is written for version {loaded.interface} of the engines' interface, this is version {INTERFACE}")
+            return _Missing(name, f"it is written for version {loaded.interface} of the engines' interface, this is version {INTERFACE}")
         if loaded.estimates not in ESTIMATES:
-            return _missing(name, f'its class states estimates = "{loaded.estimates}"; accepted: {", ".join(ESTIMATES)}')
+            return _Missing(name, f'its class states estimates = "{loaded.estimates}"; accepted: {", ".join(ESTIMATES)}')
     except Exception as error:  # whatever a foreign module does on import must not disable the other engines
-        return _missing(name, f"it cannot be loaded ({type(error).__name__}: {first_line(error)})")
+        return _Missing(name, f"it cannot be loaded ({type(error).__name__}: {first_line(error)})")
     return loaded
 
 
@@ -130,7 +131,9 @@ class _Missing(Engine[AnySettings]):
     method = "unknown"
     default_accuracy = 1e-3
     settings_type = AnySettings
-    reason: ClassVar[str]
+
+    def __init__(self, name: str, reason: str) -> None:
+        self.name, self.reason = name, reason
 
     def version(self) -> str:
         return "not available"
@@ -142,7 +145,3 @@ class _Missing(Engine[AnySettings]):
         raise Refusal(f"engine {self.name} is not available: {self.reason}")
 
     check = describe = settings_for = comparisons = finer = prepare = natural_frequencies = cast(Any, _refuse)
-
-
-def _missing(name: str, reason: str) -> AnyEngine:
-    return cast(AnyEngine, type("Missing", (_Missing,), {"name": name, "reason": reason})())

@@ -40,7 +40,7 @@ from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Re
 from quickreturn.engines.error_parts import Compared, NoEstimate, all_compared
 from quickreturn.engines.one_run import CompletedRun, raised
 from quickreturn.engines.own.found_orbit import FoundOrbit
-from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import Start
@@ -301,7 +301,7 @@ class _RunInProgress:
 
     def _periodic_state(self, settings: Settings) -> SteadyState | None:
         if settings not in self._states:
-            near = (self._found,) if self._found is not None and isinstance(self._engine, ReferenceEngine) else ()
+            near = () if self._found is None else (self._found,)
             self._states[settings] = self._engine.steady_state(self._mechanism, self._start, settings, *near)
         return self._states[settings]
 

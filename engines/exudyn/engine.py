@@ -6,7 +6,7 @@ The library is loaded when the first model is built, not when engines are listed
 import time
 from collections.abc import Mapping
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,9 @@ MEASURED_FREQUENCY: Final = 10.9
 class ExudynEngine(Engine[ExudynSettings]):
     """Absolute nodal coordinates, the slider as a joint that moves along the cable, generalized-alpha in time."""
 
-    name: ClassVar[str] = "exudyn"
-    method: ClassVar[str] = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
-    default_accuracy: ClassVar[float] = 3e-3
+    name = "exudyn"
+    method = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
+    default_accuracy = 3e-3
     settings_type = ExudynSettings
     quantities = (*USUAL, *ROLLERS, "follower.material_damping", SPIN_UP)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from importlib.util import find_spec
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,10 +37,10 @@ FINER: Final = (18, 1.0 / 3.0)
 class MujocoEngine(Engine[ChainSettings]):
     """Rigid links with hinge springs; the slider is an exact multiplier on a smooth centre line, closed after every step."""
 
-    name: ClassVar[str] = "mujoco"
+    name = "mujoco"
     compiles = True
-    method: ClassVar[str] = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
-    default_accuracy: ClassVar[float] = 7e-3
+    method = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, Runge-Kutta of order 4"
+    default_accuracy = 7e-3
     settings_type = ChainSettings
     quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 

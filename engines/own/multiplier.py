@@ -1,10 +1,12 @@
 """The engine `multiplier`: the slider's constraint by a Lagrange multiplier (Beale and Scott; Lanczos)."""
 
 from dataclasses import dataclass
+from typing import Final
 
 from quickreturn.engines.base import FRICTION, USUAL
 from quickreturn.engines.own.beam_engine import time_over_run_24
-from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine
+from quickreturn.engines.own.rival import Rival, RivalEngine
+from quickreturn.engines.own.staying_shapes import ShapeSettings, compared_shapes, ladder_of, shapes_of
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.slider_constraint import MULTIPLIER, SliderConstraint
@@ -19,22 +21,34 @@ class MultiplierSettings(ShapeSettings):
     )
 
 
-class MultiplierEngine(RivalEngine[MultiplierSettings], StayingShapesEngine[MultiplierSettings]):
-    """The beam of `fixed-shapes` with one more coordinate and a multiplier: index-1 form with stabilization."""
+def constraint(settings: MultiplierSettings, scene: Scene) -> SliderConstraint:
+    """A multiplier, with the stabilization of the settings."""
+    return SliderConstraint(kind=MULTIPLIER, stabilization=settings.stabilization)
 
-    name = "multiplier"
-    method = "Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, DOP853"
-    default_accuracy = 3e-3
-    settings_type = MultiplierSettings
-    quantities = (*USUAL, *FRICTION, "follower.material_damping")
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> MultiplierSettings:
-        """Number of shapes from the measured table; the gap decays in proportion to the follower's time."""
-        settings = super().settings_for(accuracy, mechanism)
-        return settings.replaced(stabilization=settings.stabilization / time_over_run_24(mechanism))
+def joint_line(settings: MultiplierSettings, scene: Scene) -> str:
+    """The slider's joint in one line."""
+    return "slider on the centre line (Lagrange multiplier)"
 
-    def constraint(self, scene: Scene, settings: MultiplierSettings) -> SliderConstraint:
-        return SliderConstraint(kind=MULTIPLIER, stabilization=settings.stabilization)
 
-    def joint_line(self, scene: Scene, settings: MultiplierSettings) -> str:
-        return "slider on the centre line (Lagrange multiplier)"
+def scaled(settings: MultiplierSettings, mechanism: Mechanism) -> MultiplierSettings:
+    """Settings whose gap decays in proportion to the follower's time."""
+    return settings.replaced(stabilization=settings.stabilization / time_over_run_24(mechanism))
+
+
+#: The beam of `fixed-shapes` with one more coordinate and a multiplier: index-1 form with stabilization.
+ENGINE: Final = RivalEngine(
+    Rival(
+        name="multiplier",
+        method="Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, DOP853",
+        default_accuracy=3e-3,
+        settings_type=MultiplierSettings,
+        quantities=(*USUAL, *FRICTION, "follower.material_damping"),
+        ladder=ladder_of(MultiplierSettings),
+        shapes=shapes_of,
+        comparisons=compared_shapes,
+        constraint=constraint,
+        joint_line=joint_line,
+        scaled=scaled,
+    )
+)

@@ -1,16 +1,15 @@
 """The engine `nodal-load`: standard finite elements with fixed nodes, the slider force shared between two of them (Buchanan)."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.beam_engine import BeamSettings, gain_of, time_over_run_24
-from quickreturn.engines.own.staying_shapes import RivalEngine
+from quickreturn.engines.own.beam_engine import BeamSettings, time_over_run_24
+from quickreturn.engines.own.rival import Rival, RivalEngine
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
-from quickreturn.reference_model.shapes import ShapeSet, hermite_elements, no_shapes
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, SliderConstraint
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
@@ -62,47 +61,57 @@ LADDER: Final = Ladder(
 )
 
 
-class NodalLoadEngine(RivalEngine[NodalLoadSettings]):
-    """The textbook's way. With the lever rule the constraint does work: the slider's force on the nodes has a spurious power."""
+def shapes_of(settings: NodalLoadSettings, length: float) -> ShapeSet:
+    """The elements of a flexible follower of this length (m)."""
+    return hermite_elements(length, settings.elements)
 
-    name = "nodal-load"
-    method = "Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853"
-    default_accuracy = 1e-1
-    estimates = "unverified"
-    settings_type = NodalLoadSettings
 
-    def shapes(self, follower: Follower, settings: NodalLoadSettings) -> ShapeSet:
-        return no_shapes(follower.length) if follower.is_rigid else hermite_elements(follower.length, settings.elements)
+def constraint(settings: NodalLoadSettings, scene: Scene) -> SliderConstraint:
+    """The distribution, with damping for the lever rule, whose constraint does work; for a rigid follower a multiplier."""
+    kind = MULTIPLIER if scene.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
+    damping = settings.bending_damping if settings.distribution == "lever" else 0.0
+    return SliderConstraint(kind=kind, stabilization=settings.stabilization, bending_damping=damping)
 
-    def constraint(self, scene: Scene, settings: NodalLoadSettings) -> SliderConstraint:
-        """The distribution, with damping for the lever rule, whose constraint does work; for a rigid follower a multiplier."""
-        kind = MULTIPLIER if scene.follower.is_rigid else _DISTRIBUTIONS[settings.distribution]
-        damping = settings.bending_damping if settings.distribution == "lever" else 0.0
-        return SliderConstraint(kind=kind, stabilization=settings.stabilization, bending_damping=damping)
 
-    def joint_line(self, scene: Scene, settings: NodalLoadSettings) -> str:
-        """Names the distribution."""
-        return f"slider on the elements (force on two nodes, {settings.distribution})"
+def joint_line(settings: NodalLoadSettings, scene: Scene) -> str:
+    """The distribution in one line."""
+    return f"slider on the elements (force on two nodes, {settings.distribution})"
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> NodalLoadSettings:
-        """Number of elements from the measured table, fewer where the follower is stiffer than run 24's; times as the follower's."""
-        rung, time = LADDER.pick(accuracy, gain_of(mechanism)), time_over_run_24(mechanism)
-        return rung.replaced(stabilization=rung.stabilization / time, bending_damping=time * rung.bending_damping)
 
-    def comparisons(self, settings: NodalLoadSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Runs with two other numbers of elements, coarser ones where they run."""
+def scaled(settings: NodalLoadSettings, mechanism: Mechanism) -> NodalLoadSettings:
+    """Settings whose times are in proportion to the follower's."""
+    time = time_over_run_24(mechanism)
+    return settings.replaced(stabilization=settings.stabilization / time, bending_damping=time * settings.bending_damping)
 
-        def with_elements(ratio: float, factor: float, instead: Comparison | None = None) -> Comparison:
-            other = settings.elements + (1 if ratio > 1.0 else -1) * max(1, round(abs(ratio - 1.0) * settings.elements))
-            return Comparison(settings, settings.replaced(elements=other), factor, instead=instead, of="space")
 
-        if 2 * settings.elements > _MOST_ELEMENTS:
-            return tuple(with_elements(ratio, FACTOR) for ratio in COARSER)
-        finer = [with_elements(ratio, PART_OF_FINER) for ratio in FINER]
-        if settings.elements < FEWEST_WITH_COARSER:
-            return tuple(finer)
-        return tuple(with_elements(ratio, FACTOR, instead) for ratio, instead in zip(COARSER, finer, strict=True))
+def comparisons(settings: NodalLoadSettings, mechanism: Mechanism) -> tuple[Comparison, ...]:
+    """Comparisons with two other numbers of elements, coarser ones where they run."""
 
-    def finer(self, settings: NodalLoadSettings, excess: Mapping[str, float], output_step: float) -> NodalLoadSettings | None:
-        """The next rung of the ladder."""
-        return LADDER.finer(settings)
+    def with_elements(ratio: float, factor: float, instead: Comparison | None = None) -> Comparison:
+        other = settings.elements + (1 if ratio > 1.0 else -1) * max(1, round(abs(ratio - 1.0) * settings.elements))
+        return Comparison(settings, settings.replaced(elements=other), factor, instead=instead, of="space")
+
+    if 2 * settings.elements > _MOST_ELEMENTS:
+        return tuple(with_elements(ratio, FACTOR) for ratio in COARSER)
+    finer = [with_elements(ratio, PART_OF_FINER) for ratio in FINER]
+    if settings.elements < FEWEST_WITH_COARSER:
+        return tuple(finer)
+    return tuple(with_elements(ratio, FACTOR, instead) for ratio, instead in zip(COARSER, finer, strict=True))
+
+
+#: The textbook's way. With the lever rule the constraint does work: the slider's force on the nodes has a spurious power.
+ENGINE: Final = RivalEngine(
+    Rival(
+        name="nodal-load",
+        method="Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853",
+        default_accuracy=1e-1,
+        estimates="unverified",
+        settings_type=NodalLoadSettings,
+        ladder=LADDER,
+        shapes=shapes_of,
+        comparisons=comparisons,
+        constraint=constraint,
+        joint_line=joint_line,
+        scaled=scaled,
+    )
+)

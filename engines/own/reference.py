@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState
+from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, S
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
 from quickreturn.engines.settings import setting
@@ -211,16 +211,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         return AS_THEY_ARE.finer(plain, excess)
 
     def steady_state(
-        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: "FoundOrbit | None" = None
+        self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: SteadyState | None = None
     ) -> "FoundOrbit | None":
-        """See `Engine.steady_state`; None for a rigid follower, a compliant joint or friction.
-
-        Args:
-            mechanism: the scene.
-            start: start of the search.
-            settings: settings of the model.
-            near: the periodic state of a neighbouring scene or of other settings: the search begins there instead.
-        """
+        """See `Engine.steady_state`; None for a rigid follower, a compliant joint or friction."""
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
         from quickreturn.engines.own.found_orbit import FoundOrbit
@@ -235,9 +228,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that the time of the search does not count its compilation
         began = time.perf_counter()
         guess: NDArray[np.float64] | PeriodicOrbit = begin.state
-        if near is not None and near.simulation.model.scene == mechanism:
+        if isinstance(near, FoundOrbit) and near.simulation.model.scene == mechanism:
             guess = near.orbit
-        elif near is not None:
+        elif isinstance(near, FoundOrbit):
             guess, speed = near.orbit.state.copy(), (len(near.orbit.state) - 5) // 2 + 2
             if not mechanism.crank_is_free:
                 guess[speed] = begin.state[model.parameters.speeds + 1]

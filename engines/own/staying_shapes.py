@@ -1,21 +1,14 @@
-"""Base of the engines with fixed shapes: settings, number of shapes, runs to compare."""
+"""Clamped-free modes or Hermite elements, in any number: settings of the rivals that accept both, their ladder, and runs to compare."""
 
-from abc import abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import Final, TypeVar
 
-from quickreturn.engines import refusals
-from quickreturn.engines.base import USUAL, Comparison
+from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, S, gain_of
+from quickreturn.engines.own.beam_engine import BeamSettings
 from quickreturn.engines.settings import setting
-from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
-from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements, no_shapes
-from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint
-
-if TYPE_CHECKING:
-    from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,12 +43,15 @@ _RUNGS: Final = (
     (32, 1e-10, 4.6e-4),
     (40, 1e-10, 2.4e-4),
 )
-LADDER: Final = Ladder(
-    tuple((ShapeSettings(shapes=shapes, tolerance=tolerance), claim) for shapes, tolerance, claim in _RUNGS),
-    size="shapes",
-    tolerance="tolerance",
-    order=3.0,
-)
+
+
+def ladder_of(kind: type[AnyShapes]) -> Ladder[AnyShapes]:
+    """The ladder with settings of a kind."""
+    rungs = ((kind(shapes=shapes, tolerance=tolerance), claim) for shapes, tolerance, claim in _RUNGS)
+    return Ladder(tuple(rungs), size="shapes", tolerance="tolerance", order=3.0)
+
+
+LADDER: Final = ladder_of(ShapeSettings)
 
 #: Two coarser runs for the estimate: number of shapes over that of the run, and assumed error over that of the run. The error of fixed
 #: shapes depends on how their waves fit the kink at the slider, so that one difference alone may vanish by accident.
@@ -66,58 +62,14 @@ FEWEST_WITH_ORDER: Final = 8
 PART_OF_FINER: Final = 2.0 / 7.0
 
 
-class StayingEngine(BeamEngine[S]):
-    """An engine with fixed shapes."""
-
-    @abstractmethod
-    def shapes(self, follower: Follower, settings: S) -> ShapeSet:
-        """The shapes of a follower; none for a rigid one."""
-
-    def constraint(self, scene: Scene, settings: S) -> SliderConstraint:
-        """The slider constraint; unless overridden the follower's angle closes the gap."""
-        return CLOSED
-
-    def model(self, mechanism: Mechanism, settings: S) -> "BeamModel":
-        from quickreturn.reference_model.model import BeamModel
-
-        return BeamModel.staying(mechanism, self.shapes(mechanism.follower, settings), self.constraint(mechanism, settings))
+def shapes_of(settings: ShapeSettings, length: float) -> ShapeSet:
+    """The shapes of a flexible follower of this length (m)."""
+    if settings.family == "hermite":
+        return hermite_elements(length, settings.shape_count // 2)
+    return clamped_free_modes(length, settings.shapes)
 
 
-class StayingShapesEngine(StayingEngine[AnyShapes]):
-    """An engine with clamped-free modes or Hermite elements."""
-
-    def shapes(self, follower: Follower, settings: AnyShapes) -> ShapeSet:
-        if follower.is_rigid:
-            return no_shapes(follower.length)
-        if settings.family == "hermite":
-            return hermite_elements(follower.length, settings.shape_count // 2)
-        return clamped_free_modes(follower.length, settings.shapes)
-
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> AnyShapes:
-        """Number of shapes from the measured table; fewer for a stiffer follower than run 24's."""
-        rung = LADDER.pick(accuracy, gain_of(mechanism))
-        return self.settings_type(shapes=rung.shapes, tolerance=rung.tolerance)
-
-    def comparisons(self, settings: AnyShapes, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        return compared_shapes(settings)
-
-    def finer(self, settings: AnyShapes, excess: Mapping[str, float], output_step: float) -> AnyShapes | None:
-        """The first rung of the ladder with as many shapes as the estimate asks for."""
-        return LADDER.finer(settings, excess)
-
-
-class RivalEngine(StayingEngine[S]):
-    """An engine with an open loop: the follower's angle is a coordinate of its own, and the slider's constraint a force."""
-
-    quantities = USUAL
-
-    def check(self, scene: Scene) -> None:
-        """Refuse also parts without mass."""
-        super().check(scene)
-        refusals.of_massless_parts(self.name, scene, ", whose shapes need mass of their own")
-
-
-def compared_shapes(settings: ShapeSettings) -> tuple[Comparison, ...]:
+def compared_shapes(settings: ShapeSettings, mechanism: Mechanism) -> tuple[Comparison, ...]:
     """Comparisons with two runs of fewer shapes; or with one of more shapes and a tolerance to match, where there are too few for that."""
     if (count := settings.shape_count) < FEWEST_WITH_ORDER:
         return (Comparison(settings, LADDER.sized(settings, 2 * count + 2), PART_OF_FINER, of="modes"),)

@@ -7,9 +7,10 @@ from typing import Final
 
 from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.beam_engine import gain_of, time_over_run_24
+from quickreturn.engines.own.beam_engine import time_over_run_24
+from quickreturn.engines.own.rival import Rival, RivalEngine
 from quickreturn.engines.own.staying_shapes import LADDER as SHAPES
-from quickreturn.engines.own.staying_shapes import RivalEngine, ShapeSettings, StayingShapesEngine, compared_shapes
+from quickreturn.engines.own.staying_shapes import ShapeSettings, compared_shapes, shapes_of
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model import slider_constraint
 from quickreturn.reference_model.joint import Rollers, friction_in_words, joint_in_words, rollers
@@ -72,56 +73,28 @@ LADDER: Final = Ladder(
 )
 
 
-class StiffSpringEngine(RivalEngine[StiffSpringSettings], StayingShapesEngine[StiffSpringSettings]):
-    """The slider force opens a gap between crank tip and centre line against the spring; exact for a compliant joint."""
+def constraint(settings: StiffSpringSettings, scene: Scene) -> SliderConstraint:
+    """The scene's joint if that is compliant, else the stiff spring and the damper of the settings."""
+    if scene.slider.is_rigid:
+        spring = Rollers(plus=settings.stiffness, minus=settings.stiffness, damping=settings.damping)
+    else:
+        spring = rollers(scene.slider)
+    return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=spring)
 
-    name = "stiff-spring"
-    method = "stiff transverse spring and damper at the slider, fixed shapes, exact planar geometry, DOP853"
-    default_accuracy = 1e-2
-    settings_type = StiffSpringSettings
-    quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping")
 
-    def constraint(self, scene: Scene, settings: StiffSpringSettings) -> SliderConstraint:
-        """The scene's joint if that is compliant, else the stiff spring and the damper of the settings."""
-        if scene.slider.is_rigid:
-            spring = Rollers(plus=settings.stiffness, minus=settings.stiffness, damping=settings.damping)
-        else:
-            spring = rollers(scene.slider)
-        return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=spring)
+def joint_line(settings: StiffSpringSettings, scene: Scene) -> str:
+    """The scene's joint, or the stiff spring in its place, in one line."""
+    stiff = f"stiff spring in place of the constraint, {settings.stiffness:g} N/m, {settings.damping:g} N*s/m"
+    slider = scene.slider
+    return f"slider beside the centre line ({stiff if slider.is_rigid else joint_in_words(slider)})" + friction_in_words(slider)
 
-    def joint_line(self, scene: Scene, settings: StiffSpringSettings) -> str:
-        """The scene's joint, or the stiff spring in its place."""
-        stiff = f"stiff spring in place of the constraint, {settings.stiffness:g} N/m, {settings.damping:g} N*s/m"
-        slider = scene.slider
-        return f"slider beside the centre line ({stiff if slider.is_rigid else joint_in_words(slider)})" + friction_in_words(slider)
 
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> StiffSpringSettings:
-        """Shapes and stiffness from the measured table; the stiffness is scaled with the follower's, the damping with its time too."""
-        rung = LADDER.pick(accuracy, gain_of(mechanism))
-        scale, time = _follower(mechanism)
-        stiffness = float(f"{min(max(scale * rung.stiffness, LEAST_STIFFNESS), MOST_STIFFNESS):.2g}")
-        damping = float(f"{min(time * TIME_CONSTANT * stiffness, MOST_DAMPING):.2g}")
-        return rung.replaced(stiffness=stiffness, damping=damping)
-
-    def comparisons(self, settings: StiffSpringSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """Other numbers of shapes with the same spring; and unless the joint is compliant, a spring half as stiff."""
-        if not mechanism.slider.is_rigid:
-            return compared_shapes(settings)
-        ratio = SOFTER if SOFTER * settings.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
-        other = settings.replaced(stiffness=ratio * settings.stiffness, damping=min(ratio * settings.damping, MOST_DAMPING))
-        return (*compared_shapes(settings), Comparison(settings, other, 1.0 / ratio, of="spring"))
-
-    def finer(self, settings: StiffSpringSettings, excess: Mapping[str, float], output_step: float) -> StiffSpringSettings | None:
-        """More shapes, a stiffer spring or both, by the parts of the estimate."""
-        in_shapes, in_spring = excess.get("modes", 0.0) / _SHARE_OF_SHAPES, excess.get("spring", 0.0) / _SHARE_OF_SPRING
-        finer: StiffSpringSettings | None = settings
-        if in_shapes > 1.0 or not excess:
-            finer = SHAPES.finer(settings, {"modes": in_shapes} if excess else {})
-        if finer is None or (excess and in_spring <= 1.0):
-            return finer
-        times = min(max(in_spring, _LEAST_AT_ONCE), _MOST_AT_ONCE) if excess else _UNKNOWN
-        stiffness, damping = (float(f"{times * value:.2g}") for value in (settings.stiffness, settings.damping))
-        return finer.replaced(stiffness=stiffness, damping=damping) if stiffness <= MOST_STIFFNESS and damping <= MOST_DAMPING else None
+def scaled(settings: StiffSpringSettings, mechanism: Mechanism) -> StiffSpringSettings:
+    """Settings whose stiffness is in proportion to the follower's, and the damping to its time, too."""
+    scale, time = _follower(mechanism)
+    stiffness = float(f"{min(max(scale * settings.stiffness, LEAST_STIFFNESS), MOST_STIFFNESS):.2g}")
+    damping = float(f"{min(time * TIME_CONSTANT * stiffness, MOST_DAMPING):.2g}")
+    return settings.replaced(stiffness=stiffness, damping=damping)
 
 
 def _follower(mechanism: Mechanism) -> tuple[float, float]:
@@ -132,3 +105,45 @@ def _follower(mechanism: Mechanism) -> tuple[float, float]:
         return follower.mass / MASS_OF_RUN_24 / time**2, time
     time = math.sqrt(follower.mass_per_length / follower.bending_stiffness) * follower.length**2
     return follower.bending_stiffness / follower.length**3 / FOLLOWER_OF_RUN_24, time / TIME_OF_RUN_24
+
+
+def comparisons(settings: StiffSpringSettings, mechanism: Mechanism) -> tuple[Comparison, ...]:
+    """Comparisons with other numbers of shapes and the same spring; and unless the joint is compliant, with a spring half as stiff."""
+    of_shapes = compared_shapes(settings, mechanism)
+    if not mechanism.slider.is_rigid:
+        return of_shapes
+    ratio = SOFTER if SOFTER * settings.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
+    other = settings.replaced(stiffness=ratio * settings.stiffness, damping=min(ratio * settings.damping, MOST_DAMPING))
+    return (*of_shapes, Comparison(settings, other, 1.0 / ratio, of="spring"))
+
+
+def finer(settings: StiffSpringSettings, excess: Mapping[str, float]) -> StiffSpringSettings | None:
+    """Settings with more shapes, a stiffer spring or both, by the parts of the estimate."""
+    in_shapes, in_spring = excess.get("modes", 0.0) / _SHARE_OF_SHAPES, excess.get("spring", 0.0) / _SHARE_OF_SPRING
+    finer: StiffSpringSettings | None = settings
+    if in_shapes > 1.0 or not excess:
+        finer = SHAPES.finer(settings, {"modes": in_shapes} if excess else {})
+    if finer is None or (excess and in_spring <= 1.0):
+        return finer
+    times = min(max(in_spring, _LEAST_AT_ONCE), _MOST_AT_ONCE) if excess else _UNKNOWN
+    stiffness, damping = (float(f"{times * value:.2g}") for value in (settings.stiffness, settings.damping))
+    return finer.replaced(stiffness=stiffness, damping=damping) if stiffness <= MOST_STIFFNESS and damping <= MOST_DAMPING else None
+
+
+#: The slider force opens a gap between crank tip and centre line against the spring; exact for a compliant joint.
+ENGINE: Final = RivalEngine(
+    Rival(
+        name="stiff-spring",
+        method="stiff transverse spring and damper at the slider, fixed shapes, exact planar geometry, DOP853",
+        default_accuracy=1e-2,
+        settings_type=StiffSpringSettings,
+        quantities=(*USUAL, *ROLLERS, *FRICTION, "follower.material_damping"),
+        ladder=LADDER,
+        shapes=shapes_of,
+        comparisons=comparisons,
+        constraint=constraint,
+        joint_line=joint_line,
+        scaled=scaled,
+        finer=finer,
+    )
+)

@@ -12,14 +12,15 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.studies import convergence, run_studies, work
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.own import fixed_shapes
+from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
 from quickreturn.engines.registry import MAIN
 
 
 def test_errors_fall_towards_the_finest_settings() -> None:
     ladder = [FixedShapesSettings(shapes=shapes, tolerance=tolerance) for shapes in (4, 6, 12) for tolerance in (1e-6, 1e-8)]
     case = replace(load_case("thesis-24"), duration=0.3)
-    found = convergence(Method("fixed-shapes", FixedShapesEngine(), tuple(ladder)), case)
+    found = convergence(Method("fixed-shapes", fixed_shapes.ENGINE, tuple(ladder)), case)
     for channel in ESTIMATED:
         errors = [point.error(channel) or 0.0 for point in found]
         assert errors[-1] == 0.0

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
+from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, SteadyState
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
@@ -115,7 +115,7 @@ class FakeEngine(Engine):
         self.check(mechanism)
         return FakeSimulation(start, settings)
 
-    def steady_state(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> None:
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: AnySettings, near: SteadyState | None = None) -> None:
         """None, and that is the engine's own answer: its motion has nothing to do with the periodic state of the mechanism."""
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:

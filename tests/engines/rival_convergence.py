@@ -12,10 +12,11 @@ import pandas as pd
 
 from quickreturn.engines.base import Engine, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from quickreturn.engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from quickreturn.engines.own import multiplier, nodal_load, stiff_spring
+from quickreturn.engines.own.multiplier import MultiplierSettings
+from quickreturn.engines.own.nodal_load import NodalLoadSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringSettings
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
@@ -29,14 +30,13 @@ TRUTH: Final = ReferenceSettings(modes=9, tolerance=1e-9)
 
 def series(shapes: tuple[int, ...], elements: tuple[int, ...]) -> Iterator[tuple[str, Engine, Sequence[Settings]]]:
     """Name, engine and settings of each row group: what changes within one is the number of shapes, elements, or the stiffness."""
-    multiplier, spring, nodal = MultiplierEngine(), StiffSpringEngine(), NodalLoadEngine()
-    yield "multiplier, modes", multiplier, [MultiplierSettings(shapes=n, tolerance=TOLERANCE) for n in shapes]
+    yield "multiplier, modes", multiplier.ENGINE, [MultiplierSettings(shapes=n, tolerance=TOLERANCE) for n in shapes]
     hermite = [MultiplierSettings(shapes=2 * n, family="hermite", tolerance=TOLERANCE) for n in elements]
-    yield "multiplier, elements", multiplier, hermite
+    yield "multiplier, elements", multiplier.ENGINE, hermite
     for distribution in ("lever", "consistent", "both linear"):
         settings = [NodalLoadSettings(elements=n, distribution=distribution, tolerance=TOLERANCE) for n in elements]
-        yield f"nodal-load, {distribution}", nodal, settings
-    yield "stiff-spring, 1e6 N/m", spring, [StiffSpringSettings(shapes=n, tolerance=TOLERANCE) for n in shapes]
+        yield f"nodal-load, {distribution}", nodal_load.ENGINE, settings
+    yield "stiff-spring, 1e6 N/m", stiff_spring.ENGINE, [StiffSpringSettings(shapes=n, tolerance=TOLERANCE) for n in shapes]
 
 
 def rival_table(
@@ -62,7 +62,7 @@ def rival_table(
         `calls`, `solve_seconds`, `failure`.
     """
     start = standard_start(mechanism)
-    for compiling in (ReferenceEngine(), MultiplierEngine()):  # so that no time below counts it
+    for compiling in (ReferenceEngine(), multiplier.ENGINE):  # so that no time below counts it
         compiling.prepare(mechanism, start, compiling.settings_type()).advance(output_step, output_step)
     truth = ReferenceEngine().prepare(mechanism, start, TRUTH).advance(duration, output_step)
     rows: list[dict[str, object]] = []
@@ -91,14 +91,14 @@ def stiffness_table(
         One row per stiffness: `stiffness`, one difference per name in `ESTIMATED`, `order` of the tip deflection, `calls`.
     """
     start = standard_start(mechanism)
-    rigid = MultiplierEngine().prepare(mechanism, start, MultiplierSettings(shapes=shapes, tolerance=TOLERANCE))
+    rigid = multiplier.ENGINE.prepare(mechanism, start, MultiplierSettings(shapes=shapes, tolerance=TOLERANCE))
     truth = rigid.advance(duration, output_step)
     default = StiffSpringSettings()
     rows: list[dict[str, object]] = []
     for stiffness in stiffnesses:
         damping = default.damping / default.stiffness * stiffness
         settings = StiffSpringSettings(shapes=shapes, stiffness=stiffness, damping=damping, tolerance=TOLERANCE)
-        row = _row("stiff-spring", StiffSpringEngine(), settings, mechanism, truth, duration, output_step) | {"flexible": stiffness}
+        row = _row("stiff-spring", stiff_spring.ENGINE, settings, mechanism, truth, duration, output_step) | {"flexible": stiffness}
         if rows:
             row["order"] = _order(rows[-1], row)
         rows.append(row)

@@ -5,11 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from quickreturn.engines.base import Comparison, Engine
-from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from quickreturn.engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from quickreturn.engines.own import fixed_shapes, multiplier, nodal_load, stiff_spring
+from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
+from quickreturn.engines.own.multiplier import MultiplierSettings
+from quickreturn.engines.own.nodal_load import NodalLoadSettings
 from quickreturn.engines.own.staying_shapes import ShapeSettings
-from quickreturn.engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringSettings
 from quickreturn.engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.mechanism import Slider
@@ -32,7 +33,7 @@ def assert_finer_has_the_smaller_error(pair: Comparison, size: str) -> None:
     assert (pair.factor < 1.0) == (other > own)
 
 
-@given(numbers, families, st.sampled_from([(FixedShapesEngine(), FixedShapesSettings), (MultiplierEngine(), MultiplierSettings)]))
+@given(numbers, families, st.sampled_from([(fixed_shapes.ENGINE, FixedShapesSettings), (multiplier.ENGINE, MultiplierSettings)]))
 def test_shapes_are_compared_with_other_numbers_of_them(shapes: int, family: str, chosen: tuple[Engine, type[ShapeSettings]]) -> None:
     engine, settings = chosen
     for pair in pairs_of(engine, settings(shapes=shapes, family=family)):
@@ -42,7 +43,7 @@ def test_shapes_are_compared_with_other_numbers_of_them(shapes: int, family: str
 @given(numbers, families, st.floats(LEAST_STIFFNESS, MOST_STIFFNESS), st.floats(0.0, MOST_DAMPING))
 def test_springs_are_compared_with_other_shapes_and_springs_apart(shapes: int, family: str, stiffness: float, damping: float) -> None:
     settings = StiffSpringSettings(shapes=shapes, family=family, stiffness=stiffness, damping=damping)
-    *of_shapes, of_spring = pairs_of(StiffSpringEngine(), settings)
+    *of_shapes, of_spring = pairs_of(stiff_spring.ENGINE, settings)
     for pair in of_shapes:
         assert_finer_has_the_smaller_error(pair, "shape_count")
         assert isinstance(pair.other, StiffSpringSettings)
@@ -54,13 +55,13 @@ def test_springs_are_compared_with_other_shapes_and_springs_apart(shapes: int, f
 
 def test_spring_of_a_compliant_joint_is_no_error() -> None:
     scene = run_24(slider=Slider(joint_stiffness=2e4))
-    pairs = StiffSpringEngine().comparisons(StiffSpringSettings(), scene, 1e-3)
+    pairs = stiff_spring.ENGINE.comparisons(StiffSpringSettings(), scene, 1e-3)
     assert len(pairs) == 2
     assert all(isinstance(pair.other, StiffSpringSettings) and pair.other.shapes < 12 for pair in pairs)
 
 
 def test_spring_is_stiffened_and_shapes_are_added_as_the_parts_ask() -> None:
-    engine, settings = StiffSpringEngine(), StiffSpringSettings(shapes=12, stiffness=1e6, damping=30.0)
+    engine, settings = stiff_spring.ENGINE, StiffSpringSettings(shapes=12, stiffness=1e6, damping=30.0)
     softer, fewer = (engine.finer(settings, {"modes": modes, "spring": spring}, 1e-3) for modes, spring in ((0.2, 3.0), (4.0, 0.1)))
     assert softer is not None
     assert fewer is not None
@@ -71,7 +72,7 @@ def test_spring_is_stiffened_and_shapes_are_added_as_the_parts_ask() -> None:
 
 @given(st.integers(1, 64))
 def test_elements_are_compared_with_other_numbers_of_them(elements: int) -> None:
-    for pair in pairs_of(NodalLoadEngine(), NodalLoadSettings(elements=elements)):
+    for pair in pairs_of(nodal_load.ENGINE, NodalLoadSettings(elements=elements)):
         for each in (pair, pair.instead or pair):
             assert_finer_has_the_smaller_error(each, "elements")
 

@@ -13,8 +13,9 @@ from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own import stiff_spring
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringSettings
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
@@ -43,7 +44,7 @@ def exudyn(scene: Mechanism, duration: float, start: Start | None = None, elemen
 
 def open_loop(scene: Mechanism, duration: float, start: Start | None = None, shapes: int = 24) -> Trajectory:
     """Other coordinates, other shapes, the gap's direction and rate in closed form, another integrator."""
-    return run(StiffSpringEngine(), StiffSpringSettings(shapes=shapes, tolerance=1e-8), scene, duration, start)
+    return run(stiff_spring.ENGINE, StiffSpringSettings(shapes=shapes, tolerance=1e-8), scene, duration, start)
 
 
 @cache

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.engines.base import Engine, EngineFailure, Refusal
-from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.own import fixed_shapes
+from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
 from quickreturn.engines.own.staying_shapes import LADDER
 from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
@@ -20,7 +21,7 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24, violent
 
-THESIS, FIXED = ThesisEngine(), FixedShapesEngine()
+THESIS, FIXED = ThesisEngine(), fixed_shapes.ENGINE
 
 
 @pytest.mark.parametrize(("degrees", "one_cubic"), [(180, (22.94, 74.96)), (90, (19.76, 61.29)), (0, (12.71, 84.90))])

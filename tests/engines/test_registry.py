@@ -8,6 +8,7 @@ import pytest
 from quickreturn.engines import registry
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.registry import MAIN, UnknownEngine, engine, engine_names, usable_engine
+from quickreturn.reference_model.scene_values import NAMED
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.engines.scenes import run_24
 
@@ -88,3 +89,7 @@ def test_what_estimates_are_of() -> None:
     found = {name: engine(name).estimates for name in (*MAIN, *registry.RIVALS)}
     others = {"thesis": "integration", "nodal-load": "unverified", "moving-boundaries": "integration"}
     assert found == {**dict.fromkeys((*MAIN, *registry.RIVALS), "total"), **others}
+
+
+def test_quantities_of_all_engines_are_known() -> None:
+    assert {name for each in engine_names() for name in engine(each).quantities} <= set(NAMED)

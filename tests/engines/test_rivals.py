@@ -9,11 +9,12 @@ import pytest
 from quickreturn.engines.base import Engine, EngineFailure, Refusal
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
-from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from quickreturn.engines.own.nodal_load import NodalLoadEngine, NodalLoadSettings
+from quickreturn.engines.own import fixed_shapes, multiplier, nodal_load, stiff_spring
+from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
+from quickreturn.engines.own.multiplier import MultiplierSettings
+from quickreturn.engines.own.nodal_load import NodalLoadSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringSettings
 from quickreturn.engines.registry import RIVALS, engine, engine_names
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
@@ -33,19 +34,19 @@ def run(chosen: Engine, settings: Settings, mechanism: Mechanism | None = None, 
 
 
 @cache
-def multiplier(stabilization: float = 100.0, shapes: int = SHAPES) -> Trajectory:
-    return run(MultiplierEngine(), MultiplierSettings(shapes=shapes, tolerance=1e-9, stabilization=stabilization))
+def with_multiplier(stabilization: float = 100.0, shapes: int = SHAPES) -> Trajectory:
+    return run(multiplier.ENGINE, MultiplierSettings(shapes=shapes, tolerance=1e-9, stabilization=stabilization))
 
 
 @cache
 def spring(stiffness: float) -> Trajectory:
     settings = StiffSpringSettings(shapes=SHAPES, tolerance=1e-8, stiffness=stiffness, damping=3e-5 * stiffness)
-    return run(StiffSpringEngine(), settings)
+    return run(stiff_spring.ENGINE, settings)
 
 
 @cache
 def nodal(elements: int, distribution: str) -> Trajectory:
-    return run(NodalLoadEngine(), NodalLoadSettings(elements=elements, distribution=distribution, tolerance=1e-8))
+    return run(nodal_load.ENGINE, NodalLoadSettings(elements=elements, distribution=distribution, tolerance=1e-8))
 
 
 def test_rivals_are_listed_after_the_main_engines() -> None:
@@ -56,14 +57,14 @@ def test_rivals_are_listed_after_the_main_engines() -> None:
 @pytest.mark.parametrize("channel", CHANNELS)
 def test_multiplier_moves_as_the_eliminated_constraint(channel: str) -> None:
     """Same beam, same shapes: what differs is integration error, 1e-9 a step in 400 steps and up to 100 times that in accelerations."""
-    expected = run(FixedShapesEngine(), FixedShapesSettings(shapes=SHAPES, tolerance=1e-9))
-    assert relative_error(multiplier()[channel], expected[channel]) < 1e-5
+    expected = run(fixed_shapes.ENGINE, FixedShapesSettings(shapes=SHAPES, tolerance=1e-9))
+    assert relative_error(with_multiplier()[channel], expected[channel]) < 1e-5
 
 
 @pytest.mark.parametrize("stabilization", [0.0, 100.0])
 def test_a_gap_decays_as_stabilization_says(stabilization: float) -> None:
     """Gap'' = -2 r gap' - r^2 gap from rest: (1 + r t) exp(-r t) of the beginning, all of it without stabilization."""
-    simulation = MultiplierEngine().prepare(
+    simulation = multiplier.ENGINE.prepare(
         run_24(), standard_start(run_24()), MultiplierSettings(shapes=SHAPES, tolerance=1e-9, stabilization=stabilization)
     )
     simulation.state[SHAPES + 1] += 1e-4  # rad, of the follower's angle
@@ -76,13 +77,13 @@ def test_a_gap_decays_as_stabilization_says(stabilization: float) -> None:
 
 def test_nothing_drifts_but_the_quadrature() -> None:
     """Points move with the slider, so that the gap is not quite the integral of its rate: 7e-12 m with five shapes."""
-    assert np.max(multiplier(0.0)["constraint_gap"]) < 1e-10
-    assert multiplier().statistics["largest_gap_rate"] < 1e-6
+    assert np.max(with_multiplier(0.0)["constraint_gap"]) < 1e-10
+    assert with_multiplier().statistics["largest_gap_rate"] < 1e-6
 
 
 def test_spring_approaches_the_constraint_at_first_order() -> None:
     """In run 24 the spring's own period is far below the motion's, so that the gap is F/k and the difference in proportion to it."""
-    differences = [relative_error(spring(k)["tip_deflection"], multiplier()["tip_deflection"]) for k in (3e5, 3e6)]
+    differences = [relative_error(spring(k)["tip_deflection"], with_multiplier()["tip_deflection"]) for k in (3e5, 3e6)]
     assert differences[0] / differences[1] == pytest.approx(10.0, rel=0.1)
     later = slice(20, None)  # 20 ms after the start, when the spring has come to rest (time constant c/k and damping of the shapes)
     force, gap = spring(3e6)["slider_force"][later], spring(3e6)["constraint_gap"][later]
@@ -91,8 +92,8 @@ def test_spring_approaches_the_constraint_at_first_order() -> None:
 
 def test_linear_force_on_nodes_converges_to_the_common_motion_slowly() -> None:
     """The lever rule differs from the consistent distribution by what falls with the element's size, second order at best."""
-    lever = [relative_error(nodal(n, "lever")["tip_deflection"], multiplier(shapes=12)["tip_deflection"]) for n in (6, 12)]
-    consistent = relative_error(nodal(6, "consistent")["tip_deflection"], multiplier(shapes=12)["tip_deflection"])
+    lever = [relative_error(nodal(n, "lever")["tip_deflection"], with_multiplier(shapes=12)["tip_deflection"]) for n in (6, 12)]
+    consistent = relative_error(nodal(6, "consistent")["tip_deflection"], with_multiplier(shapes=12)["tip_deflection"])
     assert lever[1] < 0.5 * lever[0]
     assert consistent < 0.2 * lever[0]
 
@@ -107,7 +108,7 @@ def test_both_linear_is_workless_but_for_corners() -> None:
 @pytest.mark.parametrize("kind", ["multiplier", "stiff-spring", "consistent"])
 def test_energy_balances(kind: str) -> None:
     """Kinetic, strain, spring and dissipated energy against the drive's work; 14 J move, the integration error is 1e-8 of them."""
-    trajectory = multiplier() if kind == "multiplier" else spring(3e5) if kind == "stiff-spring" else nodal(6, "consistent")
+    trajectory = with_multiplier() if kind == "multiplier" else spring(3e5) if kind == "stiff-spring" else nodal(6, "consistent")
     assert np.max(np.abs(from_nowhere(trajectory))) < 1e-6
 
 
@@ -128,16 +129,16 @@ def test_lever_rule_on_few_elements_loses_its_hold() -> None:
 @pytest.mark.parametrize(
     ("chosen", "settings"),
     [
-        (MultiplierEngine(), MultiplierSettings()),
-        (StiffSpringEngine(), StiffSpringSettings()),
-        (NodalLoadEngine(), NodalLoadSettings()),
+        (multiplier.ENGINE, MultiplierSettings()),
+        (stiff_spring.ENGINE, StiffSpringSettings()),
+        (nodal_load.ENGINE, NodalLoadSettings()),
     ],
     ids=["multiplier", "stiff-spring", "nodal-load"],
 )
 class TestFeatures:
     def test_rigid_follower_is_the_rigid_mechanism(self, chosen: Engine, settings: Settings) -> None:
         scene = run_24(follower={"bending_stiffness": math.inf})
-        expected = run(FixedShapesEngine(), FixedShapesSettings(), scene, 0.05)
+        expected = run(fixed_shapes.ENGINE, FixedShapesSettings(), scene, 0.05)
         found = run(chosen, settings, scene, 0.05)
         # the spring gives way by F/k = 2e-5 m at a lever of 0.4 m
         np.testing.assert_allclose(found["follower_angle"], expected["follower_angle"], rtol=0.0, atol=1e-4)
@@ -178,15 +179,15 @@ class TestFeatures:
         assert unknowns[-1] >= chosen.describe(run_24(), chosen.settings_for(1e-9, run_24())).degrees_of_freedom
 
 
-@pytest.mark.parametrize("chosen", [MultiplierEngine(), NodalLoadEngine()], ids=["multiplier", "nodal-load"])
+@pytest.mark.parametrize("chosen", [multiplier.ENGINE, nodal_load.ENGINE], ids=["multiplier", "nodal-load"])
 def test_methods_that_close_the_gap_refuse_a_compliant_joint(chosen: Engine) -> None:
     with pytest.raises(Refusal, match=r"slider\.joint_stiffness: 20000\.0 N/m"):
         chosen.check(run_24(slider=Slider(joint_stiffness=2e4)))
 
 
 def test_frequencies_rise_with_the_stiffness_to_the_rigid_ones() -> None:
-    found = [StiffSpringEngine().natural_frequencies(run_24(), math.pi, 3, StiffSpringSettings(stiffness=k)) for k in (1e4, 1e6, 1e9)]
-    rigid = MultiplierEngine().natural_frequencies(run_24(), math.pi, 3, MultiplierSettings())
+    found = [stiff_spring.ENGINE.natural_frequencies(run_24(), math.pi, 3, StiffSpringSettings(stiffness=k)) for k in (1e4, 1e6, 1e9)]
+    rigid = multiplier.ENGINE.natural_frequencies(run_24(), math.pi, 3, MultiplierSettings())
     assert np.all(np.diff(np.array(found), axis=0) > 0.0)
     np.testing.assert_allclose(found[-1], rigid, rtol=1e-4)
     np.testing.assert_allclose(rigid, [20.354, 62.287, 112.95], rtol=0.02)  # converged, from the supported beam; 12 shapes lie above
@@ -196,7 +197,7 @@ def test_shapes_that_stay_confirm_the_compliant_joint_of_those_that_follow() -> 
     """Other shapes, same joint: 24 clamped-free modes leave 2.5e-4 of the deflection in run 24, seven that follow 8e-5."""
     scene = run_24(slider=Slider(joint_stiffness=2e4, joint_damping=5.0))
     reference = run(ReferenceEngine(), ReferenceSettings(modes=7, tolerance=1e-8), scene)
-    own = run(StiffSpringEngine(), StiffSpringSettings(shapes=24, tolerance=1e-8), scene)
+    own = run(stiff_spring.ENGINE, StiffSpringSettings(shapes=24, tolerance=1e-8), scene)
     for channel in ("tip_deflection", "tip_acceleration", "slider_force", "strain_1", "strain_2"):
         assert relative_error(reference[channel], own[channel]) < 5e-4, channel
     assert np.max(reference["constraint_gap"]) > 1e-4  # m: F/k of some 20 N

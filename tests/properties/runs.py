@@ -10,7 +10,8 @@ from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.own.fixed_shapes import FixedShapesEngine, FixedShapesSettings
+from quickreturn.engines.own import fixed_shapes
+from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
@@ -45,7 +46,7 @@ class Method:
 
 REFERENCE = Method(ReferenceEngine(), ReferenceSettings(modes=3, tolerance=TOLERANCE), 4)
 THESIS = Method(ThesisEngine(), ThesisSettings(tolerance=TOLERANCE), 2)
-FIXED_SHAPES = Method(FixedShapesEngine(), FixedShapesSettings(shapes=6, tolerance=TOLERANCE), 6)
+FIXED_SHAPES = Method(fixed_shapes.ENGINE, FixedShapesSettings(shapes=6, tolerance=TOLERANCE), 6)
 EXPLICIT = (REFERENCE, THESIS, FIXED_SHAPES)
 COMPLIANT = Method(ReferenceEngine(), ReferenceSettings(modes=2, tolerance=TOLERANCE), 4)
 EXUDYN = Method(ExudynEngine(), ExudynSettings(elements=8, step=1e-3), 8)

@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quickreturn.engines.own.multiplier import MultiplierEngine, MultiplierSettings
-from quickreturn.engines.own.stiff_spring import StiffSpringEngine, StiffSpringSettings
+from quickreturn.engines.own import multiplier, stiff_spring
+from quickreturn.engines.own.multiplier import MultiplierSettings
+from quickreturn.engines.own.stiff_spring import StiffSpringSettings
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Base, Mechanism, Tip, TorqueDrive
 from tests.properties.law import for_all
@@ -163,8 +164,8 @@ def test_little_of_a_part_changes_little_in_other_engines(method: Method, part: 
 #: its equilibrium, by as much less, with the same forces.
 TIP = ("tip_x", "tip_y")
 ONE_MODE = replace(REFERENCE, settings=REFERENCE.settings.replaced(modes=1))
-SPRING = Method(StiffSpringEngine(), StiffSpringSettings(shapes=4, tolerance=TOLERANCE), 4)
-MULTIPLIER = Method(MultiplierEngine(), MultiplierSettings(shapes=4, tolerance=TOLERANCE), 4)
+SPRING = Method(stiff_spring.ENGINE, StiffSpringSettings(shapes=4, tolerance=TOLERANCE), 4)
+MULTIPLIER = Method(multiplier.ENGINE, MultiplierSettings(shapes=4, tolerance=TOLERANCE), 4)
 #: Time constant of the joint's damper over the follower's own time: a tip recovered from equilibrium shows the slider force, which an
 #: undamped stiff joint would make vibrate about its limit by as much as that is, however stiff the joint.
 JOINT_TIME = 0.01

@@ -123,10 +123,10 @@ class Searching(ReferenceEngine):
     def __init__(self, stable: bool | None) -> None:
         self.stable = stable
 
-    def steady_state(self, mechanism: Mechanism, start: Start, settings: Settings, *near: Any) -> SteadyState | None:
+    def steady_state(self, mechanism: Mechanism, start: Start, settings: Settings, near: SteadyState | None = None) -> SteadyState | None:
         if self.stable is None:
             raise NoSteadyState("the search went astray")
-        steady = super().steady_state(mechanism, start, settings, *near)
+        steady = super().steady_state(mechanism, start, settings, near)
         assert steady is not None
         return dataclasses.replace(steady, stable=self.stable, multipliers=(-1.25 + 0.0j, *steady.multipliers))
 
