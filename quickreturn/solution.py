@@ -126,7 +126,7 @@ class Solution(Shown):
         """The trajectory as an xarray dataset over `time`, with units and error estimates as attributes, which netCDF keeps."""
         from quickreturn.dataset import dataset_of
 
-        return dataset_of(self)
+        return dataset_of(self.case, self.engine, self.version, self.result)
 
     def plot(self, *columns: str) -> "Drawing":
         """Draw columns over time; without any, the deflection and the acceleration of the tip, the middle strain and the slider force.

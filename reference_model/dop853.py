@@ -19,6 +19,8 @@ def _lower(rows: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
     return matrix
 
 
+#: Stages of a step; the rate at its end is the first stage of the next.
+STAGES: Final = 12
 #: Weights of the stages before each stage, shape (13, 13): twelve of the step, and its end.
 A: Final = _lower((
     (),

@@ -11,43 +11,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.dop853 import STAGES
+from quickreturn.reference_model.integration import LEFT_FOLLOWER, Integration
 from quickreturn.reference_model.machine.objects import Entry
 
-STAGES: Final = 12
-
-#: Largest product of the step and the equations' highest angular frequency. DOP853 shrinks an undamped oscillation to 0.70 to 0.75 of
-#: itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond. Without a ceiling steps pass that again and again, and the
-#: acceleration rings as much as the tolerance allows (DERIVATION.md, section 5).
-CEILING: Final = 5.7
-
-REACHED_END, LEFT_FOLLOWER, STEP_TOO_SMALL, TOO_MANY_CALLS, NOT_A_NUMBER = range(5)
-MAX_CALLS: Final = 200_000_000
 #: Size of the first step, and of the least, over the time of the motion: that of the output would make the rows change the steps.
 FIRST_STEP: Final = 1e-3
 LEAST_STEP: Final = 1e-11
-
-
 #: The loop.
 LOOP: Final = Entry("quickreturn.reference_model.dop853_loop:loop", 6 * "i" + "fiii" + "fff" + "iiii")
-
-
-@dataclass(frozen=True)
-class Integration:
-    """What an integration delivered.
-
-    Attributes:
-        states: rows of the state vector on the output grid, as far as it was reached, shape (k, size of the state).
-        status: one of the module's constants.
-        end_time: s since the start of this integration, the last instant reached.
-        calls: right-hand sides evaluated.
-        next_step: step size (s) to continue with where the end was reached (0 for LSODA).
-    """
-
-    states: NDArray[np.float64]
-    status: int
-    end_time: float
-    calls: int
-    next_step: float
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
-from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.integrate import Equations, dop853
+from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.machine.objects import Entry
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.crank_angle_steps import steps_to
-from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
-from quickreturn.reference_model import integrate
 from quickreturn.reference_model.columns import JOINT_COLUMNS
+from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.slider_constraint import LEVER
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _CAUSES: Final = {
-    integrate.LEFT_FOLLOWER: ("the slider has left the follower's end", "try a slower crank, a stiffer or longer follower"),
-    integrate.STEP_TOO_SMALL: (
+    LEFT_FOLLOWER: ("the slider has left the follower's end", "try a slower crank, a stiffer or longer follower"),
+    STEP_TOO_SMALL: (
         "the integrator finds no step that is small enough",
         "check the scene; the follower may be bent beyond what its shapes describe",
     ),
-    integrate.TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "try fewer shapes or a looser engine.tolerance"),
-    integrate.NOT_A_NUMBER: ("the loop cannot close any more", "check the scene; the follower may be bent beyond what its shapes describe"),
+    TOO_MANY_CALLS: ("the limit of right-hand side evaluations is reached", "try fewer shapes or a looser engine.tolerance"),
+    NOT_A_NUMBER: ("the loop cannot close any more", "check the scene; the follower may be bent beyond what its shapes describe"),
 }
 #: Slider position, over the smallest one in the tables, below which a step that fails has met their end.
 _AT_THE_LOWER_END: Final = 1.001
@@ -80,11 +80,11 @@ class OwnSimulation(Simulation):
         statistics |= self._of_joint({name: columns.pop(name) for name in JOINT_COLUMNS if name in columns}, states, output_step)
         columns["time"] = self.time + output_step * np.arange(len(states), dtype=np.float64)
         trajectory = trajectory_type(self.model.scene)(columns, time.perf_counter() - began, statistics)
-        if result.status != integrate.REACHED_END or len(trajectory) <= intervals:
-            cause, advice = _CAUSES.get(result.status, _CAUSES[integrate.NOT_A_NUMBER])
-            if result.status == integrate.STEP_TOO_SMALL and (near := self._near_pivot(place)) is not None:
+        if result.status != REACHED_END or len(trajectory) <= intervals:
+            cause, advice = _CAUSES.get(result.status, _CAUSES[NOT_A_NUMBER])
+            if result.status == STEP_TOO_SMALL and (near := self._near_pivot(place)) is not None:
                 cause, advice = near
-            if self._is_lever and result.status != integrate.LEFT_FOLLOWER:
+            if self._is_lever and result.status != LEFT_FOLLOWER:
                 cause, advice = _LOST_HOLD
             raise EngineFailure(self.time + good, cause, advice, trajectory if len(trajectory) else None)
         self.state, self._step = result.states[-1], result.next_step

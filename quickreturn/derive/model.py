@@ -1,24 +1,18 @@
 """Evaluates derived equations numerically: finds a start, integrates, and computes the named outputs."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Final
 
 import casadi as ca
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from quickreturn.derive.checks import check_condition, check_inertia, check_units
-from quickreturn.derive.equations import Equations, Form
+from quickreturn.derive.checks import check_condition, check_inertia
+from quickreturn.derive.compiled import Array, CompiledEquations, Values
 from quickreturn.derive.integration import Rates, integrated
-from quickreturn.derive.machine_code import MachineCode, refuse_nan
+from quickreturn.derive.machine_code import refuse_nan
 from quickreturn.derive.singular import Passage, Watch
-from quickreturn.derive.system import System, column
 from quickreturn.derive.units import DescriptionError, in_si
-
-Array = NDArray[np.float64]
-#: Name of a parameter, a coordinate or a rate -> its value.
-Values = Mapping[str, float]
 
 #: Largest gap of a closed loop after Newton's method, relative to the size of the loop's terms.
 CLOSED: Final = 1e-8
@@ -32,8 +26,8 @@ ROUNDING: Final = 1e-12
 LOST: Final = 1e-3
 
 
-class Model:
-    """The compiled equations of a system.
+class Model(CompiledEquations):
+    """A system that can be simulated: the compiled equations, a start, integration and outputs.
 
     Args:
         system: the description.
@@ -43,37 +37,6 @@ class Model:
     Raises:
         DescriptionError: a mistake in the description.
     """
-
-    def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
-        check_units(system)
-        self.system, self.equations = system, Equations(system, form, feedback)
-        e, n = self.equations, len(system.coordinates)
-        self.parameters = {name: value / in_si(unit)[0] for name, (_, value, unit) in system.parameters.items()}
-        self.constants = column(*(symbol for symbol, _, _ in system.parameters.values()))
-        self.inputs = column(system.time, e.state, self.constants, *(table.row for table in system.tables))
-        speeds = [system.coordinates[k].rate_name for k in e.free]
-        names = [*(c.rate_name for c in system.coordinates), *(f"rate of {name}" for name in speeds), "dissipated power", "power"]
-        self._rates = MachineCode(self.inputs, e.rates, names)
-        results = column(*(expression for expression, _ in e.outputs.values()))
-        self._outputs = ca.Function("outputs", [self.inputs], [ca.densify(ca.cse(results))])
-        rows = [table.row for table in system.tables]
-        at = [column(system.time, e.q, self.constants, *rows)]
-        jacobian = ca.Function("jacobian", at, [ca.densify(e.G.T)])
-        self._at, self._G = np.zeros(jacobian.numel_in()), np.zeros(e.G.shape)
-        called: Any = jacobian.buffer()  # CasADi's quickest way to call a function
-        self._buffer, self._jacobian = called
-        self._buffer.set_arg(0, self._at.data)
-        self._buffer.set_res(0, self._G.data)
-        self._matrices = ca.Function("matrices", at, [e.gap, e.G, e.M[:n, :n]])
-        moving = [column(system.time, e.q, e.v, self.constants, *rows)]
-        self._motion = ca.Function("motion", moving, [e.gap, e.G, e.bias, e.M[:n, :n], e.Q[:n]])
-        self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
-
-    def values(self, changed: Values | None) -> Array:
-        """Values of all parameters in SI; `changed` gives other values, each in the parameter's unit."""
-        self.refuse_unknown(changed or {}, "parameter", self.parameters)
-        values = self.parameters | dict(changed or {})
-        return np.array([values[name] * in_si(unit)[0] for name, (_, _, unit) in self.system.parameters.items()])
 
     def start(self, values: Values, parameters: Values | None = None) -> Array:
         """The state at time 0 for given coordinates and rates, by name in their units. The others are zero or follow from the loops.
@@ -215,15 +178,6 @@ class Model:
         self._rates.check(x)
         refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
 
-    def error_sizes(self) -> Array:
-        """The scale of each state's error for small states; it is infinite for the two integrals of power, which are not controlled."""
-        size = np.array([c.size for c in self.system.coordinates])
-        return np.concatenate([size, size[self.equations.free], [np.inf, np.inf]])
-
-    def rates(self, time: float, y: Array, p: Array) -> Array:
-        """The rate dy/dt of a state."""
-        return self._rates(self.input(time, y, p))
-
     def observe(self, times: Array, states: Array, p: Array, passages: Sequence[Passage] = ()) -> pd.DataFrame:
         """The outputs of states, shape (times, size of a state), each in its unit.
 
@@ -245,37 +199,3 @@ class Model:
     def _shown(self, times: Array, states: Array, p: Array) -> Array:
         """The outputs of states in SI, shape (times, outputs)."""
         return np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T
-
-    def input(self, time: float, y: Array, p: Array) -> Array:
-        """The values of all symbols of the equations, SI, in the order of `inputs`."""
-        return np.concatenate([[time], y, p, *(table.at(y[table.index]) for table in self.system.tables)])
-
-    def state(self, q: Array, v: Array) -> Array:
-        """The state for all coordinates and rates, including those that the loops give."""
-        return np.concatenate([q, v[self.equations.free], [0.0, 0.0]])
-
-    def loops(self, q: Array, p: Array) -> tuple[Array, Array, Array]:
-        """The gaps, their Jacobian and the mass matrix at time 0."""
-        gap, G, M = (np.array(each) for each in self._matrices(self._place(0.0, q, p)))
-        return gap.ravel(), G, M
-
-    def jacobian(self, time: float, q: Array, p: Array) -> Array:
-        """The Jacobian of the loops by coordinates and time, shape (rows, n + 1)."""
-        self._at[:] = self._place(time, q, p)
-        self._jacobian()
-        return self._G.copy()
-
-    def motion(self, time: float, q: Array, v: Array, p: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """The gaps of the loops, their Jacobian, their bias, the mass matrix and the forces; v: all rates. See `Equations`."""
-        gap, G, bias, M, Q = (np.array(each) for each in self._motion(self._place(time, np.append(q, v), p)))
-        return gap.ravel(), G, bias.ravel(), M, Q.ravel()
-
-    def _place(self, time: float, q: Array, p: Array) -> Array:
-        return np.concatenate([[time], q, p, *(table.at(q[table.index]) for table in self.system.tables)])
-
-    def refuse_unknown(self, names: Iterable[str], what: str, known: Iterable[str]) -> None:
-        """Raise DescriptionError for an unknown name; the message lists the known ones."""
-        accepted = list(known)
-        for name in names:
-            if name not in accepted:
-                raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(accepted)}")

@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from quickreturn.derive.compiled import Values
 from quickreturn.derive.machine_code import MachineCode
-from quickreturn.derive.model import Model, Values
+from quickreturn.derive.model import Model
 from quickreturn.derive.system import column
 from quickreturn.derive.units import DescriptionError, in_si, per
 

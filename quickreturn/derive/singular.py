@@ -7,17 +7,15 @@ is solved where it has no solution, and a motion that turns off, or ends there, 
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
+from quickreturn.derive.compiled import CompiledEquations
 from quickreturn.derive.units import DescriptionError
-
-if TYPE_CHECKING:
-    from quickreturn.derive.model import Model
 
 Array = NDArray[np.float64]
 
@@ -72,7 +70,7 @@ class Watch:
         smallest: smallest singular value of the scaled Jacobian in the present state.
     """
 
-    def __init__(self, model: "Model", p: Array, tolerance: float, passes: bool = True) -> None:
+    def __init__(self, model: CompiledEquations, p: Array, tolerance: float, passes: bool = True) -> None:
         self._model, self._p, self._tolerance, self._passes = model, p, tolerance, passes
         loops, e = model.system.loops, model.equations
         self._rows = np.repeat(np.arange(len(loops)), [loop.gap.numel() for loop in loops])

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from quickreturn.derive.model import Model, Values
+from quickreturn.derive.compiled import Values
+from quickreturn.derive.model import Model
 from quickreturn.derive.singular import SINGULAR
 from quickreturn.derive.system import column
 from quickreturn.derive.units import DescriptionError, in_si

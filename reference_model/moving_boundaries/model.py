@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale, pace
-from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.integrate import Equations, dop853
+from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.equations import evaluate

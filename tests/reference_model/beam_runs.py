@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.beam.tables import slider_range, span_tables
-from quickreturn.reference_model.integrate import REACHED_END
+from quickreturn.reference_model.integration import REACHED_END
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.parameters import parameters

@@ -13,7 +13,7 @@ from scipy.optimize import brentq, fsolve
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.integrate import REACHED_END
+from quickreturn.reference_model.integration import REACHED_END
 from quickreturn.reference_model.joint import Rollers, joint_energy, joint_force, rollers
 from quickreturn.reference_model.mechanism import CONTACT_STIFFNESS, Mechanism, PrescribedSpeed, Slider
 from quickreturn.reference_model.model import BeamModel

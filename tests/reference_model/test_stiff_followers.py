@@ -12,7 +12,8 @@ from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.integrate import CEILING, REACHED_END
+from quickreturn.reference_model.dop853_loop import CEILING
+from quickreturn.reference_model.integration import REACHED_END
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
