@@ -1,6 +1,7 @@
 """The compiled equations of a system, as functions of numbers in SI units."""
 
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -37,11 +38,6 @@ class CompiledEquations:
         self.parameters = {name: value / in_si(unit)[0] for name, (_, value, unit) in system.parameters.items()}
         self.constants = column(*(symbol for symbol, _, _ in system.parameters.values()))
         self.inputs = column(system.time, e.state, self.constants, *(table.row for table in system.tables))
-        speeds = [system.coordinates[k].rate_name for k in e.free]
-        names = [*(c.rate_name for c in system.coordinates), *(f"rate of {name}" for name in speeds), "dissipated power", "power"]
-        self._rates = MachineCode(self.inputs, e.rates, names)
-        results = column(*(expression for expression, _ in e.outputs.values()))
-        self._outputs = ca.Function("outputs", [self.inputs], [ca.densify(ca.cse(results))])
         rows = [table.row for table in system.tables]
         at = [column(system.time, e.q, self.constants, *rows)]
         jacobian = ca.Function("jacobian", at, [ca.densify(e.G.T)])
@@ -54,6 +50,19 @@ class CompiledEquations:
         moving = [column(system.time, e.q, e.v, self.constants, *rows)]
         self._motion = ca.Function("motion", moving, [e.gap, e.G, e.bias, e.M[:n, :n], e.Q[:n]])
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
+
+    @cached_property
+    def _rates(self) -> MachineCode:
+        """The rates of a state. They are compiled for the first motion; a rest and small vibrations need none."""
+        speeds = [self.system.coordinates[k].rate_name for k in self.equations.free]
+        names = [*(c.rate_name for c in self.system.coordinates), *(f"rate of {name}" for name in speeds), "dissipated power", "power"]
+        return MachineCode(self.inputs, self.equations.rates, names)
+
+    @cached_property
+    def _outputs(self) -> Any:
+        """The outputs of a state as a CasADi function."""
+        results = column(*(expression for expression, _ in self.equations.outputs.values()))
+        return ca.Function("outputs", [self.inputs], [ca.densify(ca.cse(results))])
 
     def values(self, changed: Values | None) -> Array:
         """Values of all parameters in SI; `changed` gives other values, each in the parameter's unit."""

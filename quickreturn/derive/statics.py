@@ -1,7 +1,8 @@
 """Equilibrium, and small vibrations about a configuration at rest."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, Final, NamedTuple
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
@@ -46,24 +47,14 @@ class Statics:
     """
 
     def __init__(self, model: Model, hold: Sequence[str] = (), parameters: Values | None = None) -> None:
-        e, system, names = model.equations, model.system, [c.name for c in model.system.coordinates]
+        names = [c.name for c in model.system.coordinates]
         model.refuse_unknown(hold, "coordinate", names)
-        self._model, self._parameters, self._names, n = model, parameters, names, len(names)
+        self._model, self._parameters, self._names = model, parameters, names
         self._held = [names.index(name) for name in hold]
-        self._moving = [k for k in range(n) if k not in self._held]
-        force, now = ca.SX.sym("force", e.gap.numel()), ca.SX.sym("now", n)
-        M, Q, G, gap = e.M[:n, :n], e.Q[:n], e.G[:, :n], e.gap
-        # values of a table change with its coordinate
-        moved = column(*(t.row + t.row_slope * (e.q[t.index] - now[t.index]) for t in system.tables))
-        M, Q, G, gap = ca.substitute([M, Q, G, gap], [column(*(t.row for t in system.tables))], [moved])
-        balance = Q + G.T @ force
-        expressions = [balance, gap, G, M, -ca.jacobian(Q, e.v), -ca.jacobian(balance, e.q)]
-        tables = [each for t in system.tables for each in (t.row, t.row_slope)]
-        inputs = column(system.time, e.q, now, e.v, force, model.constants, *tables)
-        self._evaluate = ca.Function("statics", [inputs], [ca.densify(each) for each in expressions])
-        still = [column(e.a, e.lost, e.done, e.forces)], [column(ca.SX.zeros(n + 2), force)]
-        shown = ca.substitute([column(*(value for value, _ in e.stated.values()))], *still)
-        self._outputs = ca.Function("outputs", [inputs], [ca.densify(each) for each in shown])
+        self._moving = [k for k in range(len(names)) if k not in self._held]
+        if model not in _FUNCTIONS:
+            _FUNCTIONS[model] = _functions(model)
+        self._evaluate, self._outputs = _FUNCTIONS[model]
 
     def equilibrium(self, start: Values) -> Rest:
         """Coordinates and outputs at rest under the forces, found from a start by Newton's method.
@@ -141,6 +132,30 @@ class Statics:
         rows = [t.at(q[t.index], slope) for t in self._model.system.tables for slope in (False, True)]
         constants = self._model.values(self._parameters)
         return np.concatenate([[0.0], q, q, np.zeros(len(q)), force, constants, *rows])
+
+
+#: Each model's functions.
+_FUNCTIONS: Final[WeakKeyDictionary[Model, tuple[Any, Any]]] = WeakKeyDictionary()
+
+
+def _functions(model: Model) -> tuple[Any, Any]:
+    """CasADi functions of a system at rest: balance of forces, gaps, G, M, D and K; and its outputs."""
+    e, system, n = model.equations, model.system, len(model.system.coordinates)
+    force, now = ca.SX.sym("force", e.gap.numel()), ca.SX.sym("now", n)
+    M, Q, G, gap = e.M[:n, :n], e.Q[:n], e.G[:, :n], e.gap
+    # values of a table change with its coordinate
+    moved = column(*(t.row + t.row_slope * (e.q[t.index] - now[t.index]) for t in system.tables))
+    M, Q, G, gap = ca.substitute([M, Q, G, gap], [column(*(t.row for t in system.tables))], [moved])
+    balance = Q + G.T @ force
+    expressions = [balance, gap, G, M, -ca.jacobian(Q, e.v), -ca.jacobian(balance, e.q)]
+    tables = [each for t in system.tables for each in (t.row, t.row_slope)]
+    inputs = column(system.time, e.q, now, e.v, force, model.constants, *tables)
+    still = [column(e.a, e.lost, e.done, e.forces)], [column(ca.SX.zeros(n + 2), force)]
+    shown = ca.substitute([column(*(value for value, _ in e.stated.values()))], *still)
+    return (
+        ca.Function("statics", [inputs], [ca.densify(each) for each in expressions]),
+        ca.Function("outputs", [inputs], [ca.densify(each) for each in shown]),
+    )
 
 
 def natural_frequencies(model: Model, at: Values, hold: Sequence[str] = (), parameters: Values | None = None) -> Array:
