@@ -34,7 +34,10 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.command_line import COMMANDS, main
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.long_studies import benchmarks
+from tests.quickreturn.conftest import warm_workers
 from tests.quickreturn.program import TESTS_ALONE
+
+__all__ = ["warm_workers"]
 
 ROOT = Path(__file__).resolve().parents[1]
 BIN = Path(sys.executable).parent

@@ -15,7 +15,7 @@ import sys
 import textwrap
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from multiprocessing import forkserver
 from pathlib import Path
@@ -23,6 +23,7 @@ from typing import Any
 
 import pytest
 
+from quickreturn.cases.jobs import fork_server
 from quickreturn.cases.jobs.isolation import end_waiting, isolated
 from quickreturn.cases.jobs.job import Job, Limits, Outcome
 from quickreturn.cases.jobs.processes import LocalProcesses, Pool, computed
@@ -34,15 +35,16 @@ RAISE = codecs.strict_errors  # raises whatever exception it is given
 
 
 @pytest.fixture(scope="module", autouse=True)
-def no_server_left_behind() -> Iterator[None]:
+def a_warm_server_left_behind() -> Iterator[None]:
     """The tests after these get a fork server that has imported what their jobs need; otherwise each job would import it."""
     yield
     end_waiting()
     forkserver._forkserver._stop()  # type: ignore[attr-defined]
+    done(len, (), preload=fork_server.PRELOAD)
 
 
-def done(function: Callable[..., Any], *arguments: Any, limits: Limits | None = None) -> Outcome[Any]:
-    return isolated(Job("job", function, arguments), limits, preload=PRELOAD)
+def done(function: Callable[..., Any], *arguments: Any, limits: Limits | None = None, preload: Sequence[str] = PRELOAD) -> Outcome[Any]:
+    return isolated(Job("job", function, arguments), limits, preload=preload)
 
 
 def test_a_time_limit_of_years_is_one() -> None:
