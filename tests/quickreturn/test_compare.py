@@ -15,13 +15,30 @@ from tests.quickreturn.conftest import Call
 
 
 @pytest.fixture(scope="module")
-def trajectory(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+def store(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """One folder of results for all tests of this file: they compare with the same runs."""
+    return str(tmp_path_factory.mktemp("store"))
+
+
+@pytest.fixture(autouse=True)
+def _one_store(store: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QUICKRETURN_STORE", store)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A trajectory of the reference."""
     file = tmp_path_factory.mktemp("trajectory") / "out.csv"
     assert main(["simulate", "thesis-24", "--engine", "reference", "--output", str(file)]) == 0
+    return file
+
+
+@pytest.fixture(scope="module")
+def trajectory(file: Path) -> pd.DataFrame:
     return pd.read_csv(file)
 
 
-def test_our_own_trajectory_in_other_units_passes(call: Call, trajectory: pd.DataFrame) -> None:
+def test_our_own_trajectory_in_other_units_passes(call: Call, file: Path, trajectory: pd.DataFrame) -> None:
     table = pd.DataFrame(
         {
             "time [ms]": 1e3 * trajectory["time"],
@@ -31,7 +48,7 @@ def test_our_own_trajectory_in_other_units_passes(call: Call, trajectory: pd.Dat
         }
     )
     Path("tool.csv").write_text("# version = 7.1\n" + table.to_csv(index=False))
-    trajectory.to_csv("own.csv", index=False)
+    Path("own.csv").symlink_to(file)
     answer = call("compare", "thesis-24", "tool.csv", "own.csv", "--engine", "reference", "--json", "--output", "picture.png")
     assert answer.code == 0, answer.errors
     (case,) = json.loads(answer.output)["cases"]
@@ -71,10 +88,10 @@ def test_a_table_that_departs_is_told_with_the_mistake(call: Call, trajectory: p
         ([], ["FILE"]),
     ],
 )
-def test_bad_input(call: Call, trajectory: pd.DataFrame, arguments: list[str], words: list[str]) -> None:
+def test_bad_input(call: Call, file: Path, arguments: list[str], words: list[str]) -> None:
     Path("folder").mkdir()
     for name in ("good.csv", "folder/good.csv", "reference"):
-        trajectory.to_csv(name, index=False)
+        Path(name).symlink_to(file)
     Path("bad.csv").write_text("time,tip_deflecton\n0,1\n")
     answer: Any = call("compare", "thesis-24", *arguments)
     assert (answer.code, answer.output) == (2, "")
@@ -113,14 +130,14 @@ def test_report_and_run_take_third_party_engines_and_tables(call: Call, tmp_path
 
 
 @pytest.fixture(scope="module")
-def other(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("other") / "out.csv"
     assert main(["simulate", "thesis-17", "--engine", "reference", "--output", str(file)]) == 0
-    return pd.read_csv(file)
+    return file
 
 
-def test_a_table_of_another_case_is_told_as_that(call: Call, other: pd.DataFrame) -> None:
-    other.to_csv("tool.csv", index=False)
+def test_a_table_of_another_case_is_told_as_that(call: Call, other: Path) -> None:
+    Path("tool.csv").symlink_to(other)
     answer = call("compare", "thesis-24", "tool.csv", "--engine", "reference", "--json")
     assert answer.code == 1
     (case,) = json.loads(answer.output)["cases"]
