@@ -9,7 +9,6 @@ from typing import ClassVar, Final, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
@@ -408,6 +407,8 @@ def _tolerance(points: Sequence[BranchPoint], at: int) -> float:
 
 def _maxima(points: Sequence[BranchPoint], heights: Array, scene_at: Callable[[float], Mechanism]) -> Iterator[ResonancePeak]:
     """Local maxima between the points, by the parabola of the logarithms of three."""
+    from scipy.signal import find_peaks  # takes a second to import
+
     log = np.log(heights)
     for at in find_peaks(log, prominence=math.log(PROMINENT))[0].tolist():
         near = slice(at - 1, at + 2)

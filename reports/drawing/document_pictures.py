@@ -66,11 +66,13 @@ def curve(case: Case, workshop: Workshop) -> Figure:
 def png(figure: Figure) -> bytes:
     """A figure as a small PNG file of few colours."""
     file = io.BytesIO()
-    pixels = np.asarray(Image.open(io.BytesIO(picture(figure, ".png"))).convert("RGB"), dtype=int)
-    colours, which, counts = np.unique(pixels.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
+    red, green, blue = np.asarray(Image.open(io.BytesIO(picture(figure, ".png"))).convert("RGB"), dtype=int).transpose(2, 0, 1)
+    # a colour as one number is sorted ten times as fast as three
+    codes, which, counts = np.unique(red << 16 | green << 8 | blue, return_inverse=True, return_counts=True)
+    colours = np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=1)
     kept = colours[np.argsort(-counts)[:COLOURS]]
     nearest = np.argmin(np.sum((colours[:, None] - kept) ** 2, axis=2), axis=1)
-    small = Image.fromarray(nearest[which].reshape(pixels.shape[:2]).astype(np.uint8), "P")
+    small = Image.fromarray(nearest[which].reshape(red.shape).astype(np.uint8), "P")
     small.putpalette(kept.astype(np.uint8).tobytes())
     small.save(file, "PNG", optimize=True)
     return file.getvalue()

@@ -11,7 +11,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
@@ -52,6 +51,8 @@ def counted_frequency(run: Run, half: str, channel: str, visible: float) -> floa
 
 def _extremes(time: Array, signal: Array, visible: float) -> Array:
     """Instants of the visible peaks and troughs in order, s."""
+    from scipy.signal import find_peaks  # takes a second to import
+
     prominence = visible * float(np.ptp(signal))
     places = [find_peaks(sign * signal, prominence=prominence)[0] for sign in (1.0, -1.0)]
     return time[np.sort(np.concatenate(places))]

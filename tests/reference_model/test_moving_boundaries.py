@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy as sp
 from scipy.integrate import trapezoid
 
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
@@ -53,6 +52,8 @@ def lagrange(model: MovingBoundariesModel) -> Callable[[Array, Array], tuple[Any
     Returns:
         A function of the state and of the force on the tip, N. The table's entries are Taylor series in l about the state's place.
     """
+    import sympy as sp  # takes a second, which every process of the tests would spend at the head of the file
+
     p, n = model.parameters, model.shapes
     x, v, a = (sp.symbols(f"{name}:{n + 2}") for name in "xva")
     theta, distance, turn, slide = x[n], x[n + 1], v[n], v[n + 1]

@@ -15,11 +15,10 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from distributed import LocalCluster
 
 import quickreturn as qr
 from quickreturn.cases.jobs import cluster as module
@@ -32,13 +31,18 @@ from quickreturn.command_line import _told_of
 from quickreturn.reference_model.errors import ExitCode
 from tests.package_copy import copied_package
 
+if TYPE_CHECKING:
+    from distributed import LocalCluster
+
 ROOT = Path(__file__).resolve().parents[3]
 #: How long anything here may take on a busy machine, s.
 LONG = 60.0
 
 
-def here(workers: int) -> LocalCluster:
+def here(workers: int) -> "LocalCluster":
     """A scheduler in this process, with workers that are threads of it."""
+    from distributed import LocalCluster  # takes half a second, which every process of the tests would spend at the head of the file
+
     return LocalCluster(
         n_workers=workers,
         threads_per_worker=1,
@@ -75,7 +79,7 @@ def free_port() -> int:
 
 
 @pytest.fixture(scope="module")
-def scheduler() -> Iterator[LocalCluster]:
+def scheduler() -> "Iterator[LocalCluster]":
     with here(1) as scheduler:
         yield scheduler
 
@@ -114,7 +118,7 @@ def numbers(folder: Path) -> list[Job[Any]]:
     return [Job(f"{number}", eval, (code.format(number),), inputs=number) for number in range(12)]
 
 
-def test_a_worker_that_is_killed_loses_its_job_and_the_results_are_the_same_bit_for_bit(scheduler: LocalCluster, tmp_path: Path) -> None:
+def test_a_worker_that_is_killed_loses_its_job_and_the_results_are_the_same_bit_for_bit(scheduler: "LocalCluster", tmp_path: Path) -> None:
     worker = started(scheduler.scheduler_address, nanny=False)
     jobs, mark = numbers(tmp_path), tmp_path / "pid"
 
@@ -139,7 +143,7 @@ def test_a_worker_that_is_killed_loses_its_job_and_the_results_are_the_same_bit_
 
 
 @pytest.fixture
-def executor(scheduler: LocalCluster) -> Iterator[Cluster]:
+def executor(scheduler: "LocalCluster") -> Iterator[Cluster]:
     with cluster(scheduler.scheduler_address, Limits(seconds=LONG, memory=2**30)) as executor:
         yield executor
 
@@ -277,7 +281,7 @@ def refusal(**worker: Any) -> str:
 
 @pytest.mark.verify
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -9)])
-def test_who_asked_and_is_gone_leaves_nothing_at_work(scheduler: LocalCluster, number: int, code: int, tmp_path: Path) -> None:
+def test_who_asked_and_is_gone_leaves_nothing_at_work(scheduler: "LocalCluster", number: int, code: int, tmp_path: Path) -> None:
     mark, script = tmp_path / "pid", tmp_path / "asks.py"
     script.write_text(
         textwrap.dedent(
