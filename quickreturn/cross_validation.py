@@ -99,10 +99,9 @@ class CrossValidation(Shown):
         """Loads on the parts: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
         import pandas as pd
 
-        from quickreturn.reports.findings.loads import loads_of_case
-        from quickreturn.reports.tables.strength import of_case
+        from quickreturn.reports.results.loads import loads_of_case, numbers_of_case
 
-        rows = [(result.case.name, *row) for result in self.results for row in of_case(loads_of_case(result))]
+        rows = [(result.case.name, *row) for result in self.results for row in numbers_of_case(loads_of_case(result))]
         return pd.DataFrame([{"case": case, "engine": engine} | vars(number) for case, engine, number in rows])
 
     def cycle(self, case: str, engine: str) -> "pd.DataFrame":

@@ -165,7 +165,7 @@ class Solution(Shown):
             notes: words that say where the notes on the case are.
         """
         from quickreturn.cases.loads.arm import missing
-        from quickreturn.reports.findings.loads import stress_text
+        from quickreturn.reports.results.loads import stress_text
         from quickreturn.reports.words import TIED, settings_words
 
         result = self.result

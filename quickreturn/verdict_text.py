@@ -7,7 +7,7 @@ from quickreturn.cases.loads import UNITS
 from quickreturn.cases.runs.comparison import REFERENCE, SAYS_NOTHING, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows
-from quickreturn.reports.findings.loads import CaseLoads, leading_loads, stress_text
+from quickreturn.reports.results.loads import CaseLoads, leading_loads, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
 
 #: Largest number of departures that the text shows for a pair of engines.

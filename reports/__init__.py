@@ -1,1 +1,1 @@
-"""The report: findings from results, tables, plots and the page."""
+"""The report: chapters, tables, plots and the page."""

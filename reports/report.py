@@ -27,12 +27,12 @@ from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reports import long_studies
-from quickreturn.reports.findings.resonance import curves_around, jobs_around
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import check_folder, write_file
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
+from quickreturn.reports.results.around import curves_around, jobs_around
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import verification as stored_verification
 

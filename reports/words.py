@@ -163,6 +163,11 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(words[:-1])} {last} {words[-1]}"
 
 
+def won(counts: Mapping[str, int]) -> str:
+    """Winners and how often each wins: "a in 3, b in 1"; "" if there are none."""
+    return ", ".join(f"{name} in {count}" for name, count in counts.items())
+
+
 def counted(count: int, one: str, many: str = "") -> str:
     """A number with its noun: "1 case", "3 cases"."""
     return f"{count}{TIED}{one if count == 1 else many or one + 's'}"

@@ -62,7 +62,6 @@ def test_no_modules_import_each_other() -> None:
     That Python runs a package before its modules makes no circle.
     """
     importing = {module: imported(file) & set(MODULES) for module, file in MODULES.items()}
-    importing["quickreturn.reports.thesis.facts"].remove("quickreturn.reports.thesis.content")  # the one that is left
     TopologicalSorter(importing).prepare()
     assert len(importing) > 300
 

@@ -73,7 +73,7 @@ def _resonances(cases: "Sequence[Case]") -> list[dict[str, list[str]]]:
     from quickreturn.cases.sweep.grid import job
     from quickreturn.cases.sweep.rows import MeasureRequest
     from quickreturn.questions import value_of
-    from quickreturn.reports.findings.resonance import Around
+    from quickreturn.reports.results.around import Around
 
     workshop = options.opened_workshop()
     outcomes = workshop.outcomes([job_around(case) for case in cases], "resonance curves")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
 #: Modules that this process imports while workers simulate, to show their results.
-_SHOWING: Final = ("quickreturn.reports.tables.strength",)
+_SHOWING: Final = ("quickreturn.reports.results.loads",)
 
 #: Further keys of a simulation's JSON document, with the values that they have after a failure without any.
 _NOTHING: Final[dict[str, Any]] = {
@@ -178,13 +178,13 @@ def _written(attempt: "Attempt", path: str | None) -> "tuple[dict[str, Any], Fou
     if isinstance(found, EngineFailure):
         failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
         return known | {"remark": str(found), "failure": failure}, found
-    from quickreturn.reports.tables.strength import document
+    from quickreturn.reports.results.loads import loads_document
 
     same = {name: getattr(found.result, name) for name in ("accuracy", *_NOTHING) if hasattr(found.result, name)}
     more = {
         "settings": found.settings,
         "error_parts": [vars(part) for part in found.error_parts],
-        "loads": document(found.loads),
+        "loads": loads_document(found.loads),
         **vars(found.result.description),
     }
     return known | same | more, found

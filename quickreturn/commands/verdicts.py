@@ -7,7 +7,7 @@ from quickreturn.cases.loads import loads_of_run, resonance
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.commands import options
 from quickreturn.reference_model.errors import ExitCode
-from quickreturn.reports.tables.strength import document
+from quickreturn.reports.results.loads import loads_document
 
 if TYPE_CHECKING:
     from quickreturn.cases.jobs.workshop import Workshop
@@ -48,7 +48,7 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
                 "notes": list(result.case.notes),
                 "engines": [
                     _as_document(run)
-                    | {"accuracy_class": result.accuracy_class(name), "loads": document(loads_of_run(result.case.mechanism, run))}
+                    | {"accuracy_class": result.accuracy_class(name), "loads": loads_document(loads_of_run(result.case.mechanism, run))}
                     for name, run in result.runs.items()
                 ],
                 "resonance": _resonance(result.case.mechanism),

@@ -11,9 +11,9 @@ from quickreturn.cases.benchmark.findings import LEVELS
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.engines.registry import MODEL, OWN
-from quickreturn.reports.findings.agreement import Spread, differences, engines_of, spread
-from quickreturn.reports.findings.loads import accuracies_missed
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.results.differences import Spread, differences, engines_of, spread
+from quickreturn.reports.results.loads import accuracies_missed
 
 #: Largest part of an engine's numbers that may differ by more than claimed if it is to count as agreeing.
 FEW: Final = 0.05

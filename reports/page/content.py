@@ -1,6 +1,6 @@
 """The data of all chapters."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
@@ -14,14 +14,12 @@ from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import Studies
-from quickreturn.reports.findings.loads import CaseLoads, loads_of_case
-from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves
-from quickreturn.reports.findings.resonance import Around
 from quickreturn.reports.long_studies import About
+from quickreturn.reports.page.chapter import Chapters
+from quickreturn.reports.results.around import Around
+from quickreturn.reports.results.loads import CaseLoads, loads_of_case
+from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.verification import Verification
-
-#: Chapter -> its name, and the function that returns its facts, None if a report has none.
-Chapters = Mapping[str, tuple[str, Callable[[Any], Mapping[str, Any] | None]]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +42,7 @@ class Content:
         around: the resonance curves of the user's own machines, around their speeds.
     """
 
-    chapters: ClassVar[Chapters] = {}  # those of the page, in their order; empty: `chapters.CHAPTERS`
+    chapters: ClassVar[Chapters] = ()  # those of the page, in their order; empty: `chapters.CHAPTERS`
     templates: ClassVar[tuple[str, ...]] = ()  # packages with templates of these chapters
     is_own: ClassVar[bool] = True  # whether the report is about the user's own machines
 

@@ -12,7 +12,7 @@ from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports import templates, words
 from quickreturn.reports.page.answer import answer_of
-from quickreturn.reports.page.chapters import Chapter
+from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.tables.table import csv_text

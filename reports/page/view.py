@@ -16,10 +16,10 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reports.findings.loads import CaseLoads
-from quickreturn.reports.findings.runs import of_library
 from quickreturn.reports.looks import Look, looks
 from quickreturn.reports.page.packing import packed
+from quickreturn.reports.results.loads import CaseLoads
+from quickreturn.reports.results.runs import of_library
 from quickreturn.reports.words import per_unit
 
 Array = NDArray[np.float64]

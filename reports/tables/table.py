@@ -1,17 +1,13 @@
-"""A table of the report: one set of cells, in SI units, from which both the page and the CSV file are written.
-
-Its caption is in `templates/captions.toml`, under its name.
-"""
+"""A table of the report: one set of cells, in SI units, from which both the page and the CSV file are written."""
 
 import math
-import tomllib
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, number, per_unit
+from quickreturn.reports.words import number, per_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,7 +15,6 @@ if TYPE_CHECKING:
 Value = str | int | float | bool | None
 Mark = Literal["", "good", "missed", "open", "failed", "model"]
 
-CAPTIONS: Final[Mapping[str, str]] = tomllib.loads((files("quickreturn.reports") / "templates" / "captions.toml").read_text("utf-8"))
 #: Unit of the page -> unit of the CSV file, if it differs.
 _SI: Final = {
     "%": "1", "% of range": "1", "10⁻⁶": "1", "mm": "m", "ms": "s", "µs": "s", "kN/m": "N/m", "MPa": "Pa", "°": "rad", "rpm": "rad/s",
@@ -99,27 +94,20 @@ class Column:
 #: A column of a table; a text is the key of a column of texts.
 ColumnList = Sequence[Column | str]
 
-#: Columns of many tables.
-CASE: Final = Column("case", "run", words=case_label)
-QUANTITY_COLUMN: Final = Column("quantity", words=QUANTITY.__getitem__)
-HALF_COLUMN: Final = Column("half", words=HALF.__getitem__)
-CHANNEL: Final = Column("channel", words=channel_name)
-
 
 class Table:
     """A table of the report.
 
     Args:
-        name: name of its caption, and of the CSV file without ".csv".
+        name: name of the CSV file without ".csv".
+        caption: what the table shows, in the page and in the list of files; line breaks with the blanks about them are one blank.
         columns: at least one.
-        of: further part of the file's name.
         in_page: False for a table that exists as a file only.
-        numbers: values for the names in the caption.
     """
 
-    def __init__(self, name: str, columns: ColumnList, of: str = "", in_page: bool = True, **numbers: object) -> None:
-        self.name = name + of
-        self.caption = CAPTIONS[name].format(**numbers)
+    def __init__(self, name: str, caption: str, columns: ColumnList, in_page: bool = True) -> None:
+        self.name = name
+        self.caption = re.sub(r" *\n *", " ", caption.strip())
         self.columns = [Column(column) if isinstance(column, str) else column for column in columns]
         self.in_page = in_page
         self.rows: list[Row] = []

@@ -14,8 +14,12 @@ WORDS: Final = (
 
 
 def environment(escaped: bool = True, packages: Sequence[str] = ()) -> Environment:
-    """The Jinja environment of these templates and those of other packages; `escaped`: inserted values are plain text to a browser."""
-    loader = ChoiceLoader([PackageLoader(package) for package in ("quickreturn.reports", *packages)])
+    """The Jinja environment of these templates and those of other packages; `escaped`: inserted values are plain text to a browser.
+
+    A template in a package's folder `templates` goes by its name there, any other one by its path in the package: `chapters/ID.html`.
+    """
+    folders = [PackageLoader(package, folder) for package in ("quickreturn.reports", *packages) for folder in ("templates", "")]
+    loader = ChoiceLoader(folders)
     jinja = Environment(loader=loader, autoescape=escaped, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     jinja.globals |= {name: getattr(words, name) for name in WORDS}
     return jinja

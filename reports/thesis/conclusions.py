@@ -1,20 +1,20 @@
 """The verdict on each of the thesis' statements: it holds, it cannot follow from the model, or it cannot be checked."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final
 
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.thesis.experiment import Statement, statements
 from quickreturn.cases.thesis.finding.study import Row
-from quickreturn.cases.thesis.modes import ELEMENTS, ThesisModes
+from quickreturn.cases.thesis.modes import ELEMENTS, Span, ThesisModes
 from quickreturn.engines.registry import MODEL
-from quickreturn.reports.findings.agreement import differences, summary_of
-from quickreturn.reports.templates import environment
+from quickreturn.reports.results.differences import Summary, differences, summary_of
 from quickreturn.reports.thesis.runs import thesis_runs
+from quickreturn.reports.words import number, percent, size, span
 
 HOLDS: Final = "holds"
 IN_PART: Final = "holds in part"
@@ -64,11 +64,11 @@ def conclusions(basis: Basis) -> list[Conclusion]:
 def post_over_pre(results: Sequence[CaseResult], engine: str) -> dict[int, float]:
     """Run -> first-mode frequency after the return over that before it, where both are resolvable."""
     ratios = {}
-    for number, result in thesis_runs(results).items():
+    for run_number, result in thesis_runs(results).items():
         run = result.runs.get(engine)
         pair = tuple(run.consensus_frequency(half) for half in HALVES) if run is not None and run.usable else (None, None)
         if pair[0] is not None and pair[1] is not None:
-            ratios[number] = pair[1] / pair[0]
+            ratios[run_number] = pair[1] / pair[0]
     return ratios
 
 
@@ -76,26 +76,21 @@ def _conclusion(statement: Statement, basis: Basis) -> Conclusion:
     if statement.id not in _CRANK_HELD:
         return _RULES.get(statement.id, _relation)(statement, basis)
     frozen = basis.thesis_modes
-    return _conclude("not_shown", statement, UNCHECKABLE) if frozen is None else _CRANK_HELD[statement.id](statement, frozen, basis)
-
-
-@cache
-def _sentences() -> Any:
-    return environment(escaped=False, packages=("quickreturn.reports.thesis",)).get_template("conclusions.jinja").module
-
-
-def _conclude(macro: str, statement: Statement, outcome: str, inference: bool = False, **facts: Any) -> Conclusion:
-    """A conclusion whose `numbers` a macro of `templates/conclusions.jinja` writes from the facts."""
-    text = getattr(_sentences(), macro)(facts | {"statement": statement})
-    return Conclusion(statement, outcome, text.strip().replace("\n", " "), inference)
+    if frozen is None:
+        text = f"Run {statement.runs[-1]} is not among the cases shown, or its reference did not settle."
+        return Conclusion(statement, UNCHECKABLE, text)
+    return _CRANK_HELD[statement.id](statement, frozen, basis)
 
 
 def _relation(statement: Statement, basis: Basis) -> Conclusion:
     """A statement on the ratio simulation / experiment, which needs a measured waveform."""
     values = basis.measured.get(statement.quantity, {})
-    share = statement.share_of(values)
-    outcome = UNCHECKABLE if share is None else HOLDS if statement.holds(values) else NOT
-    return _conclude("relation", statement, outcome, share=share, counted=sum(run in values for run in statement.runs))
+    share, runs = statement.share_of(values), sum(run in values for run in statement.runs)
+    if share is None:
+        return Conclusion(statement, UNCHECKABLE, "It compares with measured waveforms, but none survives.")
+    required = f"the words require {percent(statement.share, '.0f')}"
+    text = f"{percent(share, '.0f')} of the {runs} runs with measured curves show a ratio of {_limits(statement)}; {required}."
+    return Conclusion(statement, HOLDS if statement.holds(values) else NOT, text)
 
 
 def _first_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
@@ -105,22 +100,31 @@ def _first_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conc
     run = thesis_runs(basis.results).get(statement.runs[0])
     reference = run.runs.get(REFERENCE) if run else None
     means = [reference.consensus_frequency(half) for half in HALVES] if reference is not None and reference.usable else []
-    return _conclude("first_mode", statement, outcome, first=first, overlap=overlap, means=[mean for mean in means if mean is not None])
+    overlaps = "overlaps the upper part of" if first.low < statement.low else "overlaps"
+    within = f"the printed range {'lies within' if overlap == 1.0 else overlaps} this."
+    text = f"With the crank held, the converged first mode runs from {_range(first, '.1f')} over the crank angle; {within}"
+    if known := " and ".join(f"{number(mean, '.1f')} Hz" for mean in means if mean is not None):
+        text += f" Its time mean in the simulated cycle is {known}, before and after the return."
+    return Conclusion(statement, outcome, f"{text} The measured waveform itself is lost.")
 
 
 def _second_mode(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     second, third = frozen.converged[1:3]
     holds = second.holds(statement.low)
     is_third = not holds and third.holds(statement.low)
-    facts = {"second": second, "third": third, "cubic": frozen.cubic[1], "is_third": is_third}
-    return _conclude("second_mode", statement, HOLDS if holds else NOT, inference=is_third, **facts)
+    ranges = (_range(mode, ".0f") for mode in (second, third, frozen.cubic[1]))
+    text = "With the crank held, the second converged mode lies at {}, the third at {}, the single cubic's second at {}.".format(*ranges)
+    text += f" {statement.low:g} Hz is the third mode, not the second." if is_third else ""
+    return Conclusion(statement, HOLDS if holds else NOT, text, inference=is_third)
 
 
 def _signs(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     fast = [mode for mode, share in enumerate(frozen.alternating, start=1) if share >= MOSTLY]
     holds = frozen.alike[0] >= MOSTLY and bool(fast)
-    facts = {"alternating": frozen.alternating, "alike": frozen.alike[0], "modes": fast if holds else ()}
-    return _conclude("signs", statement, HOLDS if holds else NOT, inference=holds, **facts)
+    against = ", ".join(f"mode {mode} at {percent(share, '.0f')}" for mode, share in enumerate(frozen.alternating, start=1))
+    text = f"Strains 1 and 3 against strain 2: {against} of the crank angles. All three alike: mode 1 at {percent(frozen.alike[0], '.0f')}."
+    text += f" The signs are those of mode {' and '.join(map(str, fast))}." if holds else ""
+    return Conclusion(statement, HOLDS if holds else NOT, text, inference=holds)
 
 
 def _depends(statement: Statement, basis: Basis) -> Conclusion:
@@ -134,8 +138,10 @@ def _depends(statement: Statement, basis: Basis) -> Conclusion:
             groups["tip mass"].setdefault(length, []).append((mass, mean))
     changes = {name: change for name, group in groups.items() if (change := _largest_change(group)) is not None}
     if len(changes) < len(groups):
-        return _conclude("depends", statement, UNCHECKABLE, changes=None)
-    return _conclude("depends", statement, HOLDS if min(changes.values()) > DEPENDS else NOT, changes=changes)
+        return Conclusion(statement, UNCHECKABLE, "The cases shown do not vary crank length and tip mass one at a time.")
+    alone = "; ".join(f"{name} alone: up to {percent(change, '.0f')}" for name, change in changes.items())
+    text = f"Reference, mean first-mode frequency before the return: {alone}."
+    return Conclusion(statement, HOLDS if min(changes.values()) > DEPENDS else NOT, text)
 
 
 def _largest_change(groups: Mapping[float, list[tuple[float, float]]]) -> float | None:
@@ -151,18 +157,28 @@ def _post_excess(statement: Statement, basis: Basis) -> Conclusion:
     excess = _excess(basis.results)
     short = {engine: summary_of(list(post_over_pre(basis.results, engine).values())) for engine in (MODEL, REFERENCE)}
     halves = {engine: ratios for engine, ratios in short.items() if ratios}
+    over = summary_of(list(excess.values()))
+    if over is None:
+        text = "No run shown is resolved in both halves by both the single cubic and the reference."
+        return Conclusion(statement, UNCHECKABLE, text)
     differs = statement.holds(excess)
-    outcome = CANNOT_FOLLOW if excess and not differs else UNCHECKABLE
-    return _conclude("post_excess", statement, outcome, excess=summary_of(list(excess.values())), halves=halves, differs=differs)
+    engines = "; ".join(f"{engine} {_median(ratios)}" for engine, ratios in halves.items())
+    required = f"the words require {_limits(statement)} in {percent(statement.share, '.0f')} of the runs."
+    lost, alike = "The measured waveforms that would decide are lost.", "The single cubic is too stiff in both halves alike."
+    text = (
+        f"First-mode frequency after / before the return: {engines}. Excess of the single cubic over the reference, after / before:"
+        f" {_median(over)}; {required} {lost if differs else alike}"
+    )
+    return Conclusion(statement, UNCHECKABLE if differs else CANNOT_FOLLOW, text)
 
 
 def _excess(results: Sequence[CaseResult]) -> dict[int, float]:
     """Run -> single cubic over reference after the return, over the same before it; each over the channels that both resolve."""
     excess = {}
-    for number, result in thesis_runs(results).items():
+    for run_number, result in thesis_runs(results).items():
         ratios = [[difference.ratio for difference in differences([result], MODEL, "frequency", half=half)] for half in HALVES]
         if all(ratios):
-            excess[number] = ratios[1][0] / ratios[0][0]
+            excess[run_number] = ratios[1][0] / ratios[0][0]
     return excess
 
 
@@ -171,25 +187,64 @@ def _joint(statement: Statement, basis: Basis) -> Conclusion:
     own = [row for row in basis.finding if row.engine == REFERENCE]
     linear, one_sided = ([row for row in own if row.effect == effect] for effect in ("linear", "post-side"))
     if not linear or not one_sided:
-        return _conclude("not_recorded", statement, UNCHECKABLE)
+        return Conclusion(statement, UNCHECKABLE, "The study of effects that could make the halves differ is missing.")
     lowers = any(row.tells_halves_apart and (row.apart or 0.0) < 0.0 for row in one_sided)
     splits = lowers and not any(row.tells_halves_apart for row in linear)
-    outcome, middle = UNCHECKABLE if splits else CANNOT_FOLLOW, len(linear) // 2
-    facts = {"linear": linear[middle].apart, "one_sided": one_sided[middle].apart, "strength": linear[middle].strength}
-    return _conclude("joint", statement, outcome, inference=splits, splits=splits, **facts)
+    middle = len(linear) // 2
+    both_sides, one_side = (_change(rows[middle].apart) for rows in (linear, one_sided))
+    lost = "So if it is the joint, it must be one side of it; the measured waveforms that would decide are lost."
+    text = (
+        f"With {linear[middle].strength} a softness of both sides changes the frequency after the return over that before it by"
+        f" {both_sides} in the median, a softness of the roller that carries after the return by {one_side}."
+        f" {lost if splits else 'Neither makes the halves differ.'}"
+    )
+    return Conclusion(statement, UNCHECKABLE if splits else CANNOT_FOLLOW, text, inference=splits)
 
 
 def _two_modes(statement: Statement, basis: Basis) -> Conclusion:
-    ratios = [difference.ratio for difference in differences(basis.results, MODEL, "frequency")]
-    inside = [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in ratios]
-    outcome = UNCHECKABLE if not ratios else HOLDS if all(inside) else IN_PART if any(inside) else NOT
-    return _conclude("two_modes", statement, outcome, ratios=summary_of(ratios), frozen=basis.thesis_modes)
+    frequencies, frozen = [difference.ratio for difference in differences(basis.results, MODEL, "frequency")], basis.thesis_modes
+    ratios, inside = summary_of(frequencies), [ACCURATE[0] <= ratio <= ACCURATE[1] for ratio in frequencies]
+    if ratios is None:
+        text = "No half cycle of the runs shown is resolved by both the single cubic and the reference."
+        return Conclusion(statement, UNCHECKABLE, text)
+    text = (
+        f"First-mode frequency of the single cubic over the converged one: median {number(ratios.median, '.3f')},"
+        f" {span(ratios.lowest, ratios.highest, '.3f')} in {ratios.count} half cycles."
+    )
+    if frozen is not None:
+        ranges = f"{_range(frozen.cubic[1], '.0f')} against {_range(frozen.converged[1], '.0f')}"
+        text += f" Second mode with the crank held, run {statement.runs[-1]}: {ranges}."
+    return Conclusion(statement, HOLDS if all(inside) else IN_PART if any(inside) else NOT, text)
 
 
 def _more_elements(statement: Statement, frozen: ThesisModes, basis: Basis) -> Conclusion:
     """Whether more elements of the same kind are a way to a better response."""
     falls = all(finer < FALLS * coarser for coarser, finer in pairwise(frozen.elements))
-    return _conclude("more_elements", statement, HOLDS if falls else NOT, excess=dict(zip(ELEMENTS, frozen.elements, strict=True)))
+    excess = ", ".join(f"{elements}: {size(share)}" for elements, share in zip(ELEMENTS, frozen.elements, strict=True))
+    text = (
+        "The model of the engine thesis takes more cubic elements as a setting. Largest excess of the first frequency over the converged"
+        f" one, crank held, by number of elements: {excess}."
+    )
+    return Conclusion(statement, HOLDS if falls else NOT, text)
+
+
+def _change(share: float | None) -> str:
+    return "an unknown part" if share is None else percent(share, "+.1f")
+
+
+def _range(mode: Span, form: str) -> str:
+    return f"{span(mode.low, mode.high, form)} Hz"
+
+
+def _limits(statement: Statement) -> str:
+    """The ratios that a statement means."""
+    if math.isinf(statement.high):
+        return f"at least {statement.low:g}"
+    return f"at most {statement.high:g}" if math.isinf(statement.low) else f"{statement.low:g} to {statement.high:g}"
+
+
+def _median(ratios: Summary) -> str:
+    return f"median {number(ratios.median, '.3f')} ({span(ratios.lowest, ratios.highest, '.3f')}, {ratios.count} runs)"
 
 
 _RULES: Final[Mapping[str, Callable[[Statement, Basis], Conclusion]]] = {

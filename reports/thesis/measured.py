@@ -7,7 +7,7 @@ import numpy as np
 from quickreturn.cases.measures.cycle import HALVES, consensus_of
 from quickreturn.cases.thesis.experiment import channel_is_usable
 from quickreturn.cases.thesis.runs import RUNS, run_name
-from quickreturn.reports.findings.measured import MeasuredHalf
+from quickreturn.reports.results.measured import MeasuredHalf
 
 
 def counts(item: MeasuredHalf) -> bool:

@@ -17,7 +17,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import MODEL
-from quickreturn.reports.findings.agreement import Summary, summary_of
+from quickreturn.reports.results.differences import Summary, summary_of
 
 Array = NDArray[np.float64]
 

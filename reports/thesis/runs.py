@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.thesis.runs import RUNS, run_name
-from quickreturn.reports.findings.runs import of_library
+from quickreturn.reports.results.runs import of_library
 
 
 def thesis_runs(results: Sequence[CaseResult]) -> dict[int, CaseResult]:

@@ -33,7 +33,7 @@ from quickreturn.reports.long_studies import About, ConformanceRow, PointRow, ta
 from tests.cases.made_up_map import made_up_map
 from tests.reports import pages
 from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.test_hard_scenes_page import matrix
+from tests.reports.made_up_matrix import made_up_matrix
 
 #: Bytes of all recorded tables together; a scene of the benchmark takes forty thousand.
 MOST = 240_000
@@ -43,7 +43,7 @@ CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24"
 
 def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
-    measured, found = made_up_benchmark(), matrix(wrong=True)
+    measured, found = made_up_benchmark(), made_up_matrix(wrong=True)
     (tmp_path / "points.csv").write_text(text_of([PointRow(measured.case, point) for point in measured.points]))
     (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, points=())]))
     (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))

@@ -18,7 +18,7 @@ from quickreturn.cases.resonance_curve import MULTIPLIER_TOLERANCE, checked_scen
 from quickreturn.reference_model.continuation import Array, Image
 from quickreturn.reference_model.cycle_family import CycleFamily
 from quickreturn.reports.drawing.style import picture
-from quickreturn.reports.findings.resonance import Around
+from quickreturn.reports.results.around import Around
 from tests.quickreturn.conftest import Call
 
 RPM = math.pi / 30.0

@@ -12,9 +12,9 @@ from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.report import write
 from tests.cases.made_up_map import made_up_map
 from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.made_up_studies import made_up_studies
 from tests.reports.pages import content_of
 from tests.reports.reported_results import reported_result
-from tests.reports.test_report import studies
 from tests.reports.thesis.made_up_finding import made_up_finding
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -49,7 +49,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     write(
         content_of(
             results=RESULTS,
-            studies=studies(),
+            studies=made_up_studies(),
             benchmarks=benchmarks,
             finding=made_up_finding(),
             classes=made_up_map(),

@@ -11,7 +11,7 @@ import numpy as np
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.resonance_curve import SPEED, USUAL, Range, ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.reference_model.rigid import crank_pace
-from quickreturn.reports.findings.resonance import Around
+from quickreturn.reports.results.around import Around
 
 WIDTH, FOLD, OWN = 0.14, math.sqrt(1.0 / 8.0), math.sqrt(3.0 / 8.0)
 PEAK = 0.85

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
@@ -16,9 +17,25 @@ def read(content: Content) -> PageReader:
     return PageReader(report_page(content, chapters_of(content)))
 
 
+def plain(text: str) -> str:
+    """The text with plain blanks."""
+    return " ".join(text.replace("\N{NO-BREAK SPACE}", " ").split())
+
+
 def text_of(content: Content) -> str:
     """Its words, with plain blanks."""
-    return " ".join(read(content).text.replace("\N{NO-BREAK SPACE}", " ").split())
+    return plain(read(content).text)
+
+
+def chapter_of(content: Content, name: str) -> Chapter:
+    """The chapter with this id."""
+    (found,) = (chapter for chapter in chapters_of(content) if chapter.id == name)
+    return found
+
+
+def finding_of(content: Content, name: str) -> str:
+    """The finding in a chapter's heading, with plain blanks."""
+    return plain(chapter_of(content, name).finding)
 
 
 def content_of(*, results: Sequence[CaseResult], **more: Any) -> Content:

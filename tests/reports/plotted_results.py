@@ -150,3 +150,10 @@ def with_table(
     values = {"time": cycle["time"], "crank_angle": cycle["crank_angle"], **{column: factor * cycle[column] for column in columns}}
     table = RecordedTable(name, name, values, frozenset(), declared or {}, of_experiment)
     return compare(result.case, result.runs, {**result.recorded, name: recorded_run(table, result.case)})
+
+
+def with_strength(result: CaseResult, **strengths: float | None) -> CaseResult:
+    """The same results of an arm of another material."""
+    mechanism = result.case.mechanism
+    scene = dataclasses.replace(mechanism, follower=dataclasses.replace(mechanism.follower, **strengths))
+    return dataclasses.replace(result, case=dataclasses.replace(result.case, scene=scene))

@@ -9,22 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.benchmark.findings import Measured, Point
-from quickreturn.cases.benchmark.truth import Confirmation, Converged
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.key import code_fingerprint
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.runs.comparison import compare
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.studies import BothStarts, Prescribed, StudiedRun, Studies
-from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import OutputError, check_folder
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.report import CATALOGUE, PAGE, write, write_report
 from quickreturn.reports.tables.table import Table
@@ -35,57 +31,10 @@ from tests.cases.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.made_up_studies import made_up_studies
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import ENGINES, with_run, with_table
 from tests.reports.reported_results import PageReader, reported_result
-
-ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
-
-
-def both_starts(difference: float = 6e-4) -> BothStarts:
-    orbit, straight = (
-        Run(engine="exudyn", estimate_of="total", status="settled", cycles=cycles, settling_error=left)
-        for cycles, left in ((4, 5e-4), (25, 9e-4))
-    )
-    return BothStarts("exudyn", orbit, straight, difference)
-
-
-def errors(part: float = 1.0) -> dict[str, float | None]:
-    return {name: part * error for name, error in ERRORS.items()}
-
-
-def studied(engine: str, part: float = 1.0) -> StudiedRun:
-    numbers = {"degrees_of_freedom": 17, "solve_seconds": 1.5, "setup_seconds": 0.1}
-    return StudiedRun(engine=engine, settings={"step": 1e-4}, error_estimate=9e-4, errors=errors(part), **numbers)
-
-
-def rung(modes: int) -> Point:
-    measured = Measured(
-        degrees_of_freedom=17,
-        errors=errors(100.0 / modes),
-        solve_seconds=1.5,
-        solve_seconds_median=1.5,
-        solve_seconds_largest=1.5,
-        repetitions=1,
-        setup_seconds=0.1,
-        statistics={},
-        calls_per_period=None,
-    )
-    settings = ReferenceSettings(modes=modes, tolerance=1e-9).as_dict()
-    return Point(method="reference", engine="reference", settings=settings, changing=settings, status="completed", measured=measured)
-
-
-def studies() -> Studies:
-    """Made-up rows."""
-    return Studies(
-        accuracy=[studied(name) for name in ("thesis", "reference")],
-        converged=Converged("reference", {"modes": 9}, {}),
-        confirming=[Confirmation("exudyn", {"elements": 32}, errors())],
-        prescribed=Prescribed(errors(300.0), [studied("moving-boundaries", 90.0), studied("moving-boundaries", 20.0)]),
-        convergence=[rung(modes) for modes in (2, 4, 8)],
-        both_starts=[both_starts()],
-        failures=(),
-    )
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
     benchmarks = [made_up_benchmark(), made_up_benchmark("thesis-17", confirmed=False)]
     told = {"facts": machine_facts(), "code": "abc", "notices": ("a <notice>",)}
-    content = content_of(results=results, studies=studies(), benchmarks=benchmarks, **told)  # type: ignore[arg-type]
+    content = content_of(results=results, studies=made_up_studies(), benchmarks=benchmarks, **told)  # type: ignore[arg-type]
     write(content, place)
     return place
 
@@ -104,7 +53,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_page_without_parts_of_the_studies_has_the_others(absent: str) -> None:
     """They belong to engines that were not asked for."""
     empty = {"converged": None, "prescribed": None, "both_starts": (), "convergence": (), "accuracy": (), "confirming": ()}
-    lacking = replace(studies(), **(empty if absent == "all" else {absent: empty[absent]}))
+    lacking = replace(made_up_studies(), **(empty if absent == "all" else {absent: empty[absent]}))
     content = content_of(results=[reported_result("thesis-24")], studies=lacking, facts=machine_facts())
     chapters = [chapter for chapter in chapters_of(content) if chapter.id == "accuracy"]
     page = report_page(content, chapters)
@@ -287,6 +236,12 @@ def test_verification_is_shown_as_long_as_the_code_is_the_same(tmp_path: Path) -
     assert "other code" in verification(tmp_path).absent
     (tmp_path / FILE).write_text("{")
     assert "cannot be read" in verification(tmp_path).absent
+
+
+def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
+    statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
+    found = {run.engine: run.ending.incomplete for _, run in Content(results=[reported_result("thesis-24", statuses)]).troubles}
+    assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
 
 
 def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from quickreturn.cases.thesis.finding.effects import PUBLISHED, effects
 from quickreturn.cases.thesis.finding.study import CONFIRMED_RUNS, JOINT_EFFECTS, SECOND, Row
 from quickreturn.cases.thesis.runs import RUNS
+from quickreturn.cases.thesis.scatter import Band
 
 #: Change of the frequency before and after the return at the strongest, %; of other effects none.
 CHANGES = {
@@ -52,3 +53,19 @@ def _row(effect: str, strength: str, engine: str, changes: tuple[float, float], 
         runs=len(runs),
         failed=0,
     )
+
+
+#: Band of run 24 over the scatter of quantities that are not printed.
+BAND = Band(
+    run=24,
+    points=16,
+    settled=15,
+    compared=14,
+    pre=(15.5, 16.4, 17.1),
+    post=(15.6, 16.5, 17.2),
+    ratio=(0.9995, 1.0023, 1.0051),
+    apart=0,
+    strain=(2.9e-4, 3.8e-4, 8.4e-4),
+    sampled=(0.011, 0.01, 0.12),
+    claims=(0.006, 0.007, 0.001),
+)

@@ -17,11 +17,11 @@ from quickreturn.cases.thesis.modes import (
     ThesisModes,
     thesis_modes,
 )
-from quickreturn.reports.findings.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.thesis import facts
+from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
+from quickreturn.reports.thesis.chapters import thesis as chapter
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from quickreturn.reports.thesis.measured import statement_values
 from quickreturn.reports.thesis.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
@@ -143,9 +143,9 @@ def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     axes = axis_comparisons(after.results)
     assert axes
     assert not any("tool.csv" in axis.ratios for axis in axes)
-    facts_before, facts_after = ({chapter.id: chapter.facts for chapter in chapters_of(content)} for content in (before, after))
-    assert facts_after["experiment"]["ratios"] == facts_before["experiment"]["ratios"]
-    assert facts_after["recorded"]["names"] == ["tool.csv"]
+    told_before, told_after = ({each.id: each.finding for each in chapters_of(content)} for content in (before, after))
+    assert told_after["experiment"] == told_before["experiment"]
+    assert told_after["recorded"].startswith("tool.csv: ")
     assert answer_of(after).fastest == answer_of(before).fastest
     assert answer_of(after).cubic == answer_of(before).cubic
     assert "foreign" in answer_of(after).engines
@@ -226,7 +226,7 @@ def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_
         for half, median in medians.items()
         for channel in CHANNELS
     ]
-    monkeypatch.setattr(facts, "counted_excess", lambda _: excesses)
+    monkeypatch.setattr(chapter, "counted_excess", lambda _: excesses)
     told = pages.text_of(pages.one_run())
     assert "So the halves differ as the thesis says." in told
     assert ("it does not explain that part of its words" in told) is not explained

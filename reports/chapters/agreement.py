@@ -1,0 +1,316 @@
+"""Who agrees with whom: every comparison of two engines, with what both claim, and how small an error would show."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from quickreturn.cases.runs.comparison import CLASSES, REFERENCE, WORSE, CaseResult, Difference, Kind, not_judged
+from quickreturn.cases.runs.comparison import agreement as verdicts
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.results.differences import Spread, cause, differences, engines_of, outward
+from quickreturn.reports.results.sharpness import Sharpness, sharpness
+from quickreturn.reports.tables.cells import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, compared
+from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.words import QUANTITY, case_label, counted, in_words, listed, number, place, size, span
+
+#: Least difference over tolerance that is drawn; smaller ones are drawn here, because the logarithmic axis has no zero.
+LEAST_USED: Final = 1e-5
+#: Kinds of numbers whose sharpness the chapter gives -> the word for one of them.
+KINDS_GIVEN: Final[Mapping[Kind, str]] = {"frequency": "frequency", "extreme": "peak", "amplitude": "amplitude"}
+
+
+def agreement(content: Content) -> Chapter | None:
+    """The chapter; None if there is only one engine."""
+    results = content.results
+    names = engines_of(results)
+    if len(names) < 2:
+        return None
+    answer, checks, sharp = answer_of(content), [check for result in results for check in result.checks], sharpness(results)
+    judged = {check.engine for check in checks} | {check.other for check in checks}
+    unjudged = {name: _why(results, name) for name in names if name not in judged}
+    of_kinds = {word: of_kind for kind, word in KINDS_GIVEN.items() if (of_kind := [one for one in sharp if one.kind == kind])}
+    facts = {
+        "checks": len(checks),
+        "against": against(answer.alike),
+        "largest": largest({"first-mode frequency": answer.frequency, "first-mode amplitude": answer.amplitude, "peak": answer.extreme}),
+        "sharpness": sharpness_sentences(of_kinds, max(one.used for one in sharp)) if of_kinds else "",
+        "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
+        "unjudged": [f"{name} is shown but not judged: {why}." for name, why in unjudged.items()],
+        "plot": _used(results) if checks else None,
+        "sharp": sharp_table(sharp),
+        "map": run_map(results),
+        "summary": summary(results),
+        "departures": departures(results),
+        "classes": classes(results),
+        "comparisons": every_comparison(results),
+    }
+    cubic = answer.cubic.frequency.worst.relative if answer.cubic else None
+    return Chapter("agreement", "Who agrees with whom", finding(verdicts(checks), answer.alike, of_kinds, cubic), facts)
+
+
+def finding(agreement: Mapping[str, int], alike: Sequence[str], sharpness: Mapping[str, Sequence[Sharpness]], cubic: float | None) -> str:
+    """Whether engines agree, how small an error would have shown, and how far off the thesis' model is.
+
+    Args:
+        agreement: how many comparisons "agree", "disagree" and are kept but say nothing ("says_nothing").
+        alike: engines that agree, first the one that the others are compared with.
+        sharpness: word for a kind of numbers -> the smallest errors that are found in each engine.
+        cubic: largest relative difference of the frequency of the thesis' model from the converged one; None if it is not known.
+    """
+    agree, disagree, silent = (agreement[key] for key in ("agree", "disagree", "says_nothing"))
+    compared = agree + disagree + silent
+    if not compared:
+        text = "Nothing could be judged"
+    elif disagree:
+        text = f"In {disagree} of {counted(compared, 'comparison')} engines differ by more than they claim"
+    elif not agree:
+        text = f"{counted(compared, 'comparison')} say nothing: what is claimed is too wide"
+    else:
+        every = "all " if agree == compared > 1 else ""
+        besides = f" ({silent} more say nothing)" if silent else ""
+        text = (
+            f"{in_words(len(alike)).capitalize()} agree within what they claim in {every}{counted(agree, 'comparison')} with"
+            f" {alike[0]}{besides}, in which an error of {_found(sharpness, 'found_somewhere')} would have shown"
+        )
+    return text if cubic is None else f"{text}; the 1999 model’s frequency is {size(cubic)} off the converged one at worst"
+
+
+def _found(sharpness: Mapping[str, Sequence[Sharpness]], which: str) -> str:
+    """The smallest error that is found in each kind of numbers, in every engine; `which` of the fields of `Sharpness`."""
+    return listed([f"{size(max(getattr(row, which) for row in rows))} in every {word}" for word, rows in sharpness.items()], "or")
+
+
+def against(alike: Sequence[str]) -> str:
+    """Whom the engines that agree are compared with; "" if there are only two."""
+    if len(alike) < 3:
+        return ""
+    return f" Each engine is compared with {alike[0]}; {listed(alike[1:])} are not compared with each other."
+
+
+def largest(spreads: Mapping[str, Spread | None]) -> str:
+    """The largest differences among the engines that agree, by the kind of numbers; "" without one of the first kind."""
+    if not next(iter(spreads.values())):
+        return ""
+    texts = [f"{what} {_worst(spread)}" for what, spread in spreads.items() if spread]
+    return f" Largest differences among those that agree: {', '.join(texts)}."
+
+
+def _worst(spread: Spread) -> str:
+    worst = spread.worst
+    return f"{size(worst.relative)} ({place(worst.case, worst.half, worst.channel)})"
+
+
+def sharpness_sentences(sharpness: Mapping[str, Sequence[Sharpness]], most_used: float) -> str:
+    """How small an error shows; `most_used` is the largest difference over its tolerance."""
+    tolerances = {word: _range([row.tolerance for row in rows]) for word, rows in sharpness.items()}
+    medians = ", ".join(f"{text} of {'an' if word == 'amplitude' else 'a'} {word}" for word, text in tolerances.items())
+    return (
+        f"How sharp this test is: the median tolerance is {medians}. The largest difference uses {number(most_used, '.2f')} of its"
+        " tolerance. If the same relative error is planted in every run, as by a wrong factor, at least one comparison finds it from"
+        f" {_found(sharpness, 'found_somewhere')} on, and half of the comparisons from {_found(sharpness, 'found_mostly')} on, in each"
+        " engine compared. The test may miss a smaller error, or an error in a single run. It cannot find an error that all engines share."
+    )
+
+
+def _range(shares: Sequence[float]) -> str:
+    """The range of some fractions in percent, or one of them if they look alike."""
+    low, high = min(shares), max(shares)
+    return size(shares[0]) if size(low) == size(high) else f"{span(100.0 * low, 100.0 * high, '.2g')} %"
+
+
+def _why(results: Sequence[CaseResult], name: str) -> str:
+    return next((why for result in results if name in result.runs and (why := not_judged(result.runs[name]))), "nothing to compare with")
+
+
+def _used(results: Sequence[CaseResult]) -> Plot:
+    """Plot of the difference over the tolerance of every comparison, a row for each quantity, by engine."""
+    checks = [(result.case.name, check) for result in results for check in result.checks if check.tolerance > 0.0]
+    series = []
+    for name in dict.fromkeys(check.engine for _, check in checks):
+        mine = [(case, check, abs(check.difference) / check.tolerance) for case, check in checks if check.engine == name]
+        texts = [f"{place(case, check.half, check.channel)}, {number(used, '.2g')} of the tolerance" for case, check, used in mine]
+        used = [max(used, LEAST_USED) for *_, used in mine]
+        series.append(Series(name, name, [QUANTITY[check.quantity] for _, check, _ in mine], used, texts, line=False))
+    quantities = [words for key, words in QUANTITY.items() if any(check.quantity == key for _, check in checks)]
+    return Plot("compared.csv", "", "difference over tolerance", series, "y", categories=quantities, limit=(1.0, "tolerance"))
+
+
+def run_map(results: Sequence[CaseResult]) -> Table:
+    """Table with a row per case: each engine's differences from the reference, and how many exceed what both claim."""
+    names = [name for name in engines_of(results) if name != REFERENCE]
+    columns = [Column("case", "run")]
+    for name in names:
+        columns.append(Column(f"{name}_frequency_difference", "f₁", "%", "+.2f", group=name))
+        columns.append(Column(f"{name}_extreme_difference", "peaks", "%", "+.2f", group=name))
+        columns.append(Column(f"{name}_beyond", "beyond", form="d", group=name))
+    table = Table(
+        "map",
+        """Differences from the reference: the larger one of the first-mode frequency (consensus of the channels) before and after the
+        return; the largest one of the extremes (relative to the channel's largest magnitude; positive where the engine swings further: a
+        higher maximum, a lower minimum); and the number of values in which the two differ by more than they claim (✗). A click on a cell
+        opens its run.""",
+        columns,
+    )
+    for result in results:
+        cells: dict[str, Any] = {"case": Cell(result.case.name, case_label(result.case.name), run=result.case.name)}
+        for name in names:
+            if name in result.runs:
+                cells |= _map_cells(result, name)
+        table.add(**cells)
+    return table
+
+
+def _map_cells(result: CaseResult, name: str) -> dict[str, Cell]:
+    run, opens = result.runs[name], result.case.name
+    if not run.usable:
+        return {f"{name}_frequency_difference": Cell(None, run.status, run.remark, "failed", opens)}
+    why, beyond = not_judged(run), sum(not check.passed for check in result.checks if check.engine == name)
+    mark: Mark = "missed" if beyond else "open" if why else "good"
+    cells = {}
+    for kind in ("frequency", "extreme"):
+        signed = [outward(difference.quantity, difference.relative) for difference in differences([result], name, kind)]
+        largest = max(signed, key=abs, default=None)
+        cells[f"{name}_{kind}_difference"] = Cell(largest, UNRESOLVABLE if largest is None else "", why, "open" if why else "good", opens)
+    return cells | {f"{name}_beyond": Cell(None, "–", why, mark, opens) if why else Cell(beyond, mark=mark, run=opens)}
+
+
+def departures(results: Sequence[CaseResult]) -> Table:
+    """One row per number in which two engines differ by more than they claim."""
+    columns = (
+        *COMPARISON,
+        Column("claim", "engine", "%", ".2g", group="claim"),
+        Column("other_claim", "other", "%", ".2g", group="claim"),
+        Column("share", unit="1", form=".2f"),
+        Column("cause", "what the numbers suggest"),
+    )
+    table = Table(
+        "departures",
+        """Every number in which two engines differ by more than they claim. Difference, claims and tolerance are relative to the other
+        engine's value; for an extreme they are relative to the channel's largest magnitude in the cycle. A difference is positive if the
+        engine's number is larger; for a minimum, if it is lower. A claim contains the engine's own estimate of the number's error and the
+        uncertainty of its measurement; the tolerance is the sum of both engines' claims. Share: the size of the value over the channel's
+        largest magnitude.""",
+        columns,
+    )
+    for result in results:
+        for check in result.missed:
+            cells = compared(result, check)
+            table.add(
+                check,
+                **cells | {"difference": Cell(cells["difference"], mark="missed")},
+                claim=check.mine.width / check.scale,
+                other_claim=check.its.width / check.scale,
+                share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
+                cause=cause(result, check),
+            )
+    return table
+
+
+def summary(results: Sequence[CaseResult]) -> Table:
+    """Per pair of engines and quantity: the number of comparisons, the tolerance, and the part of it that was used."""
+    columns = (
+        "engine",
+        Column("other", "against"),
+        QUANTITY_COLUMN,
+        Column("compared", form="d"),
+        Column("beyond", form="d"),
+        Column("say_nothing", form="d"),
+        Column("tolerance", unit="%", form=".2g"),
+        Column("used_median", "median", "1", ".2f", group="used"),
+        Column("used_most", "most", "1", ".2f", group="used"),
+    )
+    table = Table(
+        "compared",
+        """What was compared. Tolerance: what both engines claim together, relative as above, median. Say nothing: kept, but the tolerance
+        is more than 10 % of the number, of a frequency 2 %. Used: the difference over the tolerance; beyond 1 the engines differ by more
+        than they claim.""",
+        columns,
+    )
+    groups: dict[tuple[str, str, str], list[Difference]] = {}
+    for check in (check for result in results for check in result.checks):
+        groups.setdefault((check.engine, check.other, check.quantity), []).append(check)
+    for (engine, other, quantity), checks in groups.items():
+        used = [abs(check.difference) / check.tolerance for check in checks if check.tolerance > 0.0]
+        beyond = sum(not check.passed for check in checks)
+        table.add(
+            engine=engine,
+            other=other,
+            quantity=quantity,
+            compared=len(checks),
+            beyond=Cell(beyond, mark="missed" if beyond else ""),
+            say_nothing=verdicts(checks)["says_nothing"],
+            tolerance=float(np.median([check.tolerance / check.scale for check in checks])),
+            used_median=float(np.median(used)) if used else None,
+            used_most=max(used, default=None),
+        )
+    return table
+
+
+def every_comparison(results: Sequence[CaseResult]) -> Table:
+    """A file: one row per comparison of two engines, agreeing or not, in SI units.
+
+    The tolerance is the sum of estimates, measurements and settling, each the sum of both engines'; `why` names the runs that show the
+    estimates.
+    """
+    names = ("case", "engine", "other", "quantity", "half", "channel", "value", "other_value", "estimate", "measurement", "settling")
+    table = Table(
+        "comparisons",
+        """Every comparison: both values, the sum of both engines' estimates, measurements and settling, which is the tolerance, the
+        verdict, and the runs that show the estimates; SI units.""",
+        (*names, "tolerance", "verdict", "unit", "why"),
+        in_page=False,
+    )
+    for result in results:
+        for check in result.checks:
+            both = {name: getattr(check.mine, name) + getattr(check.its, name) for name in ("estimate", "measurement", "settling")}
+            unit = "Hz" if check.channel is None or check.quantity == VIBRATION[0] else COLUMNS[check.channel].unit
+            why = "; ".join(check.why)
+            table.add(check, case=result.case.name, value=check.mine.value, other_value=check.its.value, unit=unit, why=why, **both)
+    return table
+
+
+def sharp_table(rows: Sequence[Sharpness]) -> Table:
+    """Per pair of engines and kind of numbers: the smallest error that the comparison finds."""
+    columns = (
+        "engine",
+        Column("other", "against"),
+        Column("kind", "numbers", words=lambda kind: "peak" if kind == "extreme" else str(kind)),
+        Column("compared", form="d"),
+        Column("tolerance", unit="%", form=".2g"),
+        Column("used", "most used", "1", ".2f"),
+        Column("found_somewhere", "in one at least", "%", ".2g", group="smallest error that is found"),
+        Column("found_mostly", "in half of them", "%", ".2g", group="smallest error that is found"),
+    )
+    table = Table(
+        "sharpness",
+        """The smallest error that the comparison finds. For this an error is planted: all of an engine's numbers of one kind grow or shrink
+        by the same part and are judged again. The table gives the smallest part of either sign that at least one comparison finds, and the
+        smallest that half of the comparisons find. Tolerance and used: as above; an extreme's tolerance is relative to the channel's
+        largest magnitude.""",
+        columns,
+    )
+    for row in rows:
+        table.add(row)
+    return table
+
+
+def classes(results: Sequence[CaseResult]) -> Table:
+    """Per engine: the number of runs in each accuracy class."""
+    names = [*(f"{100.0 * width:g} %" for width in CLASSES), WORSE, "unknown"]
+    table = Table(
+        "accuracy_classes",
+        """The accuracy of each engine: the number of runs in each accuracy class. The class of a run is the least that covers the engine's
+        own estimates and its deviation from the reference, in the consensus frequencies and in all extremes (relative to the channel's
+        largest magnitude).""",
+        ("engine", *(Column(f"class {name}", name, form="d", group="class") for name in names)),
+    )
+    for engine in engines_of(results):
+        reached = [result.accuracy_class(engine) or "unknown" for result in results if engine in result.runs]
+        table.add(engine=engine, **{f"class {name}": reached.count(name) for name in names})
+    return table

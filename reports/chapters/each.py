@@ -1,0 +1,81 @@
+"""Run by run: the numbers of each case, and its notes, failures and departures; the script draws the curves."""
+
+from typing import Any
+
+from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.time_scale import CHANNELS
+from quickreturn.cases.runs.comparison import CaseResult, Difference
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.results.differences import outward
+from quickreturn.reports.results.runs import mean_crank_speed
+from quickreturn.reports.tables.cells import UNRESOLVABLE, status_cell
+from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.words import HALF, QUANTITY, channel_name, cost, counted, percent
+
+
+def run_by_run(content: Content) -> Chapter:
+    """The chapter: one section per case, without the notes that another chapter gives."""
+    sections = [
+        {
+            "case": result.case,
+            "notes": [f"{note[:1].upper()}{note[1:]}." for note in result.case.notes if note not in content.general_notes],
+            "failures": result.failures,
+            "departures": [departure(*pair, checks) for pair, checks in result.departures.items()],
+            "table": case_table(result),
+        }
+        for result in content.results
+    ]
+    facts = {"sections": sections, "tables": [section["table"] for section in sections]}
+    return Chapter("each", "Run by run", finding(len(sections)), facts)
+
+
+def finding(cases: int) -> str:
+    """What the chapter shows."""
+    return f"All signals{' of the run chosen above' if cases > 1 else ''}, engines overlaid"
+
+
+def departure(engine: str, other: str, checks: list[Difference]) -> str:
+    """The numbers in which two engines differ by more than they claim."""
+    return f"{engine} and {other} differ by more than they claim in {counted(len(checks), 'number')}: {'; '.join(map(_departs, checks))}."
+
+
+def _departs(check: Difference) -> str:
+    where = f"{QUANTITY[check.quantity]}, {HALF[check.half]}, {channel_name(check.channel)}"
+    difference = percent(outward(check.quantity, check.difference) / check.scale, "+.2f")
+    return f"{where} {difference} (claimed together {percent(check.tolerance / check.scale)})"
+
+
+def case_table(result: CaseResult) -> Table:
+    """The small table of one case: extremes, frequencies, peaks and cost per engine."""
+    columns: ColumnList = (
+        "engine",
+        "status",
+        Column("pre_frequency", "f₁ pre", "Hz", ".2f"),
+        Column("post_frequency", "f₁ post", "Hz", ".2f"),
+        Column("peak_tip_acceleration", "tip acc.", "m/s²", ".1f", group="peak"),
+        *(Column(f"peak_{name}", channel_name(name), "10⁻⁶", ".0f", group="peak") for name in CHANNELS[1:]),
+        Column("peak_slider_force", "slider force", "N", ".2f", group="peak"),
+        Column("crank_speed", "mean", "rad/s", ".3f", group="crank speed"),
+        Column("crank_speed_variation", "max − min", "%", ".1f", group="crank speed"),
+        Column("cycles", form="d"),
+        Column("solve_seconds", "solve", "s", ".2f", words=cost),
+    )
+    table = Table(
+        f"run_{result.case.name.replace('-', '_')}",
+        """First-mode frequency before and after the return, peaks over the cycle (largest magnitude), mean and variation of the crank
+        speed, cycles until settled and solve time.""",
+        columns,
+    )
+    for run in result.runs.values():
+        cells: dict[str, Any] = {}
+        if run.usable:
+            cells = {f"peak_{column}": run.peak(column) for column in (*CHANNELS, "slider_force")}
+            for half in HALVES:
+                value = run.consensus_frequency(half)
+                open_cell = Cell(None, UNRESOLVABLE, "no channel resolves the first mode", "open")
+                cells[f"{half}_frequency"] = open_cell if value is None else value
+            speed, mean = run.cycle["crank_speed"], abs(mean_crank_speed(run))
+            cells |= {"crank_speed": mean, "crank_speed_variation": float(speed.max() - speed.min()) / mean}
+        table.add(run, status=status_cell(run), **cells)
+    return table

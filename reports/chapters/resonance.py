@@ -1,0 +1,187 @@
+"""How near is a resonance? The resonance curve around the speed of the user's own machine."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+from quickreturn.cases.resonance_curve import NEAR
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.results.around import Around
+from quickreturn.reports.tables.cells import CASE
+from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.words import in_words, listed, number, per_unit, percent, size
+
+_RPM: Final = per_unit("rpm")
+_SPEED: Final = Column("speed", "crank speed", "rpm", ".5g")
+_HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s²", ".4g")
+#: The page's name for the machine on its curve.
+OWN: Final = "your machine"
+PEAK: Final = "peak"
+
+
+def resonance(content: Content) -> Chapter | None:
+    """The chapter; None for a report on the thesis' runs."""
+    if not content.around:
+        return None
+    facts = {
+        "cases": [(each, sentences(each), plot(each)) if each.curve else (each, "", None) for each in content.around],
+        "table": resonances(content.around),
+        "curve": resonance_curve(content.around),
+    }
+    return Chapter("resonance", "How near is a resonance?", finding(content.around), facts)
+
+
+def finding(cases: Sequence[Around]) -> str:
+    """The speed of the first machine, and its distance from the nearest peak and the nearest change of stability."""
+    first = cases[0]
+    text = f"your machine runs at {rpm(first.pace)}; {nearest(first)}" if first.curve else f"no resonance curve: {first.reason}"
+    return f"{first.case.name}: {text}" if len(cases) > 1 else text
+
+
+def nearest(around: Around) -> str:
+    """The peak and the special point nearest to the machine's speed, as a clause each."""
+    peak, change, within = around.peak, around.change, f"within {percent(NEAR, '.0f')}"
+    of_peak = f"nearest peak at {rpm(peak.value)} (order {peak.order}), {_way(around, peak.value)}" if peak else f"no peak {within}"
+    of_change = f"{change.kind} at {rpm(change.value)}, {_way(around, change.value)}" if change else ""
+    return f"{of_peak}; {of_change or f'no fold and no loss of stability {within}'}"
+
+
+def rpm(speed: float) -> str:
+    """A speed in rad/s as text in rpm."""
+    return f"{number(_RPM * speed, '.5g')} rpm"
+
+
+def _way(around: Around, value: float) -> str:
+    """How much faster or slower than the machine a speed is."""
+    return f"{size(around.faster(value))} {'faster' if around.faster(value) > 0.0 else 'slower'}"
+
+
+def sentences(around: Around) -> str:
+    """The machine's speed, its motions at this speed, and what is nearest, for a machine that has a curve."""
+    drive = ", its mean speed, which is prescribed here in place of its drive" if around.solved_curve.prescribed else ""
+    return f"Your machine runs at {rpm(around.pace)}{drive}. {motion_sentences(around.motions)} {nearest(around).capitalize()}."
+
+
+def motion_sentences(motions: Sequence[tuple[float, str]]) -> str:
+    """The periodic motions at the machine's speed; each of `motions` is its tip acceleration, m/s², and its kind of instability or ""."""
+    if len(motions) > 1:
+        texts = [f"{number(height, '.3g')} m/s² ({f'unstable: {kind}' if kind else 'stable'})" for height, kind in motions]
+        return (
+            f"At that speed it has {in_words(len(motions))} periodic motions, with largest tip accelerations in a turn of about"
+            f" {listed(texts)}. Its history decides which of the stable ones it follows."
+        )
+    return "".join(
+        f"There its largest tip acceleration in a turn is about {number(height, '.3g')} m/s²"
+        + (f", but that motion is unstable ({kind}): the machine would leave it." if kind else ".")
+        for height, kind in motions
+    )
+
+
+def plot(around: Around) -> Plot:
+    """The plot: stable parts as a line, unstable ones dashed, peaks and folds with their orders, and the machine's speed."""
+    curve, series = around.solved_curve, []
+    for name, wanted in (("stable", False), ("unstable", True)):
+        points: list[tuple[float | None, float | None, str]] = []
+        for part, unstable in curve.stretches():
+            if unstable is wanted:
+                for at in range(*part.indices(len(curve.kinds))):
+                    speed, height = _RPM * float(curve.values[at]), float(around.heights[at])
+                    multiplier = number(math.hypot(*curve.multipliers[at]), ".3g")
+                    points.append((speed, height, _told(speed, height, f"multiplier {multiplier}")))
+                points.append((None, None, ""))
+        if points:
+            x, y, text = zip(*points, strict=True)
+            series.append(Series(name, name, x, y, text, marked=False))
+    rows = list(remarkable(around))
+    for name in dict.fromkeys(row["point"] for row in sorted(rows, key=lambda row: (row["point"] == OWN, row["point"] != PEAK))):
+        mine = [row for row in rows if row["point"] == name]
+        series.append(
+            Series(
+                name,
+                name,
+                [_RPM * row["speed"] for row in mine],
+                [row["tip_acceleration"] for row in mine],
+                [_told(_RPM * row["speed"], row["tip_acceleration"], _about(around, row)) for row in mine],
+                line=False,
+                labels=[f"{row['order']}×" if row["order"] else "" for row in mine],
+            )
+        )
+    here = (_RPM * around.pace, "your machine runs here")
+    return Plot("resonance_curve.csv", "crank speed [rpm]", "largest tip acceleration in a turn [m/s²]", series, "y", here=here)
+
+
+def _told(speed: float, height: float, about: str) -> str:
+    return f"{number(speed, '.5g')} rpm, {number(height, '.4g')} m/s²; {about}"
+
+
+def _about(around: Around, row: dict[str, Any]) -> str:
+    if row["point"] == OWN:
+        return str(row["stability"])
+    way = "faster" if row["distance"] > 0.0 else "slower"
+    driven = f"driven by {row['order']} times the crank’s speed; " if row["order"] else ""
+    return f"{driven}{size(row['distance'])} {way} than your machine" + (f"; {row['reason']}" if row["reason"] else "")
+
+
+def resonances(cases: Sequence[Around]) -> Table:
+    """The machine, peaks and special points, from the slowest to the fastest."""
+    rows = [{"case": around.case.name, **row} for around in cases if around.curve for row in remarkable(around)]
+    distance, reason = Column("distance", "from your speed", "%", "+.2f"), Column("reason", "the curve ends because")
+    ends = [reason] if any(row["reason"] for row in rows) else []
+    table = Table(
+        "resonances",
+        """The machine on its resonance curve, and the peaks and special points within 15 % of its speed. Order: the multiple of the crank's
+        speed that lies nearest to the first mode at this point.""",
+        (CASE, "point", "stability", Column("order", form="d"), _SPEED, distance, _HEIGHT, *ends),
+    )
+    for row in rows:
+        table.add(row)
+    return table
+
+
+def remarkable(around: Around) -> Iterator[dict[str, Any]]:
+    """The machine, peaks and special points of one curve, as rows of `resonances` from the slowest to the fastest."""
+    curve = around.solved_curve
+    rows = [_row(around, OWN, around.pace, height, kind) for height, kind in around.motions]
+    rows += [_row(around, PEAK, point.value, point.height, curve.kinds[point.at], point.order) for point in curve.peaks]
+    for point in curve.special:
+        order = around.order_at(point.value) if point.kind == "fold" else None
+        rows.append(_row(around, point.kind, point.value, float(around.heights[point.at]), None, order, point.reason))
+    yield from sorted(rows, key=lambda row: abs(row["speed"]))
+
+
+def _row(
+    around: Around, point: str, speed: float, height: float, kind: str | None, order: int | None = None, reason: str = ""
+) -> dict[str, Any]:
+    stability = "" if kind is None else f"unstable: {kind}" if kind else "stable"
+    row = {"point": point, "stability": stability, "order": order, "speed": speed}
+    return row | {"distance": around.faster(speed), "tip_acceleration": height, "reason": reason}
+
+
+def resonance_curve(cases: Sequence[Around]) -> Table:
+    """Every point of every curve."""
+    columns = (CASE, Column("arclength", unit="1"), _SPEED, _HEIGHT, Column("multiplier", unit="1"), "stability", "special")
+    table = Table(
+        "resonance_curve",
+        """Points of the resonance curve in order of arclength. At a fold the speed turns back. Multiplier: the factor by which the slowest
+        disturbance changes in a turn; beyond 1 the motion is unstable.""",
+        columns,
+        in_page=False,
+    )
+    for around in cases:
+        curve = around.curve
+        if curve is None:
+            continue
+        special = {point.at: point.kind for point in curve.special}
+        for at in range(len(curve.values)):
+            table.add(
+                case=around.case.name,
+                arclength=float(curve.arclength[at]),
+                speed=float(curve.values[at]),
+                tip_acceleration=float(around.heights[at]),
+                multiplier=math.hypot(*curve.multipliers[at]),
+                stability=str(curve.stability(at)),
+                special=special.get(at, ""),
+            )
+    return table

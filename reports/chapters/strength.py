@@ -1,0 +1,114 @@
+"""Will it hold? The loads on the parts of the user's own machine, by each engine."""
+
+from collections.abc import Sequence
+
+from quickreturn.cases.loads import Loads
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.results.loads import NAMES, CaseLoads, Number, from_p, numbers_of_case
+from quickreturn.reports.tables.cells import CASE
+from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.words import TIED, degrees, number, off_by, quantity, size, span
+
+
+def strength(content: Content) -> Chapter | None:
+    """The chapter; None for a report on the thesis' runs, or if no engine gives the stress."""
+    cases = [case for case in content.loads if case.lead]
+    if not cases:
+        return None
+    sections = [
+        {
+            "title": case.case.title,
+            "stress": stress_sentences(case),
+            "lacking": lacking(case.loads[case.lead]),
+            "mode": mode_sentences(case),
+        }
+        for case in cases
+    ]
+    return Chapter("strength", "Will it hold?", finding(cases), {"sections": sections, "table": strength_table(content.loads)})
+
+
+def finding(cases: Sequence[CaseLoads]) -> str:
+    """The largest stress in the first case, a safety factor, and the distance to resonance, as far as they are known."""
+    case = cases[0]
+    loads, resonance = case.loads[case.lead], case.resonance
+    assert loads.stress is not None
+    stress = loads.stress.largest
+    text = f"{quantity(stress.value, 'MPa')} at {from_p(stress)}"
+    if loads.yield_factor:
+        text += f", safety {loads.yield_factor.text} against yielding"
+    elif loads.fatigue_factor:
+        text += f", safety {loads.fatigue_factor.text} against fatigue"
+    if resonance:
+        text += f"; harmonic {resonance.harmonic} is {size(resonance.detuning)} from resonance"
+    return f"{case.case.name}: {text}" if len(cases) > 1 else text
+
+
+def stress_sentences(case: CaseLoads) -> str:
+    """Whether the arm holds, and where it is stressed most, by the leading engine."""
+    loads = case.loads[case.lead]
+    assert loads.stress is not None
+    assert loads.strain is not None
+    stress, amplitude, mean = loads.stress.largest, loads.stress.amplitude, loads.stress.mean
+    assert stress.crank_angle is not None
+    strain = f" (a surface strain of {quantity(loads.strain.value, 'µε')})" if loads.strain.value else ""
+    about = "zero" if abs(mean) < 0.005 * amplitude.value else f"a mean of {quantity(mean, 'MPa')}"
+    return (
+        f"{case.verdict} By {case.lead}, bending stresses the arm most {from_p(stress)}, with {quantity(stress.value, 'MPa')} when the"
+        f" crank stands at {degrees(stress.crank_angle)}{strain}. The range of stress in a turn is widest {from_p(amplitude)}: an amplitude"
+        f" of {quantity(amplitude.value, 'MPa')} about {about}."
+    )
+
+
+def lacking(loads: Loads) -> tuple[str, list[str]]:
+    """The safety factors that are not known, as a clause, and the keys of `[follower]` that give them; no keys if both are known."""
+    factors = {"yield_strength": ("yielding", loads.yield_factor), "fatigue_strength": ("fatigue", loads.fatigue_factor)}
+    missing = {key: against for key, (against, factor) in factors.items() if factor is None}
+    return "No safety factor" if len(missing) > 1 else f"No factor against {''.join(missing.values())}", [*missing]
+
+
+def mode_sentences(case: CaseLoads) -> str:
+    """The first mode beside the crank's frequency; "" where there is no such mode."""
+    resonance = case.resonance
+    if resonance is None:
+        return ""
+    return (
+        f"The first mode, with the crank held, has {quantity(resonance.first_mode, 'Hz')} in the mean over the turn,"
+        f" {number(resonance.ratio, '.2f')} times the crank’s {quantity(resonance.crank, 'Hz')}. At a whole number that harmonic drives it;"
+        f" of the crank’s speed {resonance.sentence}. The frequency changes over the turn, from {quantity(resonance.lowest, 'Hz')} up, so a"
+        " resonance is blunt. The rotation of the crank, and its compliance under a driving torque, change the mean by"
+        f" {size(case.shift_of_motion / resonance.first_mode)}; this is taken as its error."
+    )
+
+
+def strength_table(cases: Sequence[CaseLoads]) -> Table:
+    """All numbers of all cases."""
+    columns: ColumnList = (
+        *(CASE, "engine", Column("quantity", words=lambda name: NAMES[name][0])),
+        Column("value", unit="[SI]", form=".4g"),
+        Column("error", "off by", unit="[SI]", form=".2g", meaning="by the spacing of rows and places, and the engine's own estimate"),
+        Column("unit", in_page=False),
+        Column("place", "from P", "mm", ".0f", meaning="arc length"),
+        Column("crank_angle", "crank at", "°", ".0f"),
+        Column("lowest", in_page=False),
+        Column("highest", in_page=False),
+    )
+    table = Table(
+        "strength",
+        """Loads on the parts in a steady cycle, as each engine computes them: largest value, its error, and its place. Stress: at the
+        surface of the arm by bending alone; amplitude: half of the range of stress at a place in a cycle, with its mean; safety: strength
+        over stress. The first mode is that of the arm with the crank held.""",
+        columns,
+    )
+    for case in cases:
+        for engine, load in numbers_of_case(case):
+            text = quantity(load.value, NAMES[load.quantity][1]).strip(TIED)
+            table.add(load, case=case.case.name, engine=engine, value=Cell(load.value, text), error=Cell(load.error, _off(load)))
+    return table
+
+
+def _off(load: Number) -> str:
+    """The error in words; of a safety factor its interval, which is not even about the value."""
+    if load.lowest is not None:
+        return f"{load.lowest:.3g} or more" if load.highest is None else span(load.lowest, load.highest, ".3g")
+    return "" if load.error is None else off_by(load.error, load.value)

@@ -1,1 +1,0 @@
-"""Numbers and verdicts computed from results, without layout."""

@@ -1,0 +1,48 @@
+"""A chapter of the page: its heading with the finding, and the facts that its template lays out."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from quickreturn.reports.page.plot import Plot, plots_in
+from quickreturn.reports.tables.table import Table
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A chapter.
+
+    Attributes:
+        id: its anchor in the page, and the name of its template: `chapters/ID.html`, whose macro `body` takes the facts.
+        name: name in the heading.
+        finding: what the results say, in the heading: a sentence without its full stop.
+        facts: tables, plots, numbers and sentences by name. Each table is also written as a CSV file.
+    """
+
+    id: str
+    name: str
+    finding: str
+    facts: Mapping[str, Any]
+
+    @property
+    def tables(self) -> Iterator[Table]:
+        """All tables among the facts, in their order."""
+        return tables_in(self.facts.values())
+
+    @property
+    def plots(self) -> Iterator[Plot]:
+        """All plots among the facts."""
+        return plots_in(self.facts.values())
+
+
+#: Functions that make the chapters of a page from its content, in their order; None where a report has no such chapter.
+Chapters = Sequence[Callable[[Any], Chapter | None]]
+
+
+def tables_in(values: Any) -> Iterator[Table]:
+    """Tables that have rows, among values and in lists of values."""
+    for value in values:
+        if isinstance(value, Table):
+            yield from [value] if value.rows else []
+        elif isinstance(value, (list, tuple)):
+            yield from tables_in(value)

@@ -1,1 +1,0 @@
-"""The facts of each chapter: numbers, tables and plots, without text."""

@@ -1,0 +1,195 @@
+"""Loads on the parts of a machine, by each engine on each case, and by the leading engine; their numbers, and sentences on them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+from quickreturn.cases.case import Case
+from quickreturn.cases.loads import UNITS, Factor, Loads, Peak, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.reports.words import TIED, degrees, number, off_by, percent, quantity, size
+
+if TYPE_CHECKING:
+    from quickreturn.cases.runs.comparison import CaseResult
+    from quickreturn.cases.runs.request import Run
+
+#: Number -> its name and unit in the page.
+NAMES: Final = {
+    "stress": ("largest stress", "MPa"),
+    "strain": ("the same as strain", "µε"),
+    "stress_amplitude": ("stress amplitude", "MPa"),
+    "stress_mean": ("mean stress there", "MPa"),
+    "yield_factor": ("safety against yielding", ""),
+    "fatigue_factor": ("safety against fatigue", ""),
+    "crank_torque": ("torque of the drive", "N m"),
+    "pivot_force": ("force in the bearing P", "N"),
+    "crank_force": ("force in the bearing O", "N"),
+    "slider_force": ("force at the slider", "N"),
+    "tip_deflection": ("deflection of the tip", "mm"),
+    "mean_first_frequency": ("first mode, mean over the turn", "Hz"),
+    "frequency_ratio": ("the same over the crank's frequency", ""),
+}
+
+
+@dataclass(frozen=True)
+class Number:
+    """A load; fields that are unknown, or that it does not have, are None."""
+
+    quantity: str  # key of `NAMES`
+    value: float  # the number
+    unit: str  # SI
+    error: float | None = None  # estimated error, SI; of a safety factor the farther end of its interval, None where that has none
+    place: float | None = None  # arc length from P, m
+    crank_angle: float | None = None  # rad, from 0 to a turn
+    lowest: float | None = None  # least and greatest value of a safety factor by the stress's error
+    highest: float | None = None  # None where it has no bound
+
+
+@dataclass(frozen=True)
+class CaseLoads:
+    """The loads of a case by each engine."""
+
+    case: Case
+    loads: dict[str, Loads]  # by engine, for those with a usable cycle
+    models: frozenset[str] = frozenset()  # engines whose discretization is their model: a difference is not an error of theirs
+    missed: tuple[str, ...] = ()  # a clause for each engine that misses its accuracy
+
+    @property
+    def lead(self) -> str:
+        """The engine whose numbers are shown: `reference`, or else the first that gives a stress; "" if none does, or if it is zero."""
+        from quickreturn.cases.runs.comparison import REFERENCE  # the loads of a single trajectory need no comparison
+
+        stressed = [name for name, loads in self.loads.items() if loads.stress is not None and loads.stress.largest.value > 0.0]
+        return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
+
+    @cached_property
+    def resonance(self) -> Resonance | None:
+        """The first mode beside the crank's frequency; None where there is no such mode."""
+        return resonance(self.case.mechanism)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the arm holds, by the leading engine (a sentence); "" where no strength is given."""
+        return verdict(self.loads[self.lead])
+
+    @cached_property
+    def shift_of_motion(self) -> float:
+        """Amount, Hz, by which the crank's rotation changes the mean first frequency; frequencies with the crank held lack it."""
+        return abs(shift_of_motion(self.case.mechanism))
+
+    def departures(self) -> dict[str, float]:
+        """Engine -> its largest stress over the leading engine's, minus one; without engines whose discretization is their model."""
+        same = {name: loads for name, loads in self.loads.items() if name not in self.models}
+        stress = {name: loads.stress.largest.value for name, loads in same.items() if loads.stress is not None}
+        lead = stress.pop(self.lead, 0.0)
+        return {name: value / lead - 1.0 for name, value in stress.items()} if lead else {}
+
+
+def loads_of_case(result: "CaseResult") -> CaseLoads:
+    """The loads of a case by each engine; recorded tables are left out, because they may lack the moments."""
+    mechanism = result.case.mechanism
+    by_engine = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
+    models = frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration")
+    return CaseLoads(result.case, by_engine, models, accuracies_missed(result))
+
+
+def accuracies_missed(result: "CaseResult") -> tuple[str, ...]:
+    """A clause for each engine whose estimate misses the accuracy asked, with both."""
+    return tuple(_missed(run) for run in result.runs.values() if run.status == Ending.INACCURATE)
+
+
+def _missed(run: "Run") -> str:
+    estimate = "an unknown error" if run.error_estimate is None else f"an error of {size(run.error_estimate)} of the tip’s deflection"
+    asked = "" if run.accuracy is None else f" where {percent(run.accuracy, 'g')} was asked"
+    return f"{run.engine} estimates {estimate}{asked}"
+
+
+def leading_loads(result: "CaseResult") -> CaseLoads:
+    """The loads of a case by the leading engine alone."""
+    from quickreturn.cases.runs.comparison import REFERENCE
+
+    mechanism, names = result.case.mechanism, sorted(result.runs, key=lambda name: name != REFERENCE)
+    for name in names:
+        loads = loads_of_run(mechanism, result.runs[name])
+        if loads is not None and loads.stress is not None:
+            return CaseLoads(result.case, {name: loads})
+    return CaseLoads(result.case, {})
+
+
+def verdict(loads: Loads) -> str:
+    """Whether the arm holds (a sentence), not judged by a stress with an error of tens of percent; "" where no strength is given."""
+    both = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
+    factors = {against: factor for against, factor in both.items() if factor is not None}
+    if not factors:
+        return ""
+    values = " and ".join(f"{factor.text} against {against}" for against, factor in factors.items())
+    if unjudged := [factor for factor in factors.values() if not factor.judged]:
+        errors = [factor.error for factor in unjudged if factor.error is not None]
+        why = f"is{TIED}{size(max(errors))} of it" if errors else "is not known"
+        return f"Whether the arm holds cannot be judged, as the error of its stress {why}: the safety factor is {values}."
+    broken = any(factor.highest is not None and factor.highest < 1.0 for factor in factors.values())
+    close = any(factor.lowest is not None and factor.lowest <= 1.0 for factor in factors.values())
+    begin = "The arm does not hold" if broken else "Whether the arm holds is too close to tell" if close else "The arm holds"
+    below = ", below one" if broken and len(factors) == 1 else ""
+    return f"{begin}: the safety factor is {values}{below}."
+
+
+def from_p(peak: Peak) -> str:
+    """The place of a peak along the arm: "375 mm from P"."""
+    assert peak.place is not None
+    return f"{number(1e3 * peak.place, '.0f')} mm from P"
+
+
+def stress_text(loads: Loads, length: float) -> str:
+    """The largest stress and where it is, and whether the arm holds, in a line; `length` is the arm's, m. There must be a stress."""
+    assert loads.stress is not None
+    largest_stress, where = loads.stress.largest, []
+    if largest_stress.place is not None:
+        where.append(f"{from_p(largest_stress)} ({100.0 * largest_stress.place / length:.0f} % of the arm)")
+    if largest_stress.crank_angle is not None:
+        where.append(f"crank at {degrees(largest_stress.crank_angle)}")
+    error = "" if largest_stress.error is None else f" ({off_by(largest_stress.error, largest_stress.value)})"
+    text = f"largest stress {quantity(largest_stress.value, 'MPa')}{error}, {', '.join(where)}"
+    return f"{text}. {verdict_text.removesuffix('.')}" if (verdict_text := verdict(loads)) else text
+
+
+def numbers(loads: Loads) -> Iterator[Number]:
+    """All numbers of an engine's loads."""
+    if loads.stress is not None:
+        yield _peak("stress", loads.stress.largest, "Pa")
+        if loads.strain is not None:
+            yield _peak("strain", loads.strain, "1")
+        yield _peak("stress_amplitude", loads.stress.amplitude, "Pa")
+        yield Number("stress_mean", loads.stress.mean, "Pa", place=loads.stress.amplitude.place)
+    factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
+    yield from (_factor(name, factor) for name, factor in factors.items() if factor is not None)
+    yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)
+
+
+def loads_document(loads: Loads | None) -> dict[str, dict[str, Any]]:
+    """Quantity -> the other fields of its `Number`, for a JSON document; empty without loads."""
+    documents = [vars(each) for each in numbers(loads)] if loads is not None else []
+    return {one["quantity"]: {key: value for key, value in one.items() if key != "quantity"} for one in documents}
+
+
+def numbers_of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
+    """All numbers of a case, each with its engine, or with "" where it needs none."""
+    for engine, loads in case.loads.items():
+        yield from ((engine, each) for each in numbers(loads))
+    if case.resonance is not None:
+        yield "", Number("mean_first_frequency", case.resonance.first_mode, "Hz", case.shift_of_motion)
+        yield "", Number("frequency_ratio", case.resonance.ratio, "1", case.shift_of_motion / case.resonance.crank)
+
+
+def _factor(name: str, factor: Factor) -> Number:
+    if factor.lowest is None or factor.highest is None:
+        return Number(name, factor.value, "1")
+    if math.isinf(factor.highest):
+        return Number(name, factor.value, "1", lowest=factor.lowest)
+    return Number(name, factor.value, "1", factor.highest - factor.value, lowest=factor.lowest, highest=factor.highest)
+
+
+def _peak(name: str, peak: Peak, unit: str) -> Number:
+    return Number(name, peak.value, unit, peak.error, peak.place, peak.crank_angle)

@@ -1,0 +1,96 @@
+"""The data of a report on runs of the thesis."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.studies import ACCURACY_CASE
+from quickreturn.cases.thesis.experiment.recordings import experiment_tables
+from quickreturn.cases.thesis.finding.study import Row
+from quickreturn.cases.thesis.inconsistencies import inconsistencies
+from quickreturn.cases.thesis.modes import ThesisModes, thesis_modes
+from quickreturn.cases.thesis.runs import RUNS
+from quickreturn.cases.thesis.scatter import Band
+from quickreturn.cases.units import in_si
+from quickreturn.engines.registry import MODEL
+from quickreturn.reference_model.mechanism import TorqueDrive
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.results.runs import of_library
+from quickreturn.reports.thesis import long_studies
+from quickreturn.reports.thesis.conclusions import Basis, Conclusion, conclusions
+from quickreturn.reports.thesis.measured import statement_values
+from quickreturn.reports.thesis.runs import thesis_runs
+from quickreturn.reports.thesis.sufficiency import Split, splits
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThesisData(Content):
+    """The data of a page on at least one run of the thesis.
+
+    Attributes:
+        thesis_modes: frequencies of the thesis' example run; None if that run is not among the results.
+        finding: the recorded study of the causes of the thesis' finding.
+        bands: recorded bands of the thesis' runs over the scatter of unprinted quantities.
+    """
+
+    templates: ClassVar[tuple[str, ...]] = ("quickreturn.reports.thesis",)
+    is_own: ClassVar[bool] = False
+
+    thesis_modes: ThesisModes | None = None
+    finding: Sequence[Row] = ()
+    bands: Sequence[Band] = ()
+
+    @classmethod
+    def recordings(cls) -> list[RecordedTable]:
+        """Recordings of the experiment."""
+        return experiment_tables()
+
+    @classmethod
+    def further(cls, results: Sequence[CaseResult], workshop: Workshop) -> tuple[dict[str, Any], list[str]]:
+        """The recorded studies, and frequencies of the example run with its crank held, if it is among the results."""
+        example = of_library(results, ACCURACY_CASE)
+        if example is None:
+            return {}, []
+        job = Job("frozen crank", thesis_modes, (example.case.mechanism,), kind="frozen crank")
+        (outcome,) = workshop.outcomes([job], "frozen-crank frequencies")
+        fields = {"finding": long_studies.finding(), "bands": long_studies.bands(), "thesis_modes": outcome.value}
+        reason = f"{example.case.name}: the frozen-crank frequencies could not be computed: {outcome.explanation}"
+        return fields, [] if outcome.value is not None else [reason]
+
+    @property
+    def thesis_results(self) -> list[CaseResult]:
+        """Results of the runs of the thesis; its statements are about these only."""
+        return list(thesis_runs(self.results).values())
+
+    @property
+    def conclusions(self) -> list[Conclusion]:
+        """Conclusions on the thesis' statements."""
+        return conclusions(Basis(self.thesis_results, self.thesis_modes, statement_values(self.comparisons, MODEL), self.finding))
+
+    @property
+    def splits(self) -> list[Split]:
+        """Effects that make the halves differ as the thesis says, if these were recorded."""
+        return splits(self.finding)
+
+    @property
+    def answer_template(self) -> str:
+        """Template of the first screen: the one on the thesis, unless the report also has other cases."""
+        return "answer_on_runs.html" if len(self.thesis_results) == len(self.results) else "answer.html"
+
+    @property
+    def assumed(self) -> Mapping[str, Any]:
+        """Driving torque of the first run that a torque drives, N m, and the largest moment of in-plane gravity on its crank, N m."""
+        assumptions: dict[str, Any] = {"template": "assumptions.html", "torque": None, "weight": None}
+        for crank in (result.case.mechanism.crank for result in reversed(self.thesis_results)):
+            if isinstance(crank.drive, TorqueDrive):
+                assumptions |= {"torque": crank.drive.torque, "weight": crank.mass * in_si("g0") * crank.center_of_mass}
+        return assumptions
+
+    @property
+    def general_notes(self) -> frozenset[str]:
+        """Published inconsistencies that concern all runs."""
+        return frozenset(inconsistency.sentence for inconsistency in inconsistencies() if set(inconsistency.runs) == set(RUNS))

@@ -1,0 +1,143 @@
+"""Who agrees with whom: the heading's sentences, and the tables of comparisons."""
+
+import dataclasses
+
+import pytest
+
+from quickreturn.cases.runs.comparison import agreement as verdicts
+from quickreturn.reports.chapters.agreement import (
+    against,
+    classes,
+    departures,
+    finding,
+    largest,
+    run_map,
+    sharpness_sentences,
+    summary,
+)
+from quickreturn.reports.results.differences import differences, outward, spread
+from quickreturn.reports.results.sharpness import Sharpness
+from tests.reports.pages import chapter_of, finding_of, one_run, plain, text_of
+from tests.reports.plotted_results import ENGINES, with_run
+from tests.reports.reported_results import agreeing, departing, reported_result
+
+#: The smallest errors that are found, with which the sentences are written out.
+KNOWN = {
+    "frequency": [
+        Sharpness("a", "reference", "frequency", 4, 0.01, 0.5, 0.012, 0.02),
+        Sharpness("b", "reference", "frequency", 4, 0.03, 0.2, 0.008, 0.01),
+    ],
+    "amplitude": [Sharpness("a", "reference", "amplitude", 4, 0.05, 0.1, 0.2, 0.3)],
+}
+WOULD = "in which an error of 1.2 % in every frequency or 20 % in every amplitude would have shown"
+CUBIC = "; the 1999 model’s frequency is 13 % off the converged one at worst"
+
+
+def counts(agree: int = 0, disagree: int = 0, says_nothing: int = 0) -> dict[str, int]:
+    return {"agree": agree, "disagree": disagree, "says_nothing": says_nothing}
+
+
+def test_the_heading_says_who_agrees_and_what_would_have_shown() -> None:
+    alike = ["reference", "a", "b"]
+    told = plain(finding(counts(agree=34), alike, KNOWN, -0.131))
+    assert told == f"Three agree within what they claim in all 34 comparisons with reference, {WOULD}{CUBIC}"
+    told = plain(finding(counts(agree=30, says_nothing=4), alike[:2], KNOWN, None))
+    assert told == f"Two agree within what they claim in 30 comparisons with reference (4 more say nothing), {WOULD}"
+    told = plain(finding(counts(agree=1), alike[:2], {"frequency": KNOWN["frequency"]}, None))
+    would = "in which an error of 1.2 % in every frequency would have shown"
+    assert told == f"Two agree within what they claim in 1 comparison with reference, {would}"
+
+
+def test_the_heading_counts_what_departs_and_what_says_nothing() -> None:
+    told = plain(finding(counts(agree=90, disagree=1, says_nothing=1), ["reference", "a"], KNOWN, 0.131))
+    assert told == f"In 1 of 92 comparisons engines differ by more than they claim{CUBIC}"
+    told = plain(finding(counts(says_nothing=64), ["reference", "a"], KNOWN, None))
+    assert told == "64 comparisons say nothing: what is claimed is too wide"
+    assert finding(counts(), [], {}, None) == "Nothing could be judged"
+    assert plain(finding(counts(), [], {}, 0.131)) == f"Nothing could be judged{CUBIC}"
+
+
+def test_the_heading_counts_the_comparisons_of_the_page() -> None:
+    content = one_run(agreeing(reported_result("thesis-24")), reported_result("thesis-06", seed=5))
+    (table,) = (table for table in chapter_of(content, "agreement").tables if table.name == "compared")
+    compared, beyond, silent = (sum(int(str(row[key].value)) for row in table.rows) for key in ("compared", "beyond", "say_nothing"))
+    assert 0 < beyond < compared
+    assert finding_of(content, "agreement").startswith(
+        f"In {beyond} of {compared} comparisons engines differ by more than they claim; the 1999"
+    )
+    alike = one_run(agreeing(reported_result("thesis-24")))
+    checks = [check for result in alike.results for check in result.checks]
+    assert verdicts(checks) == counts(agree=len(checks))
+    told = finding_of(alike, "agreement")
+    assert told.startswith(f"Three agree within what they claim in all {len(checks)} comparisons with reference, in which an error of ")
+    assert silent == 0
+    nothing = one_run(reported_result("example", dict.fromkeys(ENGINES, "failed")))
+    assert finding_of(nothing, "agreement") == "Nothing could be judged"
+
+
+def test_one_engine_alone_has_no_such_chapter() -> None:
+    result = reported_result("example")
+    alone = dataclasses.replace(result, runs={"reference": result.runs["reference"]})
+    assert "What was compared" not in text_of(one_run(alone))
+
+
+def test_the_engines_that_are_compared_with_one_are_named() -> None:
+    assert against(["reference", "a", "b"]) == " Each engine is compared with reference; a and b are not compared with each other."
+    assert against(["reference", "a"]) == ""
+    assert against([]) == ""
+
+
+def test_the_largest_differences_are_told_with_their_places() -> None:
+    result = reported_result("thesis-24")
+    worst = spread(differences([result], "thesis", "frequency")[:1])
+    assert worst is not None
+    told = plain(largest({"first-mode frequency": worst, "first-mode amplitude": None, "peak": worst}))
+    one = f"{100.0 * worst.worst.relative:.0f} % (run 24, pre-return, all channels)"
+    assert told == f"Largest differences among those that agree: first-mode frequency {one}, peak {one}."
+    assert largest({"first-mode frequency": None, "first-mode amplitude": worst, "peak": worst}) == ""
+
+
+def test_the_sharpness_of_the_test_is_told_for_each_kind_of_numbers() -> None:
+    told = plain(sharpness_sentences(KNOWN, 0.5))
+    assert "the median tolerance is 1.0 to 3.0 % of a frequency, 5.0 % of an amplitude." in told.replace("1 to 3 %", "1.0 to 3.0 %")
+    assert "The largest difference uses 0.50 of its tolerance." in told
+    assert "at least one comparison finds it from 1.2 % in every frequency or 20 % in every amplitude on," in told
+    assert "half of the comparisons from 2.0 % in every frequency or 30 % in every amplitude on, in each engine compared." in told
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) -> None:
+    result = reported_result("thesis-24")
+    smaller = [
+        dataclasses.replace(each, minimum=factor * each.minimum, maximum=factor * each.maximum)
+        for each in result.runs["reference"].measures
+    ]
+    result = with_run(result, "exudyn", measures=tuple(smaller))
+    signed = [outward(each.quantity, each.relative) for each in differences([result], "exudyn", "extreme")]
+    # minima are negative and maxima positive in these made-up signals; both are about as large as the peak, which is 1.01 of the signal's
+    assert signed == pytest.approx([factor - 1.0] * len(signed), rel=0.05)
+    (row,) = run_map([result]).rows
+    assert row["exudyn_extreme_difference"].value == max(signed, key=abs)
+
+
+def test_a_departure_is_told_with_what_both_claim() -> None:
+    result, check = departing(reported_result("thesis-24"))
+    assert check in result.missed
+    wanted = {"engine": "exudyn", "quantity": "maximum", "half": "pre", "channel": "strain_3"}
+    (numbers,) = (row for row in departures([result]).rows if all(row[key].value == value for key, value in wanted.items()))
+    # made up: estimates of 1 % of the peak, settling errors of 5e-4 of it
+    assert numbers["claim"].value == pytest.approx(0.01 + 5e-4)
+    assert numbers["tolerance"].value == pytest.approx(2.0 * (0.01 + 5e-4))
+    assert numbers["difference"].value == pytest.approx(3.0 * numbers["tolerance"].value)  # type: ignore[operator]
+    beyond = {(row["engine"].value, row["other"].value, row["quantity"].value): row["beyond"].value for row in summary([result]).rows}
+    assert beyond["exudyn", "reference", "maximum"] == sum(c.engine == "exudyn" and c.quantity == "maximum" for c in result.missed) >= 1
+
+
+def test_classes_count_runs() -> None:
+    results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
+    rows = {row["engine"].value: [cell.value for key, cell in row.items() if key != "engine"] for row in classes(results).rows}
+    assert {engine: sum(counts) for engine, counts in rows.items()} == dict.fromkeys(("thesis", "reference", "exudyn", "mujoco"), 2)  # type: ignore[arg-type]
+    # the cubic is 13 % off in these made-up results, the reference claims 1 % of the peaks, and what failed has no class
+    assert rows["thesis"][-2:] == [2, 0]
+    assert rows["reference"] == [0, 0, 2, 0, 0, 0, 0]
+    assert rows["exudyn"][-1] == 1

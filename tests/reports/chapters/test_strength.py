@@ -1,0 +1,213 @@
+"""What the page of one's own case says of the machine: numbers of its table, in words that fit them."""
+
+import dataclasses
+import re
+
+import pytest
+
+from quickreturn.cases.loads import Factor, Resonance, loads_of_run, resonance
+from quickreturn.cases.loads.stress import section_modulus
+from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.reports.chapters.strength import finding, lacking, mode_sentences, stress_sentences
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.view import cycles
+from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of_case, numbers_of_case
+from quickreturn.reports.words import quantity
+from tests.reports.pages import finding_of, one_run, plain, read, text_of
+from tests.reports.plotted_results import made_up_result, with_run, with_strength
+from tests.reports.reported_results import reported_result
+
+
+@pytest.fixture(scope="module")
+def example() -> CaseResult:
+    return reported_result("example")
+
+
+@pytest.fixture
+def known(example: CaseResult) -> CaseLoads:
+    """Loads with known numbers: 12.346 MPa at 375 mm, an amplitude of 8 MPa about -0.02 MPa at 400 mm, safety 2 and 3, harmonic 9."""
+    found = loads_of_case(example)
+    loads = found.loads["reference"]
+    assert loads.stress is not None
+    largest = dataclasses.replace(loads.stress.largest, value=12.346e6, place=0.375, crank_angle=5.65)
+    amplitude = dataclasses.replace(loads.stress.amplitude, value=8e6, place=0.4)
+    stress = dataclasses.replace(loads.stress, largest=largest, amplitude=amplitude, mean=-0.02e6)
+    factors = {"yield_factor": Factor(2.0, 1.9, 2.1, 0.05), "fatigue_factor": Factor(3.0, 2.9, 3.1, 0.03)}
+    made = CaseLoads(found.case, {"reference": dataclasses.replace(loads, stress=stress, modulus=70e9, **factors)})
+    vars(made)["resonance"] = Resonance(first_mode=18.4, lowest=12.1, crank=2.0)
+    vars(made)["shift_of_motion"] = 0.092
+    return made
+
+
+def without(case: CaseLoads, *factors: str) -> CaseLoads:
+    loads = dataclasses.replace(case.loads["reference"], **dict.fromkeys(factors))
+    made = dataclasses.replace(case, loads={"reference": loads})
+    vars(made)["resonance"] = case.resonance
+    return made
+
+
+def test_the_heading_gives_stress_safety_and_resonance(known: CaseLoads) -> None:
+    stress, resonance = "12.35 MPa at 375 mm from P", "harmonic 9 is 2.2 % from resonance"
+    assert plain(finding([known])) == f"{stress}, safety 2 against yielding; {resonance}"
+    assert plain(finding([without(known, "yield_factor")])) == f"{stress}, safety 3 against fatigue; {resonance}"
+    neither = without(known, "yield_factor", "fatigue_factor")
+    assert plain(finding([neither])) == f"{stress}; {resonance}"
+    vars(neither)["resonance"] = None
+    assert plain(finding([neither])) == stress
+    assert plain(finding([neither, known])) == f"example: {stress}"  # of the first of several
+
+
+def test_the_heading_is_about_the_first_case_of_the_page(example: CaseResult) -> None:
+    loads = loads_of_case(example)
+    assert finding_of(one_run(example), "strength") == plain(finding([loads]))
+    two = one_run(reported_result("hard-speed-x2"), example)
+    assert finding_of(two, "strength").startswith("hard-speed-x2: ")
+
+
+def test_the_sentences_say_where_the_arm_is_stressed_and_how_the_stress_varies(known: CaseLoads) -> None:
+    told = plain(stress_sentences(known))
+    holds = "The arm holds: the safety factor is 2 against yielding and 3 against fatigue."
+    most = "By reference, bending stresses the arm most 375 mm from P, with 12.35 MPa when the crank stands at 324°"
+    strain = "(a surface strain of 176.4 µε)"  # 12.346 MPa / 70 GPa
+    widest = "The range of stress in a turn is widest 400 mm from P: an amplitude of 8.000 MPa about zero."
+    assert told == f"{holds} {most} {strain}. {widest}"
+    loads = known.loads["reference"]
+    assert loads.stress is not None
+    mean = dataclasses.replace(loads, stress=dataclasses.replace(loads.stress, mean=0.05e6))
+    assert plain(stress_sentences(CaseLoads(known.case, {"reference": mean}))).endswith("about a mean of 0.05000 MPa.")
+
+
+def test_the_sentences_on_the_first_mode_give_both_frequencies(known: CaseLoads) -> None:
+    told = plain(mode_sentences(known))
+    assert told.startswith("The first mode, with the crank held, has 18.40 Hz in the mean over the turn, 9.20 times the crank’s 2.000 Hz.")
+    assert "of the crank’s speed the 9th harmonic is nearest to the first mode; the two meet at 122.7 rpm, 2.2 % faster." in told
+    assert told.endswith(
+        "from 12.10 Hz up, so a resonance is blunt. The rotation of the crank, and its compliance under a driving torque, change"
+        " the mean by 0.5 %; this is taken as its error."
+    )
+    vars(known)["resonance"] = None
+    assert mode_sentences(known) == ""
+
+
+def test_the_keys_that_are_missing_are_named(known: CaseLoads) -> None:
+    cases = {(): "", ("yield_factor",): "yield", ("fatigue_factor",): "fatigue", ("yield_factor", "fatigue_factor"): "both"}
+    told = {which: lacking(without(known, *factors).loads["reference"]) for factors, which in cases.items()}
+    assert told[""][1] == []
+    assert told["yield"] == ("No factor against yielding", ["yield_strength"])
+    assert told["fatigue"] == ("No factor against fatigue", ["fatigue_strength"])
+    assert told["both"] == ("No safety factor", ["yield_strength", "fatigue_strength"])
+
+
+def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseResult) -> None:
+    page, told = read(one_run(example)), text_of(one_run(example))
+    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
+    assert loads is not None
+    assert loads.stress is not None
+    rows = {(row[1][0], row[2][1]): row for row in page.tables["strength.csv"]}
+    for name, unit in (("stress", "MPa"), ("crank_torque", "N m"), ("pivot_force", "N"), ("slider_force", "N"), ("tip_deflection", "mm")):
+        value = float(rows["reference", name][3][1])
+        assert quantity(value, unit).replace("\N{NO-BREAK SPACE}", " ") in told
+        assert rows["reference", name][4][0] != "–"  # each with its error
+    assert float(rows["reference", "stress"][3][1]) == loads.stress.largest.value
+    place = float(rows["reference", "stress"][6 - 1][1])
+    assert f"{1e3 * place:.0f} mm from P" in told
+    first = resonance(example.case.mechanism)
+    assert first is not None
+    assert first.sentence in told
+    assert f"{first.ratio:.2f}first mode" in told  # a large number and the words under it
+    assert loads_of_case(example).verdict in told
+    assert told.index("largest stress") < told.index("Engines show or hide")
+
+
+@pytest.mark.parametrize(
+    ("part", "sentence"),
+    [
+        (0.5, "The arm does not hold: the safety factor is 0.5 "),
+        (1.0, "too close to tell"),
+        (3.0, "The arm holds: the safety factor is 3 "),
+    ],
+)
+@pytest.mark.parametrize("key", ["yield_strength", "fatigue_strength"])
+def test_a_factor_below_one_is_told_in_a_sentence(example: CaseResult, key: str, part: float, sentence: str) -> None:
+    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
+    assert loads is not None
+    assert loads.stress is not None
+    borne = loads.stress.largest if key == "yield_strength" else loads.stress.amplitude
+    strengths = dict.fromkeys(("yield_strength", "fatigue_strength")) | {key: part * borne.value}
+    assert sentence in loads_of_case(with_strength(example, **strengths)).verdict
+
+
+def test_one_factor_below_one_is_enough(example: CaseResult) -> None:
+    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
+    assert loads is not None
+    assert loads.stress is not None
+    material = {"yield_strength": 0.5 * loads.stress.largest.value, "fatigue_strength": loads.stress.amplitude.value}
+    told = loads_of_case(with_strength(example, **material)).verdict
+    assert told == "The arm does not hold: the safety factor is 0.5 against yielding and 1 against fatigue."
+
+
+@pytest.mark.parametrize(("part", "words"), [(0.3, "30 % of it: the safety factor is 0.5 (0.38"), (2.0, " or more)")])
+def test_an_error_of_tens_of_percent_lets_nobody_judge(example: CaseResult, part: float, words: str) -> None:
+    run = example.runs["reference"]
+    stress = loads_of_case(example).loads["reference"].stress
+    assert stress is not None
+    moment = stress.largest.value * section_modulus(example.case.mechanism.follower)
+    unsure = {name: dict.fromkeys(("pre", "post"), part * moment) for name in run.cycle}
+    result = with_run(
+        with_strength(example, yield_strength=0.5 * stress.largest.value, fatigue_strength=None), "reference", extreme_estimates=unsure
+    )
+    told = loads_of_case(result).verdict.replace("\N{NO-BREAK SPACE}", " ")
+    assert told.startswith("Whether the arm holds cannot be judged")
+    assert words in told
+    page = text_of(one_run(result))
+    assert "The arm does not hold" not in page
+    assert "cannot be judged" in page
+    assert words.rpartition("(")[2] in page
+
+
+def test_without_strengths_the_page_says_which_keys_to_give(example: CaseResult) -> None:
+    told = text_of(one_run(with_strength(example, yield_strength=None, fatigue_strength=None)))
+    assert "The arm holds" not in told
+    assert "give yield_strength and fatigue_strength in [follower]" in told
+
+
+def test_the_thesis_keeps_its_first_screen_and_engines_without_moments_the_old_one(example: CaseResult) -> None:
+    of_thesis = one_run()
+    assert of_thesis.loads == []
+    assert "strength" not in [chapter.id for chapter in chapters_of(of_thesis)]
+    assert not any(run["stress"] for run in cycles(of_thesis.results, ["reference"], of_thesis.loads).runs)
+    without = example
+    for name, run in example.runs.items():
+        without = with_run(without, name, cycle={key: values for key, values in run.cycle.items() if not key.startswith("moment")})
+    assert "strength" not in [chapter.id for chapter in chapters_of(one_run(without))]
+    assert "settled at the accuracy asked" in text_of(one_run(without))
+
+
+def test_the_engine_that_leads_is_the_reference_and_others_are_told_beside(example: CaseResult) -> None:
+    run = example.runs["mujoco"]
+    cycle = {name: (1.1 if name.startswith("moment") else 1.0) * values for name, values in run.cycle.items()}
+    both = compare(example.case, {"mujoco": dataclasses.replace(run, cycle=cycle), "reference": example.runs["reference"]})
+    found = loads_of_case(both)
+    assert found.lead == leading_loads(both).lead == "reference"
+    assert found.departures()["mujoco"] == pytest.approx(0.1, abs=0.01)
+    assert re.search(r"mujoco finds 10(\.0)? % more", text_of(one_run(both)))
+    assert loads_of_case(dataclasses.replace(both, runs={"mujoco": both.runs["mujoco"]})).lead == "mujoco"
+
+
+def test_what_is_drawn_along_the_arm_is_what_the_cycle_reaches() -> None:
+    result = made_up_result("example")
+    content = Content(results=[result])
+    (run,) = cycles(content.results, ["reference"], content.loads).runs
+    stress = loads_of_case(result).loads["reference"].stress
+    assert stress is not None
+    assert max(map(abs, run["stress"]["low"] + run["stress"]["high"])) == pytest.approx(1e-6 * stress.largest.value, rel=0.03)
+    assert run["stress"]["at"] == pytest.approx((stress.largest.place or 0.0) / result.case.mechanism.follower.length)
+    assert run["stress"]["low"][-1] == pytest.approx(0.0, abs=0.03 * run["stress"]["largest"])  # the light tip bears little
+
+
+def test_rows_have_units_and_names(example: CaseResult) -> None:
+    found = {number.quantity: number for engine, number in numbers_of_case(loads_of_case(example)) if engine in ("reference", "")}
+    assert found["stress"].unit == "Pa"
+    assert found["frequency_ratio"].value == pytest.approx(found["mean_first_frequency"].value / 2.0)  # 120 rpm
+    assert found["yield_factor"].value == pytest.approx(240e6 / found["stress"].value)

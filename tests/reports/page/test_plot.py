@@ -1,0 +1,60 @@
+"""Plots of the page as data: they show what the results say, and every name in them has a look."""
+
+import json
+import re
+
+from quickreturn.engines.registry import MAIN
+from quickreturn.reports.looks import looks
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.plot import Plot
+from quickreturn.reports.page.render import report_page
+from quickreturn.reports.words import QUANTITY
+from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.made_up_studies import made_up_studies
+from tests.reports.pages import content_of
+from tests.reports.reported_results import reported_result
+
+RESULTS = [reported_result("thesis-24"), reported_result("thesis-17", seed=3)]
+CONTENT = content_of(results=RESULTS, studies=made_up_studies(), benchmarks=[made_up_benchmark()])
+
+
+def plots(chapter: str) -> list[Plot]:
+    return [plot for found in chapters_of(CONTENT) if found.id == chapter for plot in found.plots]
+
+
+def test_every_comparison_is_a_dot_at_its_difference_over_the_tolerance() -> None:
+    (plot,) = plots("agreement")
+    checks = [check for result in RESULTS for check in result.checks]
+    assert len(checks) > 50
+    assert sum(len(series.y) for series in plot.series) == len(checks)
+    for series in plot.series:
+        mine = [check for check in checks if check.engine == series.name]
+        for check, row, used, text in zip(mine, series.x, series.y, series.text, strict=True):
+            assert row == QUANTITY[check.quantity]
+            assert (used > 1.0) == (abs(check.mine.value - check.its.value) > check.tolerance)
+            assert text.endswith("of the tolerance")
+    assert plot.limit == (1.0, "tolerance")
+
+
+def test_errors_are_drawn_in_percent() -> None:
+    precision, freedom = plots("methods")
+    points = {series.name: series for series in precision.series}
+    assert list(points["multiplier"].y) == [100.0 * free**-3.0 for free in (2, 4, 8, 16)]  # the made-up method's power law
+    assert precision.below == freedom.below == 0.01
+
+
+def test_the_page_has_a_look_for_every_name_that_it_draws() -> None:
+    page = report_page(CONTENT, chapters_of(CONTENT))
+    known = json.loads(re.search(r'id="view">(.*?)</script>', page, re.S)[1])["looks"]  # type: ignore[index]
+    drawn = [json.loads(found) for found in re.findall(r'<script type="application/json">(.*?)</script>', page, re.S)]
+    names = {series["of"] for plot in drawn for series in plot["series"]} | set(MAIN)
+    assert len(drawn) == sum(len(list(chapter.plots)) for chapter in chapters_of(CONTENT)) > 3
+    assert names - {""} <= set(known)
+    assert {name: look["light"] for name, look in known.items()} == {name: look.light for name, look in looks(known).items()}
+
+
+def test_no_cell_of_the_page_is_written_as_a_computer_writes_numbers() -> None:
+    page = report_page(CONTENT, chapters_of(CONTENT))
+    cells = re.findall(r'<td class=" \w*" data-value="[^"]*">([^<]*)<', page)
+    assert len(cells) > 100
+    assert [cell for cell in cells if re.search(r"\de[+−-]?\d", cell)] == []

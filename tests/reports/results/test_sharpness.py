@@ -1,0 +1,114 @@
+"""How small an error the comparison of engines finds: the same whether planted in a number, in all numbers of a run, or in its motion."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from quickreturn.cases.case_file import load_case
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
+from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare, cross_validate
+from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
+from quickreturn.cases.runs.request import Run
+from quickreturn.reports.results.sharpness import Sharpness, sharpness, smallest_found
+from tests.reports.reported_results import agreeing, reported_result
+
+#: Part of an error by which planted ones are more, or less: rounding of a number that is larger than its error.
+MARGIN = 2e-3
+#: Numbers that an error of each kind scales; a consensus is made of its channels' frequencies.
+SCALED: dict[Kind, tuple[str, ...]] = {"frequency": VIBRATION[:1], "amplitude": VIBRATION[1:], "extreme": EXTREMES}
+
+
+RESULTS = [agreeing(reported_result("thesis-24")), agreeing(reported_result("thesis-06", seed=5))]
+
+
+def found_of(results: list[CaseResult], engine: str, kind: Kind) -> Sharpness:
+    (found,) = (each for each in sharpness(results) if (each.engine, each.kind) == (engine, kind))
+    return found
+
+
+def beyond(results: list[CaseResult], engine: str, kind: Kind, changed: Callable[[Run], Run]) -> tuple[int, int]:
+    """In how many numbers of a kind an engine departs if its runs are changed, and in how many it is compared."""
+    compared = [compare(result.case, result.runs | {engine: changed(result.runs[engine])}) for result in results]
+    checks = [check for result in compared for check in result.checks if check.engine == engine and check.quantity in KINDS[kind]]
+    return sum(not check.passed for check in checks), len(checks)
+
+
+def scaled(kind: Kind, factor: float) -> Callable[[Run], Run]:
+    """A run whose numbers of a kind are larger by a factor."""
+
+    def change(run: Run) -> Run:
+        def larger(each: object) -> dict[str, float]:
+            return {name: factor * value for name in SCALED[kind] if (value := getattr(each, name, None)) is not None}
+
+        measures = tuple(dataclasses.replace(each, **larger(each)) for each in run.measures)
+        return dataclasses.replace(run, measures=measures)
+
+    return change
+
+
+@pytest.mark.parametrize("engine", ["exudyn", "mujoco"])
+@pytest.mark.parametrize("kind", list(SCALED))
+def test_an_error_is_found_from_the_size_on_that_is_told(engine: str, kind: Kind) -> None:
+    told = found_of(RESULTS, engine, kind)
+
+    def counts(error: float) -> Iterator[tuple[int, int]]:
+        yield from (beyond(RESULTS, engine, kind, scaled(kind, 1.0 + sign * error)) for sign in (1, -1))
+
+    assert min(count for count, _ in counts(told.found_somewhere * (1.0 + MARGIN))) >= 1
+    assert min(count for count, _ in counts(told.found_somewhere * (1.0 - MARGIN))) == 0
+    assert min(2 * count >= total for count, total in counts(told.found_mostly * (1.0 + MARGIN)))
+    assert not min(2 * count >= total for count, total in counts(told.found_mostly * (1.0 - MARGIN)))
+    assert told.found_somewhere <= told.found_mostly
+
+
+def test_a_number_is_found_to_be_off_where_its_difference_exceeds_what_both_claim() -> None:
+    for check in RESULTS[0].checks[:20]:
+        for sign in (1, -1):
+            for margin, passes in ((-MARGIN, True), (MARGIN, False)):
+                off = (1.0 + sign * (1.0 + margin) * smallest_found(check, sign)) * check.mine.value
+                assert dataclasses.replace(check, mine=dataclasses.replace(check.mine, value=off)).passed is passes
+
+
+def test_what_departs_already_needs_no_error_and_a_zero_shows_none() -> None:
+    check = RESULTS[0].checks[0]
+    claim = dataclasses.replace(check.mine, value=check.its.value + 2.0 * check.tolerance)
+    assert smallest_found(dataclasses.replace(check, mine=claim), 1) == 0.0
+    nothing = dataclasses.replace(check.mine, value=0.0, measurement=2.0 * abs(check.its.value))
+    assert smallest_found(dataclasses.replace(check, mine=nothing), 1) == math.inf
+
+
+@pytest.fixture(scope="module")
+def run_24() -> CaseResult:
+    """As it is stored, or computed."""
+    (found,) = cross_validate([load_case("thesis-24")], Workshop(Store()))
+    return found
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("engine", ["exudyn", "mujoco"])
+@pytest.mark.parametrize("kind", list(SCALED))
+def test_an_error_in_the_motion_is_found_like_one_in_the_numbers(run_24: CaseResult, engine: str, kind: Kind) -> None:
+    """The whole way: the columns or the time of the settled cycle are scaled, and the cycle is measured anew."""
+    scale = time_scale(run_24.case.mechanism)
+
+    def planted(factor: float) -> Callable[[Run], Run]:
+        def change(run: Run) -> Run:
+            faster, larger = (factor, 1.0) if kind == "frequency" else (1.0, factor)
+            time, channels = run.cycle["time"] / faster, {name: larger * run.cycle[name] for name in CHANNELS}
+            found = measure_cycle(scale, time, run.cycle["crank_angle"], channels)
+            measures = tuple(dataclasses.replace(mine, **vars(its)) for mine, its in zip(run.measures, found.measures, strict=True))
+            return dataclasses.replace(run, measures=measures)
+
+        return change
+
+    assert beyond([run_24], engine, kind, planted(1.0))[0] == 0
+    told = found_of([run_24], engine, kind)
+    # what is measured anew has an uncertainty of its own, which grows with the amplitude, and a fit that ends a little elsewhere
+    for error, least in ((0.9 * told.found_somewhere, 0), (1.1 * told.found_somewhere, 1)):
+        counts = [beyond([run_24], engine, kind, planted(1.0 + sign * error))[0] for sign in (1, -1)]
+        assert min(counts) == 0 if least == 0 else min(counts) >= 1, (error, counts)

@@ -1,0 +1,101 @@
+"""What the thesis saw: the heading's sentences, and those on plots and stiffness."""
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+from quickreturn.cases.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
+from quickreturn.cases.thesis.finding.effects import effects
+from quickreturn.reports.thesis.chapters.thesis import counted_words, finding, stiffness_words
+from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE
+from quickreturn.reports.thesis.raw_extremes import Excess
+from quickreturn.reports.thesis.sufficiency import Split, splits
+from tests.reports.pages import finding_of, one_run, plain
+from tests.reports.thesis.made_up_finding import made_up_finding
+
+OUTCOMES = [HOLDS, IN_PART, IN_PART, NOT, CANNOT_FOLLOW, *[UNCHECKABLE] * 8]
+VERDICTS = "13 statements: 1 holds, 2 hold in part, 1 does not hold, 1 cannot follow from the model, 8 cannot be checked"
+BY_ID = {effect.id: effect for effect in effects()}
+SOFT, FRICTION = (Split(BY_ID[name], "20 kN/m", 0.002, -0.0204) for name in ("post-side", "friction"))
+
+
+def test_the_heading_names_what_makes_the_halves_differ() -> None:
+    changes = "at 20 kN/m by +0.2 % before and −2.0 % after the return (medians)"
+    soft = f"Of the effects tried, only a roller that is softer on one side makes the halves differ as it says: {changes}"
+    alike = "no symmetric effect tried moves them apart by more than the measurement leaves open"
+    assert plain(finding([SOFT], False, {}, OUTCOMES)) == f"{soft}; {alike}; {VERDICTS}"
+    assert plain(finding([SOFT], True, {}, OUTCOMES)) == f"{soft}; {VERDICTS}"
+    other = f"Of the effects tried, only one that is not symmetric makes the halves differ as it says: {changes}"
+    assert plain(finding([SOFT, FRICTION], True, {}, OUTCOMES)) == f"{other}; {VERDICTS}"
+
+
+@pytest.mark.parametrize(
+    ("pre", "post", "words"),
+    [
+        ([1.12, 1.14], [1.13], "stiff before and after the return alike (1.13 and 1.13 times the converged frequency, medians of 2 and 1"),
+        ([1.10], [1.15], "stiff before and after the return (1.10 and 1.15 times the converged frequency, medians of 1 and 1"),
+        ([0.90], [0.95], "soft before and after the return (0.90 and 0.95 times the converged frequency, medians of 1 and 1"),
+    ],
+)
+def test_the_heading_without_a_study_says_how_stiff_the_cubic_is(pre: list[float], post: list[float], words: str) -> None:
+    told = plain(finding([], True, {"pre": pre, "post": post}, OUTCOMES))
+    assert told == f"Its one cubic is too {words} runs that resolve it); {VERDICTS}"
+
+
+def test_the_heading_counts_the_verdicts_alone_where_nothing_is_resolved() -> None:
+    assert plain(finding([], True, {"pre": [1.1], "post": []}, OUTCOMES)) == f"Its statements, checked one by one; {VERDICTS}"
+    told = plain(finding([], True, {"pre": [], "post": []}, [HOLDS, HOLDS, NOT, NOT]))
+    assert told == "Its statements, checked one by one; 4 statements: 2 hold, 2 do not hold"
+    assert plain(finding([], True, {"pre": [], "post": []}, [NOT])).endswith("; 1 statement: 1 does not hold")
+
+
+def test_the_heading_is_about_the_study_that_is_recorded() -> None:
+    study = made_up_finding()
+    told, (soft, *_) = finding_of(one_run(finding=study), "thesis"), splits(study)
+    assert soft.strength == "20 kN/m"
+    assert told.startswith(
+        "Of the effects tried, only a roller that is softer on one side makes the halves differ as it says: at 20 kN/m by "
+    )
+    assert "no symmetric effect tried" in told
+    assert finding_of(one_run(), "thesis").startswith("Its one cubic is too stiff before and after the return alike (1.13 and 1.1")
+
+
+def excesses(before: float, after: float) -> list[Excess]:
+    """The same excess in all channels, at two thresholds."""
+    known: dict[str, Any] = {"lowest": 0.0, "highest": 0.0, "count": 3}
+    halves = {"pre": before, "post": after}
+    names = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
+    return [
+        Excess(median=median, visible=visible, half=half, channel=name, **known)
+        for visible in (0.01, 0.02)
+        for half, median in halves.items()
+        for name in names
+    ]
+
+
+def test_counts_off_plots_explain_the_words_or_do_not() -> None:
+    how, so = map(plain, counted_words(excesses(0.02, 0.12), [0.11, 0.14]))
+    counts = "the single cubic’s excess in the three strains is pre-return +2.0 to +2.0 % and post-return +12.0 to +12.0 %"
+    fit = "while a fit of the drifting oscillation gives +11.0 to +14.0 %."
+    assert how.endswith(f"{counts} (medians over the runs, range over channels and over what counts as an extreme), {fit}")
+    larger = "The counted excess is larger after the return in every strain, by more than 2 %, at {} of the 2 thresholds tried"
+    assert so.startswith(f"{larger.format(2)}: the count takes the slow hump before the return for a peak. So the halves differ as the")
+    assert "it does not explain that part" not in so
+    off = "the count is off by +8 to +8 %: it does not explain that part of its words."
+    assert off in plain(counted_words(excesses(0.08, 0.12), [])[1])
+    how, so = counted_words(excesses(0.02, 0.03), [])
+    assert "while a fit" not in how
+    assert plain(so).startswith(f"{larger.format(0)}: the count depends on the reader")
+
+
+def test_the_stiffness_is_told_beside_that_of_aluminium() -> None:
+    reading = StiffnessReading("2128.22 lbf*in^2", 64.2e9, (0.07, 0.09), 0.2)
+    begin = "EI = 2128.22 lbf in² over the nominal section means E = 64.2 GPa, 7 to 9 % below ordinary aluminium."
+    lower = "to undo the single cubic’s median excess EI would have to be 20 % lower."
+    told = plain(stiffness_words(reading))
+    assert told.startswith(f"{begin} A frequency grows with the square root of EI: {lower} Inference: ")
+    assert told.endswith("towards the measured frequencies, though not all the way.")
+    assert plain(stiffness_words(dataclasses.replace(reading, needed=0.08))).endswith("towards the measured frequencies.")
+    assert plain(stiffness_words(dataclasses.replace(reading, needed=None))) == begin
+    assert stiffness_words(stiffness_reading([])).startswith("EI = ")
