@@ -12,19 +12,20 @@ from typing import Any
 
 from numba import config, types
 
-from quickreturn.reference_model.machine.pointers import MEMBERS, At
+from quickreturn.reference_model.compiled_state import STATE_TYPE
+from quickreturn.reference_model.machine.pointers import At
 from quickreturn.reference_model.motion import equations, inertia
 from quickreturn.reference_model.motion.compiled_layout import PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE
 
 
 def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
     """Functions that the second process compiles, each with the types of its arguments."""
-    vector, at = MEMBERS["Vector"], tuple(map(At, (PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE)))
+    at = tuple(map(At, (PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE)))
     return [
-        (inertia.assemble, (*at, vector)),  # these four are the parts of the equations that the first process compiles last
-        (inertia.bias_accelerations, (*at, vector)),
+        (inertia.assemble, (*at, STATE_TYPE)),  # these four are the parts of the equations that the first process compiles last
+        (inertia.bias_accelerations, (*at, STATE_TYPE)),
         (inertia.moment_about_pivot, at),
-        (inertia.dissipation, (*at, vector)),
+        (inertia.dissipation, (*at, STATE_TYPE)),
     ]
 
 

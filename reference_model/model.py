@@ -23,6 +23,7 @@ from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
+from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
 #: Function of the slider's place (m) and arc lengths (m), shape (k,). It returns the shapes' tangent angles and their derivatives by the
@@ -152,18 +153,18 @@ class BeamModel:
     def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
         """State vector with the follower straight and moving as the rigid mechanism does."""
         assert self.scene.crank is not None
-        n, m = self.parameters.n, self.parameters.speeds
         motion = rigid_motion(self.scene, np.array(crank_angle), crank_speed)
         y = np.zeros(state_size(self.parameters))
-        y[0], y[m], y[m + 1] = crank_angle, motion.slider_position, crank_speed
+        state = State.of(y)
+        state.q[0], state.s[0], state.u[0] = crank_angle, motion.slider_position, crank_speed
         if not self.closes_loop:
-            y[n + 1], y[m + 2 + n] = motion.follower_angle, motion.follower_speed
+            state.q[-1], state.u[-1] = motion.follower_angle, motion.follower_speed
         return y
 
     def state_at_rest(self) -> Array:
         """State vector of the follower alone at time 0, straight and still."""
         y = np.zeros(state_size(self.parameters))
-        y[self.parameters.speeds], y[self.parameters.speeds + 1] = self.parameters.tables.low, 1.0
+        State.of(y).s[0], State.of(y).u[0] = self.parameters.tables.low, 1.0
         return y
 
     def bent_state(
@@ -179,28 +180,27 @@ class BeamModel:
             angle: tangent angle relative to the base there, rad, shape (k,).
             angle_rate: its rate at fixed arc length, rad/s, shape (k,).
         """
-        n, m, p, f = self.parameters.n, self.parameters.speeds, self.parameters, self.workspace.facts
+        p, f = self.parameters, self.workspace.facts
         y = self.straight_state(crank_angle, crank_speed)
-        s, s_rate = slider
+        state, (s, s_rate) = State.of(y), slider
         psi, psi_s = self._shapes(s, x)
-        eta = np.linalg.lstsq(psi, angle, rcond=None)[0]
-        y[1 : n + 1] = eta
-        y[m + 2 : m + 2 + n] = np.linalg.lstsq(psi, angle_rate - psi_s @ eta * s_rate, rcond=None)[0]
+        state.eta[:] = np.linalg.lstsq(psi, angle, rcond=None)[0]
+        state.eta_rate[:] = np.linalg.lstsq(psi, angle_rate - psi_s @ state.eta * s_rate, rcond=None)[0]
         v1, v2 = p.LA * math.cos(crank_angle) - p.d, p.LA * math.sin(crank_angle)
 
         def excess(place: float) -> float:
             """How far the loop is open (m) with the slider at a place: the projected shape closes it a little off the given place."""
-            y[m] = place
+            state.s[0] = place
             self.can_move(y)
             return abs(f.foot) - math.hypot(v1, v2)
 
         low, high = p.tables.low, p.tables.high
-        y[m] = scipy.optimize.brentq(excess, low, high, xtol=1e-15 * p.L) if excess(low) <= 0.0 <= excess(high) else math.nan
+        state.s[0] = scipy.optimize.brentq(excess, low, high, xtol=1e-15 * p.L) if excess(low) <= 0.0 <= excess(high) else math.nan
         if not self.closes_loop:
             self.can_move(y)
-            y[n + 1], y[m + 2 + n] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0
+            state.q[-1], state.u[-1] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0
             self.can_move(y)
-            y[m + 2 + n] = -f.gap_rate / self.workspace.row_of_gap[n + 1]
+            state.u[-1] = -f.gap_rate / self.workspace.row_of_gap[-1]
         return y
 
     def can_move(self, y: Array) -> bool:
@@ -230,7 +230,7 @@ class BeamModel:
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
-        scales = self.error_scales(float(y[self.parameters.speeds + 1])) * tolerance
+        scales = self.error_scales(float(State.of(y).u[0])) * tolerance
         p = self.parameters
         return dop853(self.equations, y, output_step, intervals, scales, p.reach, pace(self.scene, p.n), first_step)
 
@@ -251,13 +251,13 @@ class BeamModel:
 
     def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""
-        n, m, L = self.parameters.n, self.parameters.speeds, self.parameters.L
-        s = y[m]
+        state, L = State.of(y), self.parameters.L
+        s = state.s[0]
         x = np.unique(np.concatenate([np.linspace(0.0, s, 121), np.linspace(s, L, 121)]))
         self.can_move(y)
         psi, psi_s = self._shapes(s, x)
-        angle = psi @ y[1 : n + 1]
-        rate = psi @ y[m + 2 : m + 2 + n] + psi_s @ y[1 : n + 1] * self.workspace.facts.s_rate
+        angle = psi @ state.eta
+        rate = psi @ state.eta_rate + psi_s @ state.eta * self.workspace.facts.s_rate
         slope, slope_rate = np.sin(angle), np.cos(angle) * rate
         # cubic through the slopes, integrated: exact to the fourth power of the spacing
         place = scipy.interpolate.CubicHermiteSpline(x, slope, np.gradient(slope, x)).antiderivative()(x)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.poincare import CycleBroken, Passage, PoincareMap
+from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
 
@@ -247,14 +248,13 @@ class _FixedPoint:
 
 def _marched(slow: PoincareMap, guess: Array, cycles: int) -> _Cycle:
     """The cycle that follows `cycles` cycles from a state anywhere in a turn. Raises CycleBroken."""
-    speed = guess[slow.parameters.n + 2]
-    if speed == 0.0:
+    if State.of(guess).u[0] == 0.0:
         raise CycleBroken("the crank stands still in the given state")
     duration = slow.time_to_go(guess)
     state = guess
     for _ in range(cycles):
         passage = slow.passage(state, duration)
-        state, duration = passage.state, 2.0 * math.pi / abs(float(passage.state[slow.parameters.n + 2]))
+        state, duration = passage.state, 2.0 * math.pi / abs(float(State.of(passage.state).u[0]))
     return _Cycle.of(slow, state, duration)
 
 
@@ -342,9 +342,8 @@ def _relative(difference: Array, cycle: _Cycle) -> float:
 
 def _with_modes(state: Array, modes: int) -> Array:
     """A state of a model with another number of modes: cut, or filled with zeros."""
-    n = (len(state) - 5) // 2
-    kept = min(n, modes)
-    other = np.zeros(2 * modes + 5)
-    other[0], other[modes + 1 : modes + 3], other[-2:] = state[0], state[n + 1 : n + 3], state[-2:]
-    other[1 : kept + 1], other[modes + 3 : modes + 3 + kept] = state[1 : kept + 1], state[n + 3 : n + 3 + kept]
+    other = np.zeros(len(state) + 2 * (modes - len(State.of(state).eta)))
+    for part, given in zip(State.of(other), State.of(state), strict=True):
+        kept = min(len(part), len(given))
+        part[:kept] = given[:kept]
     return other

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.crank_angle_steps import steps_to
 from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.motion.layout import state_size
+from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
 
@@ -70,10 +72,10 @@ class Passage:
     @cached_property
     def sizes(self) -> Array:
         """RMS along the motion of all eta together, of q1' or of all eta' together, for each free quantity, shape as the point's."""
-        n = (self.states.shape[1] - 5) // 2
-        sizes = np.empty(2 * n + 5)
-        for block in (slice(1, n + 1), slice(n + 2, n + 3), slice(n + 3, 2 * n + 3)):
-            sizes[block] = np.sqrt(np.mean(np.sum(self.states[:, block] ** 2, axis=1)))
+        sizes = np.empty(self.states.shape[1])
+        block, states = State.of(sizes), State.of(self.states)
+        for of_block, values in ((block.eta, states.eta), (block.u[:1], states.u[:, :1]), (block.eta_rate, states.eta_rate)):
+            of_block[:] = np.sqrt(np.mean(np.sum(values**2, axis=1)))
         return sizes[self.free]
 
 
@@ -95,8 +97,9 @@ class PoincareMap:
         self.tolerance = tolerance
         self.cycles = 0
         self.calls = 0
-        n = self.parameters.n
-        self._free = np.array([*range(1, n + 1), *([n + 2] if self.parameters.first == 0 else []), *range(n + 3, 2 * n + 3)])
+        self._places = State.of(np.arange(state_size(self.parameters)))
+        crank = self._places.u[: 1 - self.parameters.first]
+        self._free = np.concatenate([self._places.eta, crank, self._places.eta_rate])
 
     def point(self, state: Array) -> Array:
         """The free quantities of a state."""
@@ -110,23 +113,22 @@ class PoincareMap:
         """
         y = like.copy()
         y[self._free] = point
-        y[-2:] = 0.0
+        State.of(y).work[:] = 0.0
         if not self._close_loop(y):
             raise CycleBroken("the loop cannot be closed")
         return y
 
     def belongs_to(self, modes: int) -> NDArray[np.bool_]:
         """Whether each free quantity is one of the first `modes` modes or the crank's speed, shape as the point's."""
-        n = self.parameters.n
-        return (self._free <= modes) | (self._free == n + 2) | ((self._free > n + 2) & (self._free <= n + 2 + modes))
+        return np.isin(self._free, [*self._places.eta[:modes], self._places.u[0], *self._places.eta_rate[:modes]])
 
     def noise(self, state: Array) -> Array:
         """Size of the integration's local error for each free quantity, shape as the point's."""
-        return self.tolerance * self.model.error_scales(float(state[self.parameters.n + 2]))[self._free]
+        return self.tolerance * self.model.error_scales(float(State.of(state).u[0]))[self._free]
 
     def time_to_go(self, state: Array) -> float:
         """Estimated time (s) from a state to the slider's next passage through its farthest place."""
-        crank_angle, crank_speed = float(state[0]), float(state[self.parameters.n + 2])
+        crank_angle, crank_speed = float(State.of(state).q[0]), float(State.of(state).u[0])
         return (_next_farthest(crank_angle, crank_speed) - crank_angle) / crank_speed
 
     def passage(self, start: Array, duration: float, step: float = 0.0) -> Passage:
@@ -140,8 +142,8 @@ class PoincareMap:
         Raises:
             CycleBroken: the motion does not get there.
         """
-        n = self.parameters.n
-        end = _next_farthest(float(start[0]), float(start[n + 2]))
+        begin = State.of(start)
+        end = _next_farthest(float(begin.q[0]), float(begin.u[0]))
         states = [start[None]]
         elapsed, calls = 0.0, 0
         for _ in range(3):
@@ -149,11 +151,12 @@ class PoincareMap:
             calls, step = calls + result.calls, result.next_step
             if result.status != REACHED_END:
                 raise CycleBroken(f"the integration ended within the cycle: {_CAUSES[result.status]}", left=result.status == LEFT_FOLLOWER)
-            if result.states[-1, n + 2] * start[n + 2] <= 0.0:
+            reached = State.of(result.states[-1])
+            if reached.u[0] * begin.u[0] <= 0.0:
                 raise CycleBroken("the crank stood still within the cycle")
             states.append(result.states[1:])
             elapsed += duration
-            duration = (end - result.states[-1, 0]) / result.states[-1, n + 2]
+            duration = (end - reached.q[0]) / reached.u[0]
             if duration < 4.0 * step:
                 break
         y = states[-1][-1].copy()
@@ -170,10 +173,11 @@ class PoincareMap:
     def _close_loop(self, y: Array) -> bool:
         """Set the slider's place in `y` so that |p(s)| = |PC|, by the secant method from the straight follower; False if that fails."""
         p, facts = self.parameters, self.model.workspace.facts
-        distance = math.hypot(p.LA * math.cos(y[0]) - p.d, p.LA * math.sin(y[0]))
+        state = State.of(y)
+        distance = math.hypot(p.LA * math.cos(state.q[0]) - p.d, p.LA * math.sin(state.q[0]))
         s, slope, last_s, last_excess, excess = distance, 1.0, 0.0, 0.0, math.inf
         for i in range(30):
-            y[p.speeds] = s
+            state.s[0] = s
             if not self.model.can_move(y):
                 return False
             excess = float(abs(facts.foot)) - distance

@@ -27,6 +27,7 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffn
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
+from quickreturn.reference_model.state import State
 
 if TYPE_CHECKING:
     from quickreturn.engines.own.found_orbit import FoundOrbit
@@ -231,9 +232,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         if isinstance(near, FoundOrbit) and near.simulation.model.scene == mechanism:
             guess = near.orbit
         elif isinstance(near, FoundOrbit):
-            guess, speed = near.orbit.state.copy(), (len(near.orbit.state) - 5) // 2 + 2
+            guess = near.orbit.state.copy()
             if not mechanism.crank_is_free:
-                guess[speed] = begin.state[model.parameters.speeds + 1]
+                State.of(guess).u[0] = State.of(begin.state).u[0]
         try:
             orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance)
         except NoPeriodicOrbit as reason:

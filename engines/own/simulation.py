@@ -14,6 +14,7 @@ from quickreturn.reference_model.columns import JOINT_COLUMNS
 from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.slider_constraint import LEVER
+from quickreturn.reference_model.state import BY_JOINT, State
 
 if TYPE_CHECKING:
     from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
@@ -61,7 +62,8 @@ class OwnSimulation(Simulation):
         if not isinstance(self.model, BeamModel):
             return None
         deflection, rate = self.model.deflection(self.state)
-        return Start(float(self.state[0]), float(self.state[self.model.parameters.speeds + 1]), deflection, rate)
+        state = State.of(self.state)
+        return Start(float(state.q[0]), float(state.u[0]), deflection, rate)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         intervals = round(duration / output_step)
@@ -115,8 +117,8 @@ class OwnSimulation(Simulation):
             "largest_gap_rate": float(np.max(np.abs(joint["gap_rate"]), initial=0.0)),
         }
         if self._is_lever and len(states):
-            power = joint["joint_power"]
-            statistics["spurious_energy"] = float(states[-1, -1] - states[0, -1])
+            power, work = joint["joint_power"], State.of(states).work[:, BY_JOINT]
+            statistics["spurious_energy"] = float(work[-1] - work[0])
             statistics["spurious_energy_moved"] = float(np.trapezoid(np.abs(power), dx=output_step))
             statistics["largest_spurious_power"] = float(np.max(np.abs(power)))
         return statistics

@@ -107,6 +107,11 @@ def _array(context: Any, builder: Any, kind: Any, data: Any, shape: list[Any]) -
     return array._getvalue()
 
 
+def array_of(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any]) -> Any:
+    """The array of a shape that begins at an address (an integer)."""
+    return _array(context, builder, kind, builder.inttoptr(address, context.get_data_type(kind.dtype).as_pointer()), shape)
+
+
 def reader(pointee: types.NamedTuple) -> Any:
     """A compiled function that takes the address (an integer) of a tuple of this type, and returns an `At` to read its members from."""
 
@@ -124,8 +129,7 @@ def array_at(kind: types.Array) -> Any:
     """A compiled function from an address and a shape to the array of this type that is there, by the number of its dimensions."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        data = builder.inttoptr(arguments[0], context.get_data_type(kind.dtype).as_pointer())
-        return _array(context, builder, kind, data, list(arguments[1:]))
+        return array_of(context, builder, kind, arguments[0], list(arguments[1:]))
 
     if kind.ndim == 1:
         return intrinsic(lambda typing, address, size: (kind(types.uintp, types.intp), code))

@@ -1,9 +1,7 @@
 """The equations of motion: slider constraints, solution, and the one compiled kernel (DERIVATION.md, section 5).
 
-State vector (equation 5.8): the coordinates q1, eta (n) and with an open loop q2; the slider's arc length s; the speeds in the same
-order; dissipated energy, work of the drive, and with an open loop the work that the slider's force does on crank and follower together.
-The slider's arc length is a state of its own, which saves an iteration in every evaluation; a weak feedback keeps the loop closed. Where
-the base's motion is prescribed, time takes the place of q1 (equation 11.4).
+The slider's arc length is a state of its own (`state.State`, equation 5.8), which saves an iteration in every evaluation; a weak feedback
+keeps the loop closed. Where the base's motion is prescribed, time takes the place of q1 (equation 11.4).
 """
 
 import math
@@ -15,8 +13,9 @@ from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW
+from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.machine.compilation import KERNEL, compiled, inlined, stage
-from quickreturn.reference_model.machine.pointers import array_at, call_equations, numbers_at
+from quickreturn.reference_model.machine.pointers import array_at, call_equations
 from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
@@ -37,6 +36,7 @@ from quickreturn.reference_model.motion.layout import Parameters, Tables, Worksp
 from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, move_loop, share_force
 from quickreturn.reference_model.motion.observe import base_motion, observe
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
+from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
 
@@ -44,16 +44,16 @@ rows_at = array_at(types.Array(from_dtype(ROW), 1, "C"))
 
 
 @inlined
-def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
+def motion(p: Parameters, t: Tables, w: Workspace, y: State) -> int:
     """To `w`: partial velocities, bias accelerations, and the accelerations of the speeds (equations 2.1 to 5.3).
 
     Returns:
         Index of the slider's point; -1 for an impossible state: outside the tables, bent too far, or with a singular loop.
     """
-    s = y[p.speeds]
+    s, q1 = y.s[0], y.q[0]
     if p.n == 0 and p.constraint == ELIMINATED:  # on a straight follower the slider's place is known exactly
-        s = math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
-    if not (t.low <= s <= t.high and abs(y[0]) < 1e9):
+        s = math.sqrt((p.LA * math.cos(q1) - p.d) ** 2 + (p.LA * math.sin(q1)) ** 2)
+    if not (t.low <= s <= t.high and abs(q1) < 1e9):
         return -1
     w.facts.s = w.watched[0] = s
     slider_point = place(p, t, w, y, s)
@@ -74,10 +74,10 @@ def motion(p: Parameters, t: Tables, w: Workspace, y: Array) -> int:
 
 
 @inlined
-def _turn_base(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+def _turn_base(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
     """The base's prescribed motion in place of the loop (equation 11.3)."""
     f = w.facts
-    angle, f.q2_rate, f.q2_bias = base_motion(p.base_speed, p.base_time, y[0])
+    angle, f.q2_rate, f.q2_bias = base_motion(p.base_speed, p.base_time, y.q[0])
     f.frame, f.arm = complex(math.cos(angle), math.sin(angle)), 0j
     f.s_rate = f.s_bias = f.missed = 0.0
     bias_of_places(p, t, w, y)
@@ -169,34 +169,30 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
     """Write dy/dt of a state to `rate`, and if `with_forces` is 1, forces to the workspace; the other arguments are addresses.
 
     Returns:
-        1; or 0, and nan in `rate`, for an impossible state, so that the integrator rejects the step.
+        1; or 0 for an impossible state, so that the integrator rejects the step.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
-    t, n, m = p.tables, p.n, p.speeds
-    size = 2 * m + 3 + (1 if m > n + 1 else 0)
-    y, out = numbers_at(state, size), numbers_at(rate, size)
+    t, f = p.tables, w.facts
+    y, y_rate = state_at(state, p.n, p.speeds), state_at(rate, p.n, p.speeds)
     slider_point = motion(p, t, w, y)
     if slider_point < 0:
-        for k in range(size):
-            out[k] = math.nan
         return 0
-    for k in range(m):
-        out[k], out[m + 1 + k] = y[m + 1 + k], w.acceleration[k]
-    out[m] = w.facts.s_rate + p.feedback * (w.facts.missed + w.facts.s - y[m])
-    out[2 * m + 1] = dissipation(p, t, w, y)
-    if m > n + 1:
-        out[2 * m + 3] = joint_power(p, w, y)
+    for k in range(p.speeds):
+        y_rate.q[k], y_rate.u[k] = y.u[k], w.acceleration[k]
+    y_rate.s[0] = f.s_rate + p.feedback * (f.missed + f.s - y.s[0])
+    y_rate.work[DISSIPATED] = dissipation(p, t, w, y)
+    if len(y.work) > BY_JOINT:
+        y_rate.work[BY_JOINT] = joint_power(p, w, y)
     if p.first == 0 and with_forces == 0:
-        out[2 * m + 2] = p.torque * y[m + 1] + power_of_tool(p, t, w)
+        y_rate.work[BY_DRIVE] = p.torque * y.u[0] + power_of_tool(p, t, w)
         return 1
     moment = moment_about_pivot(p, t, w)
-    f = w.facts
     f.slider_point, f.normal, f.slider_force, f.slider_moment, f.torque = slider_point, 0.0, 0j, 0.0, moment
     speed = f.q2_rate
     if p.constraint != BASE:
         slider_force(p, t, w, moment)
-        f.torque, speed = drive_torque(p, w), y[m + 1]
-    out[2 * m + 2] = f.torque * speed + power_of_tool(p, t, w)
+        f.torque, speed = drive_torque(p, w), y.u[0]
+    y_rate.work[BY_DRIVE] = f.torque * speed + power_of_tool(p, t, w)
     return 1
 
 
@@ -207,7 +203,7 @@ def kernel() -> Any:
 
 @compiled
 def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Array) -> bool:
-    """Write dy/dt of a state to `rate`; False, and nan, for an impossible state. The first three arguments are addresses."""
+    """Write dy/dt of a state to `rate`; False for an impossible state. The first three arguments are addresses."""
     return call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 0) == 1
 
 
@@ -221,7 +217,7 @@ def _observe_states(equations: int, parameters: int, workspace: int, states: int
         state = states + 8 * size * k
         if call_equations(equations, parameters, workspace, state, rate, 1) == 0:
             return k
-        if not observe(p, p.tables, w, numbers_at(state, size), filled[k]):
+        if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), filled[k]):
             return k
     return count
 

@@ -9,6 +9,7 @@ from quickreturn.reference_model.machine.compilation import inlined, stage
 from quickreturn.reference_model.machine.simd import load, plus, spread, store
 from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
 from quickreturn.reference_model.motion.plane import point
+from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
 
@@ -101,17 +102,17 @@ def turned(rate: Array, e: Array, f: Array) -> None:
 
 
 @inlined
-def combine(shape: Array, y: Array, first: int, out: Array) -> None:
-    """To `out`: sum_i y[first + i] shape_i."""
+def combine(shape: Array, factors: Array, out: Array) -> None:
+    """To `out`: sum_i factors_i shape_i."""
     for j in range(0, len(out), 4):
         sums = spread(0.0)
         for i in range(len(shape)):
-            sums = plus(sums, y[first + i], load(shape[i], j))
+            sums = plus(sums, factors[i], load(shape[i], j))
         store(out, j, sums)
 
 
 @stage
-def place(p: Parameters, t: Tables, w: Workspace, y: Array, s: float) -> int:
+def place(p: Parameters, t: Tables, w: Workspace, y: State, s: float) -> int:
     """Angles, places and the integrals U_i and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
 
     Returns:
@@ -119,12 +120,12 @@ def place(p: Parameters, t: Tables, w: Workspace, y: Array, s: float) -> int:
     """
     n, N = p.n, t.points
     slider_cell = interpolate_row(t, s, w.row)
-    combine(w.shape, y, 1, w.psi)
+    combine(w.shape, y.eta, w.psi)
     if not directions(w.psi, w.e):
         return -1
     cumulate(t, w.length, w.e, w.z)
     if t.moves:
-        combine(w.shape_s, y, 1, w.psi_s)
+        combine(w.shape_s, y.eta, w.psi_s)
         turned(w.psi_s, w.e, w.integrand)
         cumulate(t, w.length, w.integrand, w.Y)
     for i in range(n):

@@ -21,6 +21,7 @@ from quickreturn.reference_model.motion.layout import (
 )
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
+from quickreturn.reference_model.state import State
 from quickreturn.reference_model.tip_force import share_of_force
 
 Array = NDArray[np.float64]
@@ -29,16 +30,15 @@ share, friction_share, joint_force = stage(share_of_force), stage(joint.friction
 
 
 @stage
-def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
     """To `relative`: velocities of the points relative to the base frame, which the beam damping opposes."""
-    n, m = p.n, p.speeds
     size = len(w.relative)
     s_rate = w.facts.s_rate if t.moves else 0.0
     for j in range(size):
         w.relative[j] = s_rate * w.Y[j]
-    for i in range(1, n + 1):
+    for i in range(p.n):
         for j in range(size):
-            w.relative[j] += y[m + 1 + i] * w.U[i - 1, j]
+            w.relative[j] += y.eta_rate[i] * w.U[i, j]
 
 
 @stage
@@ -68,10 +68,10 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, slider_point: int
 
 
 @stage
-def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
     """To `bias`: accelerations of points and bodies at constant speeds, less gravity (4.3 and 4.4). Also the force on the tip (4.9)."""
-    n, m, N, f = p.n, p.speeds, t.points, w.facts
-    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y[0], p.force_begin, p.force_span, p.force_ramp)
+    n, N, f = p.n, t.points, w.facts
+    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y.q[0], p.force_begin, p.force_span, p.force_ramp)
     f.tip_force = acting * f.frame.conjugate() * complex(p.force_1, p.force_2)
     f.gravity = f.frame.conjugate() * complex(p.gravity_1, p.gravity_2)
     g1, g2 = f.gravity.real, f.gravity.imag
@@ -88,14 +88,14 @@ def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: Array) -> None
     w.bias[bodies + BASE_TURN] = q2_0
     slider = q2_0 + f.angle_by_s * f.s_bias
     for i in range(n):
-        slider += 2.0 * w.angle_at_slider_s[i] * f.s_rate * y[m + 2 + i]
-        slider += w.angle_at_slider_ss[i] * f.s_rate**2 * y[1 + i]
+        slider += 2.0 * w.angle_at_slider_s[i] * f.s_rate * y.eta_rate[i]
+        slider += w.angle_at_slider_ss[i] * f.s_rate**2 * y.eta[i]
     w.bias[bodies + SLIDER_TURN] = slider
     w.bias[bodies + CRANK_TURN] = 0.0
 
 
 @stage
-def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+def assemble(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
     """Mass matrix (lower triangle) and generalised forces Q for the speeds (equations 4.5 to 4.7, 5.15)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
     bodies, size = 2 * N, len(w.mass)
@@ -120,13 +120,13 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
     w.force[N + end] -= f.tip_force.imag
     strain_energy_by_s = 0.0
     for i in range(n):
-        strain_energy_by_s += 0.5 * w.squares_s[i] * y[1 + i] ** 2
+        strain_energy_by_s += 0.5 * w.squares_s[i] * y.eta[i] ** 2
     if p.bending_damping > 0.0:
         _damp_bending(p, t, w)
     for k in range(m):
         w.Q[k] = moment * w.c[k] - strain_energy_by_s * w.sigma[k] - _dot(w.V[k], w.force, size)
         if 0 < k <= n:
-            w.Q[k] -= w.squares[k - 1] * y[k]
+            w.Q[k] -= w.squares[k - 1] * y.eta[k - 1]
         if p.bending_damping > 0.0:
             w.Q[k] -= _bending_force(t, w, k, n)
         for j in range(size):
@@ -135,7 +135,7 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
             w.M[k, i] = _dot(w.weighted, w.V[i], size)
         if 0 < k <= n:
             w.M[k, k] += p.added_inertia[k - 1]
-    w.Q[0] += p.torque - p.crank_damping * y[m + 1] + crank_weight(p, w)
+    w.Q[0] += p.torque - p.crank_damping * y.u[0] + crank_weight(p, w)
 
 
 @stage
@@ -222,13 +222,13 @@ def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
 
 
 @stage
-def dissipation(p: Parameters, t: Tables, w: Workspace, y: Array) -> float:
+def dissipation(p: Parameters, t: Tables, w: Workspace, y: State) -> float:
     """Power that all dampings and frictions dissipate, W (equation 4.7)."""
-    m, N = p.speeds, t.points
+    N = t.points
     total = 0.0
     for j in range(N):
         total += w.dx[j] * (p.damps_along * w.relative[j] * w.relative[j] + w.relative[N + j] * w.relative[N + j])
-    power = p.crank_damping * y[m + 1] ** 2 + pivot_torque(p, w) * w.facts.q2_rate + p.beam_damping * total
+    power = p.crank_damping * y.u[0] ** 2 + pivot_torque(p, w) * w.facts.q2_rate + p.beam_damping * total
     if p.bending_damping > 0.0:
         for j in range(N):
             power += p.EI * p.bending_damping * w.dx[j] * w.curvature_rate[j] ** 2

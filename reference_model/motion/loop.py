@@ -11,20 +11,21 @@ from quickreturn.reference_model.motion.fields import combine, cumulate
 from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.slider_constraint import CHORDS, ELIMINATED, LEVER
+from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
 
 
 @inlined
-def _on_line(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> None:
+def _on_line(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> None:
     """Foot, tangent and their derivatives and partial rates for a slider on the centre line."""
     f = w.facts
     f.foot, f.tangent = point(w.z, slider_point, t.points), point(w.e, slider_point, t.points)
     f.curvature = f.angle_by_s = 0.0
     for i in range(p.n):
         w.foot_rate[1 + i], w.tangent_rate[1 + i] = point(w.U[i], slider_point, t.points), w.shape[i, slider_point]
-        f.curvature += w.curvature_at_slider[i] * y[1 + i]
-        f.angle_by_s += w.angle_at_slider_s[i] * y[1 + i]
+        f.curvature += w.curvature_at_slider[i] * y.eta[i]
+        f.angle_by_s += w.angle_at_slider_s[i] * y.eta[i]
     f.foot_by_s = complex(1.0, 0.0)
     if t.moves:
         f.foot_by_s += f.tangent.conjugate() * point(w.Y, slider_point, t.points)
@@ -61,14 +62,14 @@ def _on_chord(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None
 
 
 @stage
-def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> bool:
+def move_loop(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> bool:
     """To `w`: gap, partial rates of s (`sigma`), q2 (`c`) and gap, and the rates (equations 3.1 to 3.6); False for a singular loop."""
     n, m, f = p.n, p.speeds, w.facts
     if p.constraint == CHORDS:
         _on_chord(p, t, w, slider_point)
     else:
         _on_line(p, t, w, y, slider_point)
-    crank = p.LA * complex(math.cos(y[0]), math.sin(y[0]))
+    crank = p.LA * complex(math.cos(y.q[0]), math.sin(y.q[0]))
     tip = crank - p.d
     if p.constraint == ELIMINATED:
         distance, reach = math.sqrt(dot(tip, tip)), math.sqrt(dot(f.foot, f.foot))
@@ -76,7 +77,7 @@ def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: in
         f.gap, f.missed = 0.0, distance - reach
         f.unclosed = abs(f.missed)
     else:
-        f.frame = complex(math.cos(y[n + 1]), math.sin(y[n + 1]))
+        f.frame = complex(math.cos(y.q[n + 1]), math.sin(y.q[n + 1]))
         apart = f.tangent.conjugate() * (f.frame.conjugate() * tip - f.foot)
         f.missed, f.gap = apart.real, apart.imag
         f.unclosed = abs(f.gap)
@@ -106,16 +107,16 @@ def move_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: in
         w.c[n + 1] = 1.0
     f.q2_rate = f.s_rate = f.gap_rate = 0.0
     for k in range(m):
-        f.q2_rate += w.c[k] * y[m + 1 + k]
-        f.s_rate += w.sigma[k] * y[m + 1 + k]
-        f.gap_rate += w.row_of_gap[k] * y[m + 1 + k]
+        f.q2_rate += w.c[k] * y.u[k]
+        f.s_rate += w.sigma[k] * y.u[k]
+        f.gap_rate += w.row_of_gap[k] * y.u[k]
     return True
 
 
 @inlined
-def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> None:
+def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> None:
     """To the facts: bias of the second derivatives of q2, s and the gap (equations 3.7 and 3.8)."""
-    n, m, f = p.n, p.speeds, w.facts
+    n, f = p.n, w.facts
     s_rate = f.s_rate
     bias_of_places(p, t, w, y)
     if p.constraint == CHORDS:
@@ -124,8 +125,8 @@ def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point:
         turn, turn_bias = w.turn[slider_point] + f.curvature * s_rate, 0.0
         foot_bias = point(w.A, slider_point, t.points) + 1j * s_rate * (2.0 * w.turn[slider_point] + f.curvature * s_rate) * f.tangent
         for i in range(n):
-            turn_bias += 2.0 * w.angle_at_slider_s[i] * s_rate * y[m + 2 + i] + w.angle_at_slider_ss[i] * s_rate**2 * y[1 + i]
-    away = foot_bias + p.LA * y[m + 1] ** 2 * f.arm
+            turn_bias += 2.0 * w.angle_at_slider_s[i] * s_rate * y.eta_rate[i] + w.angle_at_slider_ss[i] * s_rate**2 * y.eta[i]
+    away = foot_bias + p.LA * y.u[0] ** 2 * f.arm
     closing = 2.0 * f.gap_rate * turn + f.gap * turn_bias + 1j * f.gap * turn**2 - f.tangent.conjugate() * away
     if p.constraint == ELIMINATED:
         determinant = cross(f.closing_by_q2, f.foot_by_s)
@@ -137,19 +138,19 @@ def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point:
 
 
 @stage
-def bias_of_places(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
+def bias_of_places(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
     """To `turn`, `gamma` and `A`: angular rates, and the bias accelerations from them and from the moving shapes (equation 2.6)."""
-    n, N, m, f = p.n, t.points, p.speeds, w.facts
+    n, N, f = p.n, t.points, w.facts
     s_rate, q2_rate = f.s_rate, f.q2_rate
-    combine(w.shape, y, m + 2, w.turn)
+    combine(w.shape, y.eta_rate, w.turn)
     if t.moves:
         for j in range(N):
             w.turn[j] += q2_rate + w.psi_s[j] * s_rate
         for j in range(0, N, 4):
             swing = bend = spread(0.0)
             for i in range(n):
-                swing = plus(swing, y[m + 2 + i], load(w.shape_s[i], j))
-                bend = plus(bend, y[1 + i], load(w.shape_ss[i], j))
+                swing = plus(swing, y.eta_rate[i], load(w.shape_s[i], j))
+                bend = plus(bend, y.eta[i], load(w.shape_ss[i], j))
             store(w.gamma, j, plus(plus(spread(0.0), 2.0 * s_rate, swing), s_rate * s_rate, bend))
     else:
         for j in range(N):
@@ -162,15 +163,15 @@ def bias_of_places(p: Parameters, t: Tables, w: Workspace, y: Array) -> None:
 
 
 @inlined
-def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int) -> tuple[float, float, complex]:
+def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> tuple[float, float, complex]:
     """Rate and bias acceleration of the chord's angle, and the bias acceleration of the foot (equation 3.9)."""
-    N, m, f = t.points, p.speeds, w.facts
+    N, f = t.points, w.facts
     left, right, length, share = nodes_of_slider(t, w, slider_point)
     chord = point(w.z, right, N) - _at_node(w.z, left, N)
     size = math.sqrt(dot(chord, chord))
     velocity = 1j * f.q2_rate * chord
     for i in range(p.n):
-        velocity += y[m + 2 + i] * (point(w.U[i], right, N) - _at_node(w.U[i], left, N))
+        velocity += y.eta_rate[i] * (point(w.U[i], right, N) - _at_node(w.U[i], left, N))
     begin = _at_node(w.A, left, N)
     bias = point(w.A, right, N) - begin
     turn = cross(f.tangent, velocity) / size
@@ -194,9 +195,9 @@ def share_force(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> No
 
 
 @inlined
-def joint_power(p: Parameters, w: Workspace, y: Array) -> float:
+def joint_power(p: Parameters, w: Workspace, y: State) -> float:
     """Power of the slider's force on crank and follower together, W: none for an ideal constraint."""
     total = 0.0
     for k in range(p.speeds):
-        total -= w.facts.force * w.spread[k] * y[p.speeds + 1 + k]
+        total -= w.facts.force * w.spread[k] * y.u[k]
     return total

@@ -20,6 +20,7 @@ from quickreturn.reference_model.motion.loop import joint_power
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
+from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
 
@@ -27,17 +28,18 @@ base_motion, joint_energy = stage(motion_of_base), stage(energy_of_joint)
 
 
 @inlined
-def observe(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> bool:
+def observe(p: Parameters, t: Tables, w: Workspace, y: State, row: Any) -> bool:
     """Fill a row of `columns.ROW` for the state evaluated last, which must have been evaluated `with_forces`.
 
     False where the recovered line is bent too far.
     """
-    m, f = p.speeds, w.facts
+    f = w.facts
     slider_point = f.slider_point
-    row.crank_angle, row.crank_speed, row.tip_acceleration = y[0], y[m + 1], _tip_acceleration(p, t, w)
-    row.slider_force, row.crank_torque, row.dissipated_energy, row.drive_work = f.normal, f.torque, y[2 * m + 1], y[2 * m + 2]
+    row.crank_angle, row.crank_speed, row.tip_acceleration = y.q[0], y.u[0], _tip_acceleration(p, t, w)
+    row.slider_force, row.crank_torque = f.normal, f.torque
+    row.dissipated_energy, row.drive_work = y.work[DISSIPATED], y.work[BY_DRIVE]
     row.constraint_gap, row.gap_rate, row.joint_power = f.unclosed, f.gap_rate, 0.0
-    if m > p.n + 1:
+    if len(y.work) > BY_JOINT:
         row.joint_power = joint_power(p, w, y)
     _energies(p, t, w, y, slider_point, row)
     _bearing_forces(p, t, w, y, row)
@@ -52,11 +54,11 @@ def _tip_acceleration(p: Parameters, t: Tables, w: Workspace) -> float:
 
 
 @stage
-def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> None:
+def _energies(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int, row: Any) -> None:
     """To the row: kinetic, strain and gravity energy (equations 6.2 to 6.4)."""
-    n, m, N, f = p.n, p.speeds, t.points, w.facts
+    n, N, f = p.n, t.points, w.facts
     end = t.tip
-    q2_rate, q1_rate = f.q2_rate, y[m + 1]
+    q2_rate, q1_rate = f.q2_rate, y.u[0]
     kinetic = 0.5 * p.crank_inertia * q1_rate * q1_rate + 0.5 * p.base_inertia * q2_rate * q2_rate
     for j in range(N):
         v1, v2 = w.relative[j] - q2_rate * w.z[N + j], w.relative[N + j] + q2_rate * w.z[j]
@@ -68,18 +70,18 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: in
     kinetic += 0.5 * p.joint_inertia * f.gap_rate**2
     strain = joint_energy(f.gap, p.plus, p.minus, p.plus_from, p.minus_from)
     for i in range(n):
-        strain += 0.5 * w.squares[i] * y[1 + i] ** 2
-        kinetic += 0.5 * p.added_inertia[i] * y[m + 2 + i] ** 2
+        strain += 0.5 * w.squares[i] * y.eta[i] ** 2
+        kinetic += 0.5 * p.added_inertia[i] * y.eta_rate[i] ** 2
     moment = p.tip_mass * (tip + f.tip_arm)
     for j in range(N):
         moment += w.mass[j] * point(w.z, j, N)
-    crank = p.crank_moment * complex(math.cos(y[0]), math.sin(y[0]))
+    crank = p.crank_moment * complex(math.cos(y.q[0]), math.sin(y.q[0]))
     gravity = -dot(complex(p.gravity_1, p.gravity_2), (p.rhoA * p.L + p.tip_mass) * p.d + f.frame * moment + crank)
     row.kinetic_energy, row.strain_energy, row.gravity_energy = kinetic, strain, gravity
 
 
 @stage
-def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) -> None:
+def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: State, row: Any) -> None:
     """To the row: forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.10 and 6.11)."""
     N, f = t.points, w.facts
     bodies = 2 * N
@@ -89,7 +91,7 @@ def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: Array, row: Any) 
         beam_2 = plus_product(beam_2, load(w.mass, N + j), load(w.a, N + j))
     tip = p.tip_mass * complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
     pivot = f.frame * (complex(total(beam_1), total(beam_2)) + tip - f.tip_force - f.slider_force)
-    crank = p.crank_moment * (1j * w.acceleration[0] - y[p.speeds + 1] ** 2) * f.arm
+    crank = p.crank_moment * (1j * w.acceleration[0] - y.u[0] ** 2) * f.arm
     crank = f.frame * (crank + f.slider_force) - p.crank_mass * complex(p.gravity_1, p.gravity_2)
     row.pivot_force_x, row.pivot_force_y, row.crank_force_x, row.crank_force_y = pivot.real, pivot.imag, crank.real, crank.imag
 
@@ -127,7 +129,7 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int, r
 
 
 @stage
-def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int, row: Any) -> bool:
+def _recover(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int, row: Any) -> bool:
     """To the row: moments and strains; shape, base angle, slider and tip place from the recovered curvature (equations 6.7 to 6.9)."""
     N, f = t.points, w.facts
     end, flexibility = t.tip, 1.0 / p.EI
@@ -149,12 +151,12 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: Array, slider_point: int
         row.strains[gauge] = 0.5 * p.thickness * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
     frame, ds = f.frame, 0.0
     if p.constraint == BASE:
-        row.follower_angle = base_motion(p.base_speed, p.base_time, y[0])[0]
+        row.follower_angle = base_motion(p.base_speed, p.base_time, y.q[0])[0]
     else:
         # the crank tip lies off the line, by the gap along its normal
         tangent = point(w.recovered_e, slider_point, N)
         hinge = point(w.recovered_place, slider_point, N) + 1j * f.gap * tangent
-        crank = p.LA * complex(math.cos(y[0]), math.sin(y[0])) - p.d
+        crank = p.LA * complex(math.cos(y.q[0]), math.sin(y.q[0])) - p.d
         ds = 0.5 * (dot(crank, crank) - dot(hinge, hinge)) / dot(hinge, tangent)
         # exp(i q2) has the direction of crank / hinge; both -crank and hinge point forwards
         frame = crank * (hinge + ds * tangent).conjugate()

@@ -1,6 +1,6 @@
 """The equations of motion, compiled (sections 3 to 5 of DERIVATION.md).
 
-State vector, length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive (equation 5.1).
+The state (equation 5.1) has no place of the slider, which the crank's angle gives.
 """
 
 from __future__ import annotations
@@ -13,10 +13,12 @@ import numba
 from numba import types
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.compiled_state import state_without_slider_at
 from quickreturn.reference_model.machine.compilation import KERNEL, stage
 from quickreturn.reference_model.machine.memory import Cube, Matrix, Vector
-from quickreturn.reference_model.machine.pointers import numbers_at, reader, tuple_type
+from quickreturn.reference_model.machine.pointers import reader, tuple_type
 from quickreturn.reference_model.moving_boundaries import tables as t
+from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED
 from quickreturn.reference_model.tip_force import share_of_force
 
 Array = NDArray[Any]
@@ -128,20 +130,18 @@ def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, wit
     """Write dy/dt of a state to `rate`; the first four arguments are addresses, and the last makes no difference here.
 
     Returns:
-        1; or 0, and nan in `rate`, if the support is outside the table.
+        1; or 0 if the support is outside the table.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
     n, rows, signals, facts = p.n, w.rows, w.signals, w.facts
-    y, out = numbers_at(state, 2 * n + 4), numbers_at(rate, 2 * n + 4)
-    eta, eta_rate, eta_acceleration = y[1 : n + 1], y[n + 2 : 2 * n + 2], out[n + 2 : 2 * n + 2]
-    q1, q1_rate = y[0], y[n + 1]
+    y, y_rate = state_without_slider_at(state, n, n + 1), state_without_slider_at(rate, n, n + 1)
+    eta, eta_rate, eta_acceleration = y.eta, y.eta_rate, y_rate.eta_rate
+    q1, q1_rate = y.q[0], y.u[0]
 
     # the line from P to C (equations 1.1 and 1.2), gravity and the force on the tip along and across it
     v1, v2 = p.LA * math.cos(q1) - p.d, p.LA * math.sin(q1)
     distance, theta = math.hypot(v1, v2), math.pi + math.atan2(-v2, -v1)
     if not (p.low <= distance <= p.high and abs(q1) < 1e9):
-        for k in range(2 * n + 4):
-            out[k] = math.nan
         return 0
     turn_by_q1, l_by_q1 = p.LA * math.cos(q1 - theta) / distance, -p.LA * math.sin(q1 - theta)
     turn, l_rate = turn_by_q1 * q1_rate, l_by_q1 * q1_rate
@@ -199,9 +199,10 @@ def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, wit
     lost = form(row, t.DRAG, eta_rate, eta_rate) + l_rate * (2.0 * drag + l_rate * drag_twice)
     tool = f2 * (turn * (p.L - pulled[VALUE]) + end[RATE]) - f1 * (turn * end[VALUE] + pulled[RATE])
     for i in range(n):
-        out[1 + i] = eta_rate[i]
-    out[0], out[n + 1], out[2 * n + 2] = q1_rate, 0.0, p.base_damping * base_rate * base_rate + p.beam_damping * lost
-    out[2 * n + 3] = facts[TORQUE] * q1_rate + tool
+        y_rate.eta[i] = eta_rate[i]
+    y_rate.q[0], y_rate.u[0] = q1_rate, 0.0
+    y_rate.work[DISSIPATED] = p.base_damping * base_rate * base_rate + p.beam_damping * lost
+    y_rate.work[BY_DRIVE] = facts[TORQUE] * q1_rate + tool
     return 1
 
 

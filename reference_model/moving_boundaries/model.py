@@ -14,6 +14,7 @@ from quickreturn.reference_model.moving_boundaries.equations import Parameters, 
 from quickreturn.reference_model.moving_boundaries.observables import observables
 from quickreturn.reference_model.periodic import eigenvalues
 from quickreturn.reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
+from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
 
@@ -55,31 +56,36 @@ class MovingBoundariesModel:
     def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
         """State vector (2 n + 4,) with the follower straight and moving as the rigid mechanism does."""
         y = np.zeros(2 * self.shapes + 4)
-        y[0], y[self.shapes + 1] = crank_angle, crank_speed
+        State.of(y, slider=False).q[0], State.of(y, slider=False).u[0] = crank_angle, crank_speed
         return y
 
     def bent_state(
         self, crank_angle: float, crank_speed: float, slider: tuple[float, float], x: Array, angle: Array, angle_rate: Array
     ) -> Array:
         """State vector closest to a given shape; see `reference_model.model.BeamModel.bent_state`. Rates are those of equation 2.4."""
-        y, n = self.straight_state(crank_angle, crank_speed), self.shapes
+        y = self.straight_state(crank_angle, crank_speed)
+        state = State.of(y, slider=False)
         line = rigid_motion(self.scene, np.array(crank_angle), crank_speed)
         assert self._shapes.family is not None
         psi, psi_l = self._shapes.family.angles(float(line.slider_position), x)
-        y[1 : n + 1] = np.linalg.lstsq(psi, angle, rcond=None)[0]
-        moved = psi_l @ y[1 : n + 1] * line.slider_speed
-        y[n + 2 : 2 * n + 2] = np.linalg.lstsq(psi, angle_rate - moved, rcond=None)[0]
+        state.eta[:] = np.linalg.lstsq(psi, angle, rcond=None)[0]
+        moved = psi_l @ state.eta * line.slider_speed
+        state.eta_rate[:] = np.linalg.lstsq(psi, angle_rate - moved, rcond=None)[0]
         return y
 
     def rate(self, y: Array) -> Array:
-        """dy/dt of a state, nan for an impossible one; the workspace holds forces and signals afterwards."""
-        rate, equations = np.empty_like(y), self.equations
-        evaluate(equations.function, equations.parameters, equations.workspace, y, rate)
+        """dy/dt of a state that can move; the workspace holds forces and signals afterwards."""
+        rate = np.empty_like(y)
+        self._evaluate(y, rate)
         return rate
 
     def can_move(self, y: Array) -> bool:
         """Whether the accelerations exist in the state `y`."""
-        return bool(np.all(np.isfinite(self.rate(y))))
+        return self._evaluate(y, np.empty_like(y))
+
+    def _evaluate(self, y: Array, rate: Array) -> bool:
+        equations = self.equations
+        return bool(evaluate(equations.function, equations.parameters, equations.workspace, y, rate))
 
     @property
     def equations(self) -> Equations:
@@ -99,7 +105,9 @@ class MovingBoundariesModel:
             crank_speed: rad/s.
             tolerance: of the integration.
         """
-        straight, free = self.straight_state(np.pi, crank_speed), np.r_[1 : self.shapes + 1, self.shapes + 2 : 2 * self.shapes + 2]
+        straight = self.straight_state(np.pi, crank_speed)
+        places = State.of(np.arange(len(straight)), slider=False)
+        free = np.concatenate([places.eta, places.eta_rate])
         scales = self._scales(straight, tolerance)
         sizes, starts = scales[free] / tolerance, np.tile(straight, (1 + len(free), 1))
         starts[1:, free] = np.diag(sizes)
@@ -117,5 +125,5 @@ class MovingBoundariesModel:
         """Accepted local error of each controlled state; sizes as in `reference_model.model.BeamModel.error_scales`."""
         follower, n, frequency = self.scene.follower, self.shapes, characteristic_frequency(self.scene, self.shapes)
         size = deflection_scale(self.scene) * np.sqrt((follower.mass_per_length or 1.0) * follower.length)
-        speed = crank_speed_scale(self.scene, float(y[n + 1]))
+        speed = crank_speed_scale(self.scene, float(State.of(y, slider=False).u[0]))
         return tolerance * np.array([0.1, *[size] * n, speed, *[size * frequency] * n])

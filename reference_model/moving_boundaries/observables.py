@@ -11,6 +11,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.moving_boundaries import tables as t
 from quickreturn.reference_model.moving_boundaries.equations import ACCELERATION, FORCE, KINETIC, RATE, STRAIN, TORQUE, VALUE
 from quickreturn.reference_model.rigid import RigidMotion, follower_inertia, rigid_motion
+from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -28,8 +29,8 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         signals: the equations' `Workspace.signals` of each state, shape (k, *its shape there).
         facts: their `Workspace.facts`, shape (k, 4).
     """
-    n = states.shape[1] // 2 - 2
-    q1, q1_rate = states[:, 0], states[:, n + 1]
+    state = State.of(states, slider=False)
+    q1, q1_rate = state.q[:, 0], state.u[:, 0]
     line = rigid_motion(mechanism, q1, q1_rate)
     follower, tip, moment = mechanism.follower, mechanism.tip_body, follower_inertia(mechanism)[1]
     L, distance, gravity = follower.length, line.slider_position, complex(*mechanism.gravity)
@@ -45,7 +46,7 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     base_moment, tip_moment = _end_moments(mechanism, line, signals, end, gravity * np.conj(unit))
     places = L * np.arange(1, PLACES + 1) / (PLACES + 1)
     shown = np.column_stack([distance, np.tile([*follower.strain_gauges, *places, L], (len(q1), 1))])
-    across_base, slope, bend = _fields(shapes, distance, L, states[:, 1 : n + 1], shown)
+    across_base, slope, bend = _fields(shapes, distance, L, state.eta, shown)
     across, slope = across_base + base[:, None] * shown, slope + base[:, None]
 
     # forces of the slider and of the bearings (equations 6.3 and 6.4)
@@ -68,8 +69,8 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "crank_torque": facts[:, TORQUE],
         "kinetic_energy": facts[:, KINETIC],
         "strain_energy": facts[:, STRAIN],
-        "dissipated_energy": states[:, -2],
-        "drive_work": states[:, -1],
+        "dissipated_energy": state.work[:, DISSIPATED],
+        "drive_work": state.work[:, BY_DRIVE],
         "gravity_energy": -(np.conj(gravity) * height).real,
         "constraint_gap": np.abs(across[:, 0]),
         "pivot_force_x": at_pivot.real,
@@ -78,7 +79,7 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "crank_force_y": at_crank.imag,
         **dict(zip(SHAPE, (np.cos(base)[:, None] * across[:, 4:-1] - np.sin(base)[:, None] * places).T, strict=True)),
     }
-    if n:
+    if state.eta.size:
         inner = follower.bending_stiffness * bend[:, [*range(4, 4 + PLACES), 0, 0]].T  # no moment acts at the slider
         columns |= dict(zip(BENDING, (*inner, base_moment, tip_moment), strict=True))
     return {name: np.ascontiguousarray(values) for name, values in columns.items()}

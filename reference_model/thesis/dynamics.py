@@ -1,7 +1,7 @@
 """Equations of motion by projection onto the free speeds, compiled (thesis/DERIVATION.md, sections 4 to 6).
 
-State vector y (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive. The loop is closed
-at every evaluation, so there is no constraint to drift from and no multiplier to solve for.
+The state (equation 6.7) has no place of the slider: the loop is closed at every evaluation, so there is no constraint to drift from and no
+multiplier to solve for.
 """
 
 import math
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
 from quickreturn.reference_model.tip_force import share_of_force
@@ -256,20 +257,19 @@ def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray
 
 
 @inlined
-def evaluate(p: Parameters, w: Workspace, y: NDArray[np.float64]) -> tuple[bool, Slider, Contact]:
+def evaluate(p: Parameters, w: Workspace, y: State) -> tuple[bool, Slider, Contact]:
     """To `w`: closed loop, equations and accelerations of the state y. Returns whether the state is possible, its slider, its contact."""
-    n = p.n
-    eta, q1_rate, eta_rate = y[1 : n + 1], y[n + 1], y[n + 2 : 2 * n + 2]
+    q1, eta, q1_rate, eta_rate = y.q[0], y.eta, y.u[0], y.eta_rate
     none = Contact(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     regular = centre_line(p.tables, p.exact_geometry, eta, eta_rate, w)
     if not regular:
         return False, Slider(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), none
-    c = place_slider(p, y[0], eta, w)
+    c = place_slider(p, q1, eta, w)
     w.watched[0] = c.s
     if not (c.closes and abs(c.slope) < 1.0 and abs(w.end[0]) < 1.0):
         return False, c, none
     k = constraint_row(p, c, q1_rate, eta, eta_rate, w)
     if not k.regular:
         return False, c, k
-    assemble(p, c, k, y[0], q1_rate, eta, eta_rate, w)
+    assemble(p, c, k, q1, q1_rate, eta, eta_rate, w)
     return project(p, k, w), c, k

@@ -1,7 +1,6 @@
 """The right-hand sides of the thesis' model, compiled: for the mechanism, and for the follower alone on a base that turns as prescribed.
 
-State vector of the mechanism (equation 6.7), length 2 n + 4: q1, eta (n), q1dot, etadot (n), dissipated energy, work of the drive; of
-the follower alone time takes the place of q1.
+In the state of the follower alone time takes the place of q1.
 """
 
 import math
@@ -10,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW
-from quickreturn.reference_model.machine.compilation import compiled, stage
+from quickreturn.reference_model.compiled_state import state_of
+from quickreturn.reference_model.machine.compilation import compiled, inlined, stage
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
+from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line
 from quickreturn.reference_model.thesis.observables import observe
-from quickreturn.reference_model.thesis.parameters import Parameters, parameters_at, workspace_at
+from quickreturn.reference_model.thesis.parameters import Parameters, Workspace, parameters_at, workspace_at
 
 Array = NDArray[np.float64]
 
@@ -29,21 +30,20 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
     False, and nan in `rate`, where the loop cannot close or the slope of the shapes reaches 1. Parameters and workspace are addresses.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
-    n = p.n
-    good, c, k = evaluate(p, w, y)
+    state, state_rate = state_of(y, p.n), state_of(rate, p.n)
+    good, c, k = evaluate(p, w, state)
     if not good:
         rate[:] = math.nan
         return False
-    rate[0], rate[n + 1] = y[n + 1], w.acceleration[0]
-    for i in range(n):
-        rate[i + 1], rate[n + 2 + i] = y[n + 2 + i], w.acceleration[i + 2]
-    rate[2 * n + 2] = dissipation(p, y[n + 1], k.q2_rate, y[n + 2 : 2 * n + 2], w)
+    q1_rate, eta_rate = state.u[0], state.eta_rate
+    _to_rate(w, state, state_rate)
+    state_rate.work[DISSIPATED] = dissipation(p, q1_rate, k.q2_rate, eta_rate, w)
     force, drive = reactions(p, c, k, w)
-    rate[2 * n + 3] = drive * y[n + 1] + w.tool[1] * k.q2_rate
-    for i in range(n):
-        rate[2 * n + 3] += w.tool[i + 2] * y[n + 2 + i]
+    state_rate.work[BY_DRIVE] = drive * q1_rate + w.tool[1] * k.q2_rate
+    for i in range(p.n):
+        state_rate.work[BY_DRIVE] += w.tool[i + 2] * eta_rate[i]
     if len(row):
-        observe(p, c, k, w, y, force, drive, row.view(ROW)[0])
+        observe(p, c, k, w, state, force, drive, row.view(ROW)[0])
     return True
 
 
@@ -51,8 +51,9 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
 def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row: Array) -> bool:
     """As `right_hand_side`, for the follower alone (equations 8.1 and 8.2): without crank and slider, with the torque on the base."""
     p, w = parameters_at(parameters), workspace_at(workspace)
-    n, eta, eta_rate = p.n, y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2]
-    angle, turn, acceleration = base_motion(p.base_speed, p.base_time, y[0])
+    state, state_rate, n = state_of(y, p.n), state_of(rate, p.n), p.n
+    eta, eta_rate = state.eta, state.eta_rate
+    angle, turn, acceleration = base_motion(p.base_speed, p.base_time, state.q[0])
     if not (centre_line(p.tables, p.exact_geometry, eta, eta_rate, w) and abs(w.end[0]) < 1.0):
         rate[:] = math.nan
         return False
@@ -72,16 +73,22 @@ def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array,
     torque = -w.Q[1]
     for a in range(n + 2):
         torque += w.M[1, a] * w.acceleration[a]
-    rate[0], rate[n + 1] = y[n + 1], 0.0
-    for i in range(n):
-        rate[1 + i], rate[n + 2 + i] = y[n + 2 + i], w.acceleration[i + 2]
-    rate[2 * n + 2] = dissipation(p, 0.0, turn, eta_rate, w)
-    rate[2 * n + 3] = torque * turn
+    _to_rate(w, state, state_rate)
+    state_rate.work[DISSIPATED] = dissipation(p, 0.0, turn, eta_rate, w)
+    state_rate.work[BY_DRIVE] = torque * turn
     if len(row):
         found = row.view(ROW)[0]
-        observe(p, c, k, w, y, 0.0, torque, found)
+        observe(p, c, k, w, state, 0.0, torque, found)
         found.moment_base -= torque
     return True
+
+
+@inlined
+def _to_rate(w: Workspace, state: State, rate: State) -> None:
+    """To `rate`: the speeds, and the accelerations found."""
+    rate.q[0], rate.u[0] = state.u[0], w.acceleration[0]
+    for i in range(len(state.eta)):
+        rate.eta[i], rate.eta_rate[i] = state.eta_rate[i], w.acceleration[i + 2]
 
 
 @stage

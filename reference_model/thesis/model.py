@@ -12,6 +12,7 @@ from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.model import ObservationFailed
 from quickreturn.reference_model.shapes import ShapeSet
+from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
 from quickreturn.reference_model.thesis.lsoda import integrate_lsoda
 from quickreturn.reference_model.thesis.parameters import build_parameters, build_workspace, state_size
@@ -52,13 +53,13 @@ class ThesisModel:
 
     def initial_state(self, crank_angle: float, crank_speed: float, eta: Array | None = None, eta_rate: Array | None = None) -> Array:
         """State vector (2 n + 4,) for given crank and flexible coordinates (zero unless given)."""
-        n = self.shapes.count
         y = np.zeros(state_size(self.parameters))
-        y[0], y[n + 1] = crank_angle, crank_speed
+        state = State.of(y, slider=False)
+        state.q[0], state.u[0] = crank_angle, crank_speed
         if eta is not None:
-            y[1 : n + 1] = eta
+            state.eta[:] = eta
         if eta_rate is not None:
-            y[n + 2 : 2 * n + 2] = eta_rate
+            state.eta_rate[:] = eta_rate
         return y
 
     def state_at_rest(self) -> Array:
@@ -83,7 +84,7 @@ class ThesisModel:
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y` by LSODA (thesis, section 5.2), which ignores `first_step`."""
-        scales = self.error_scales(float(y[self.parameters.n + 1])) * tolerance
+        scales = self.error_scales(float(State.of(y, slider=False).u[0])) * tolerance
         limit = math.inf if self._alone else self.parameters.L
         return integrate_lsoda(
             self.right_hand_side, self.workspace.watched, y, output_step, intervals, scales, limit, tolerance * self._unseen

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.thesis.dynamics import gravity_in_b
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
@@ -18,7 +19,7 @@ share = stage(share_of_force)
 
 
 @inlined
-def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, drive: float, row: Any) -> None:
+def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: State, force: float, drive: float, row: Any) -> None:
     """Fill a row of `reference_model.columns.ROW`.
 
     Args:
@@ -32,32 +33,32 @@ def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[n
         row: the row.
     """
     n = p.n
-    row.crank_angle, row.crank_speed, row.follower_angle, row.slider_position = y[0], y[n + 1], place.q2, place.s
+    row.crank_angle, row.crank_speed, row.follower_angle, row.slider_position = y.q[0], y.u[0], place.q2, place.s
     end = len(p.tables.edges) - 1
     tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
     cosine, sine = math.cos(place.q2), math.sin(place.q2)
     row.tip_x, row.tip_y, row.tip_deflection = p.d + cosine * tip_1 - sine * tip_2, sine * tip_1 + cosine * tip_2, tip_2
-    row.tip_acceleration = tip_acceleration(p, k, w, y[n + 2 : 2 * n + 2])
+    row.tip_acceleration = tip_acceleration(p, k, w, y.eta_rate)
     row.slider_force, row.crank_torque = force, drive
     energies(p, place, k, w, y, row)
     bearing_forces(p, place, k, w, y, force, row)
     for gauge in range(3):
         curvature = 0.0
         for i in range(n):
-            curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y[1 + i]
+            curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y.eta[i]
         row.strains[gauge] = 0.5 * p.thickness * curvature
-    end_moments(p, place, k, w, y[n + 2 : 2 * n + 2], row)
+    end_moments(p, place, k, w, y.eta_rate, row)
     row.moment_slider = p.EI * place.curvature
     row.moment_inboard = row.moment_slider - p.slider_inertia * _turning_of_slider(p, k, w)
     for point in range(PLACES):
         deflection = moment = 0.0
         for i in range(n):
-            deflection += p.shape_places[point, i] * y[1 + i]
-            moment += p.moment_places[point, i] * y[1 + i]
+            deflection += p.shape_places[point, i] * y.eta[i]
+            moment += p.moment_places[point, i] * y.eta[i]
         row.shapes[point], row.moments[point] = deflection, moment
     # only round-off is left of it
     row.constraint_gap = abs(
-        math.sqrt(place.x**2 + place.W**2) - math.sqrt((p.LA * math.cos(y[0]) - p.d) ** 2 + (p.LA * math.sin(y[0])) ** 2)
+        math.sqrt(place.x**2 + place.W**2) - math.sqrt((p.LA * math.cos(y.q[0]) - p.d) ** 2 + (p.LA * math.sin(y.q[0])) ** 2)
     )
 
 
@@ -93,15 +94,15 @@ def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[
 
 
 @stage
-def bearing_forces(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], force: float, row: Any) -> None:
+def bearing_forces(p: Parameters, place: Slider, k: Contact, w: Workspace, y: State, force: float, row: Any) -> None:
     """To the row: forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.9 to 6.11)."""
-    n, cosine, sine = p.n, math.cos(place.q2), math.sin(place.q2)
+    cosine, sine = math.cos(place.q2), math.sin(place.q2)
     F1, F2 = _slider_on_follower(p, place, k, w, force)
-    p1, p2 = _rate_of_momentum(p, k, w, y[n + 2 : 2 * n + 2])
+    p1, p2 = _rate_of_momentum(p, k, w, y.eta_rate)
     p1, p2 = p1 - F1, p2 - F2
-    mass, turning, square = p.rhoA * p.L + p.tip_mass, p.crank_moment * w.acceleration[0], p.crank_moment * y[n + 1] ** 2
+    mass, turning, square = p.rhoA * p.L + p.tip_mass, p.crank_moment * w.acceleration[0], p.crank_moment * y.u[0] ** 2
     c1, c2 = F1 - turning * place.a2 - square * place.a1, F2 + turning * place.a1 - square * place.a2
-    acting = share(y[0], p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
+    acting = share(y.q[0], p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
     row.pivot_force_x = cosine * p1 - sine * p2 - mass * p.gravity_1 - acting * p.force_1
     row.pivot_force_y = sine * p1 + cosine * p2 - mass * p.gravity_2 - acting * p.force_2
     row.crank_force_x = cosine * c1 - sine * c2 - p.crank_mass * p.gravity_1
@@ -190,17 +191,17 @@ def _tip_body(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.floa
 
 
 @stage
-def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[np.float64], row: Any) -> None:
+def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: State, row: Any) -> None:
     """To the row: kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
     n = p.n
     kinetic = strain = 0.0
     for a in range(n + 2):
-        rate_a = k.q2_rate if a == 1 else (y[n + 1] if a == 0 else y[n + a])
+        rate_a = k.q2_rate if a == 1 else (y.u[0] if a == 0 else y.eta_rate[a - 2])
         for b in range(n + 2):
-            kinetic += 0.5 * rate_a * w.M[a, b] * (k.q2_rate if b == 1 else (y[n + 1] if b == 0 else y[n + b]))
+            kinetic += 0.5 * rate_a * w.M[a, b] * (k.q2_rate if b == 1 else (y.u[0] if b == 0 else y.eta_rate[b - 2]))
     for i in range(n):
         for j in range(n):
-            strain += 0.5 * y[1 + i] * p.stiffness[i, j] * y[1 + j]
+            strain += 0.5 * y.eta[i] * p.stiffness[i, j] * y.eta[j]
     moment_1 = moment_2 = 0.0  # first moments of beam and tip body about P, in frame B
     for point in range(len(p.tables.x)):
         dm = p.rhoA * p.tables.weights[point]
@@ -209,18 +210,18 @@ def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: NDArray[
         if p.exact_geometry:
             curvature = 0.0
             for i in range(n):
-                curvature += p.tables.ddphi[point, i] * y[1 + i]
+                curvature += p.tables.ddphi[point, i] * y.eta[i]
             slope2 = w.slope[point] ** 2
             strain += 0.5 * p.EI * p.tables.weights[point] * curvature**2 * slope2 / (1.0 - slope2)
     angle = tangent_angle(w.end[0], p.exact_geometry)[0]
     end = len(p.tables.edges) - 1
     moment_1 += p.tip_mass * (p.L - w.F_edges[end] + p.tip_offset * math.cos(angle))
     moment_2 += p.tip_mass * (w.end[1] + p.tip_offset * math.sin(angle))
-    row.kinetic_energy, row.strain_energy, row.dissipated_energy, row.drive_work = kinetic, strain, y[2 * n + 2], y[2 * n + 3]
+    row.kinetic_energy, row.strain_energy, row.dissipated_energy, row.drive_work = kinetic, strain, y.work[DISSIPATED], y.work[BY_DRIVE]
     gravity = 0.0
     if p.has_gravity:
         cosine, sine = math.cos(place.q2), math.sin(place.q2)
         mass = p.rhoA * p.L + p.tip_mass
-        gravity -= p.gravity_1 * (mass * p.d + cosine * moment_1 - sine * moment_2 + p.crank_moment * math.cos(y[0]))
-        gravity -= p.gravity_2 * (sine * moment_1 + cosine * moment_2 + p.crank_moment * math.sin(y[0]))
+        gravity -= p.gravity_1 * (mass * p.d + cosine * moment_1 - sine * moment_2 + p.crank_moment * math.cos(y.q[0]))
+        gravity -= p.gravity_2 * (sine * moment_1 + cosine * moment_2 + p.crank_moment * math.sin(y.q[0]))
     row.gravity_energy = gravity

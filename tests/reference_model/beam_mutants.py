@@ -13,6 +13,7 @@ from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
 from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.shapes import hermite_elements
+from quickreturn.reference_model.state import State as Parts
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_states import (
     ALONE,
@@ -60,7 +61,7 @@ SOURCE = Source(
     modules=(plane, fields, loop, inertia, observe, equations),
     no_equations=frozenset({"_factor", "_substitute", "kernel", "evaluate", "_observe_states", "observations"}),
     stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "cache", "parameters_at", "workspace_at"), plain)
-    | {"numbers_at": lambda array, size: array}
+    | {"state_at": lambda array, n, m: Parts.of(array)}
     | LANES,
     entry=dict,
 )
@@ -99,7 +100,7 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     """All that the equations say, and what the slider's feedback adds."""
     p = state.model.parameters
     rate, rows, w = np.empty_like(y), np.zeros(1, ROW), workspace(p)
-    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, y, rows[0]):
+    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, Parts.of(y), rows[0]):
         raise ValueError("the state cannot be")
     found = by_hand(state.model, w, rate, {name: values[0] for name, values in recorded_columns(rows, joint=True).items()})
     return found | {"feedback": rate[p.speeds] - w.facts.s_rate}

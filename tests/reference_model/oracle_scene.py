@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, recorded_columns
+from quickreturn.reference_model.compiled_state import state_of
 from quickreturn.reference_model.machine.compilation import compiled
 from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
@@ -46,7 +47,8 @@ class Equations:
 
 @compiled
 def _evaluate(parameters: int, workspace: int, y: Array) -> tuple[bool, kinematics.Slider, kinematics.Contact]:
-    return evaluate(parameters_at(parameters), workspace_at(workspace), y)
+    p = parameters_at(parameters)
+    return evaluate(p, workspace_at(workspace), state_of(y, p.n))
 
 
 def _by_address(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
+from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis import dynamics, equations, kinematics, observables
 from quickreturn.reference_model.thesis.parameters import Parameters, build_parameters
 from tests.reference_model.mutation import Hunt, Source, plain
@@ -39,8 +40,12 @@ SOURCE = Source(
             "_no_slider",
         }
     ),
-    stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "parameters_at", "workspace_at"), plain),
-    entry=lambda defined: Equations(defined["evaluate"], defined["right_hand_side"]),
+    stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "parameters_at", "workspace_at"), plain)
+    | {"state_of": lambda y, n: State.of(y, slider=False)},
+    entry=lambda defined: Equations(
+        lambda p, w, y: defined["evaluate"](p, w, State.of(y, slider=False)),
+        defined["right_hand_side"],
+    ),
 )
 
 #: That of test_thesis_equations.py; the unchanged source lies three decades below.
@@ -49,7 +54,7 @@ TOLERANCE = 1e-10
 #: Changes without effect, and why.
 EQUIVALENT = {
     ("centre_line", "slope_rate -= t.dphi[p, i] * eta_rate[i]"): "the rate of W' enters H squared and nothing else",
-    ("energies", "curvature -= p.tables.ddphi[point, i] * y[1 + i]"): "the strain energy is quadratic in the curvature",
+    ("energies", "curvature -= p.tables.ddphi[point, i] * y.eta[i]"): "the strain energy is quadratic in the curvature",
 }
 
 
