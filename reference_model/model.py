@@ -86,26 +86,24 @@ class BeamModel:
         return cls(scene, parameters(scene, modes, tables, reach, constraint, slowed_to=slowed_to), family.angles, seconds)
 
     @classmethod
-    def staying(
-        cls, scene: Scene, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
-    ) -> "BeamModel":
+    def staying(cls, scene: Scene, shapes: ShapeSet, constraint: SliderConstraint = CLOSED) -> "BeamModel":
         """A model whose shapes do not move with the slider: slopes of clamped-free modes, or of cubic elements.
 
         Raises:
             ValueError: a slider with rotary inertia on shapes whose curvature jumps.
         """
         if scene.crank is None:
-            return cls.alone(scene, shapes, transverse_damping=transverse_damping)
+            return cls.alone(scene, shapes)
         if scene.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
             raise ValueError("a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one element")
         free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
         tables, reach = (beam.elements if of_elements else beam.staying)(scene, free, squares)
-        constants = parameters(scene, free.count, tables, reach, constraint, transverse_damping=transverse_damping)
+        constants = parameters(scene, free.count, tables, reach, constraint)
         return cls(scene, constants, partial(_unmoved, partial(free.evaluate, derivative=1)))
 
     @classmethod
-    def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet, *, transverse_damping: bool = False) -> "BeamModel":
+    def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet) -> "BeamModel":
         """A model of the follower alone, in its first `shapes` clamped modes (at least 1) or in given shapes."""
         if isinstance(shapes, int):
             clamped = clamped_modes(scene, shapes)
@@ -117,7 +115,7 @@ class BeamModel:
             free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
             angles, nodes = partial(free.evaluate, derivative=1), free.edges if free.coefficients.shape[1] == 4 else None
         tables = beam.clamped(scene, angles, squares, nodes)
-        constants = parameters(scene, len(squares), tables, scene.follower.length, transverse_damping=transverse_damping)
+        constants = parameters(scene, len(squares), tables, scene.follower.length)
         return cls(scene, constants, partial(_unmoved, angles))
 
     def with_fewer_shapes(self, count: int) -> "BeamModel":

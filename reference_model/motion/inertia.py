@@ -109,11 +109,10 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
     moment = 0.0
     if p.beam_damping > 0.0:
         # it opposes the velocities relative to the base frame, so that turning with the base costs no work
-        along = p.beam_damping * p.damps_along
+        for j in range(2 * N):
+            w.force[j] += p.beam_damping * w.dx[j] * w.relative[j]
         for j in range(N):
-            w.force[j] += along * w.dx[j] * w.relative[j]
-            w.force[N + j] += p.beam_damping * w.dx[j] * w.relative[N + j]
-            moment += w.dx[j] * (p.beam_damping * w.z[j] * w.relative[N + j] - along * w.z[N + j] * w.relative[j])
+            moment += p.beam_damping * w.dx[j] * (w.z[j] * w.relative[N + j] - w.z[N + j] * w.relative[j])
     moment -= pivot_torque(p, w)
     end = t.tip
     w.force[end] -= f.tip_force.real
@@ -227,7 +226,7 @@ def dissipation(p: Parameters, t: Tables, w: Workspace, y: State) -> float:
     N = t.points
     total = 0.0
     for j in range(N):
-        total += w.dx[j] * (p.damps_along * w.relative[j] * w.relative[j] + w.relative[N + j] * w.relative[N + j])
+        total += w.dx[j] * (w.relative[j] * w.relative[j] + w.relative[N + j] * w.relative[N + j])
     power = p.crank_damping * y.u[0] ** 2 + pivot_torque(p, w) * w.facts.q2_rate + p.beam_damping * total
     if p.bending_damping > 0.0:
         for j in range(N):

@@ -126,7 +126,6 @@ class Parameters(NamedTuple):
     rhoA: float
     EI: float
     beam_damping: float
-    damps_along: float  # 1; 0 where the beam damping acts on the velocity across the base tangent alone
     tip_mass: float
     tip_inertia: float
     tip_offset: float

@@ -102,9 +102,8 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int, r
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
     force, moment = w.load, w.load_moment
-    for j in range(N):
-        force[j] = -p.rhoA * w.a[j] - p.beam_damping * p.damps_along * w.relative[j]
-        force[N + j] = -p.rhoA * w.a[N + j] - p.beam_damping * w.relative[N + j]
+    for j in range(2 * N):
+        force[j] = -p.rhoA * w.a[j] - p.beam_damping * w.relative[j]
     for j in range(N):
         moment[j] = w.z[j] * force[N + j] - w.z[N + j] * force[j]
     for j in range(N):

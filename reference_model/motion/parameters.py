@@ -16,7 +16,6 @@ def parameters(
     reach: float,
     constraint: SliderConstraint = CLOSED,
     *,
-    transverse_damping: bool = False,
     slowed_to: float | None = None,
 ) -> Parameters:
     """Constants of a scene.
@@ -27,7 +26,6 @@ def parameters(
         tables: of the shapes.
         reach: slider position beyond which the slider counts as off the follower, m.
         constraint: of the slider; ignored for the follower alone.
-        transverse_damping: whether the beam damping acts on the velocity component across the base tangent only.
         slowed_to: see `added_inertia`, rad/s; None adds no inertia.
     """
     kind = BASE if scene.crank is None else constraint.kind
@@ -39,7 +37,6 @@ def parameters(
         speeds=shapes + (1 if kind in (ELIMINATED, BASE) else 2),
         first=0 if scene.crank_is_free else 1,
         EI=scene.follower.bending_stiffness,
-        damps_along=0.0 if transverse_damping else 1.0,
         base_friction=scene.base.friction_torque,
         base_friction_rate=scene.base.friction_rate,
         plus=rollers.plus,

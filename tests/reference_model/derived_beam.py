@@ -90,8 +90,6 @@ class DerivedBeam:
         else:
             system = quick_return(tables, p.n, rigid=self.rigid, prescribed=not scene.crank_is_free, line=line)
             (arm,) = arms
-        if not p.damps_along:
-            system.damper("across", arm.beam.y, scene.follower.damping * arm.beam.shares)
         names = [each.name for each in system.coordinates]
         self.q2, self.s = names.index("follower_angle"), names.index("slider_position")
         etas = [names.index(f"eta_{k}") for k in range(1, p.n + 1)]
@@ -130,24 +128,20 @@ class DerivedBeam:
         return cls(BeamModel.following(mechanism, modes, constraint, slowed_to), constraint)
 
     @classmethod
-    def staying(
-        cls, mechanism: Mechanism, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, transverse_damping: bool = False
-    ) -> "DerivedBeam":
+    def staying(cls, mechanism: Mechanism, shapes: ShapeSet, constraint: SliderConstraint = CLOSED) -> "DerivedBeam":
         """With shapes that stay where they are."""
-        return cls(BeamModel.staying(mechanism, shapes, constraint, transverse_damping=transverse_damping), constraint)
+        return cls(BeamModel.staying(mechanism, shapes, constraint), constraint)
 
     @classmethod
-    def of_follower_alone(cls, scene: FollowerAlone, shapes: int | ShapeSet, *, transverse_damping: bool = False) -> "DerivedBeam":
+    def of_follower_alone(cls, scene: FollowerAlone, shapes: int | ShapeSet) -> "DerivedBeam":
         """The follower alone, half-way through its spin-up."""
-        return cls(BeamModel.alone(scene, shapes, transverse_damping=transverse_damping), CLOSED)
+        return cls(BeamModel.alone(scene, shapes), CLOSED)
 
     def values(self, q: Array, v: Array) -> dict[str, float]:
         """The scene's, without a force of the joint; a prescribed crank is where it is."""
         scene, p = self.scene, self.model.parameters
         found = constants(scene) | WITHOUT_FORCE
         found["damping_moment"] = scene.follower.bending_stiffness * p.bending_damping if p.bending_damping else 0.0
-        if not p.damps_along:
-            found["beam_damping"] = 0.0
         if self.alone:
             found["pivot_distance"] = 0.0
         elif not scene.crank_is_free:
@@ -312,11 +306,6 @@ class DerivedBeam:
     def _observed(self, shown: dict[str, float], q: Array, v: Array, time: float, held: Array) -> Values:
         """Columns of a trajectory but energies, which the joint adds to."""
         p, angle = self.model.parameters, q[self.q2]
-        if not p.damps_along:
-            count = sum(name.startswith("drift_x_") for name in shown)
-            for k in range(count):
-                across = (complex(shown[f"drift_x_{k}"], shown[f"drift_y_{k}"]) * np.exp(-1j * angle)).imag * 1j * np.exp(1j * angle)
-                shown[f"drift_x_{k}"], shown[f"drift_y_{k}"] = across.real, across.imag
         energies = dict.fromkeys(("kinetic_energy", "potential_energy", "dissipated_energy", "work"), 0.0)
         rows = {name: np.array([value]) for name, value in (shown | energies).items()}
         found = {name: float(value[0]) for name, value in columns(self.scene, rows, p.bending_damping).items()}

@@ -62,7 +62,7 @@ MODELS: Final[dict[str, Callable[[], DerivedBeam]]] = {
     "following, multiplier, rubbing": lambda: following(DAMPED, 2, BY_FORCE),
     "following, multiplier, rubbing, prescribed speed": lambda: following(RUBBING_HELD, 2, BY_FORCE),
     "modes": lambda: staying(EVERYTHING, modes_of(EVERYTHING, 3)),
-    "modes, transverse damping, prescribed speed": lambda: staying(HELD, modes_of(EVERYTHING, 2), transverse_damping=True),
+    "modes, prescribed speed": lambda: staying(HELD, modes_of(EVERYTHING, 2)),
     "modes, rollers": lambda: staying(RUBBING, modes_of(EVERYTHING, 2), APART),
     "elements": lambda: staying(ON_ELEMENTS, elements_of(EVERYTHING, 3)),
     "element, multiplier": lambda: staying(ON_ELEMENTS, elements_of(EVERYTHING, 1), BY_FORCE),
@@ -72,7 +72,7 @@ MODELS: Final[dict[str, Callable[[], DerivedBeam]]] = {
     "chord, prescribed speed": lambda: staying(HELD_ELEMENTS, elements_of(EVERYTHING, 1), ON_CHORDS),
     "rigid follower": lambda: following(STIFF, 0),
     "alone": lambda: alone(ALONE, 3),
-    "alone, elements, transverse damping": lambda: alone(ALONE, hermite_elements(ALONE.follower.length, 2), transverse_damping=True),
+    "alone, elements": lambda: alone(ALONE, hermite_elements(ALONE.follower.length, 2)),
 }
 
 
