@@ -121,10 +121,7 @@ class BeamModel:
     def with_fewer_shapes(self, count: int) -> "BeamModel":
         """The model in the first `count` shapes, with the same Gauss points: a selection of columns of its tables."""
         p, t = self.parameters, self.parameters.tables
-        row = ShapeRow.of(t.coefficients, p.n, t)
-        kept = [*(part[..., :count, :] for part in row[:3]), *(part[..., :count] for part in row[3:-1]), row.length]
-        blocks = [part.reshape(*t.coefficients.shape[:2], -1) for part in kept]
-        tables = t._replace(coefficients=beam.padded_to_lines(np.concatenate(blocks, axis=-1)))
+        tables = t._replace(coefficients=beam.padded_to_lines(ShapeRow.of(t.coefficients, p.n, t).first(count).joined))
         fewer = p._replace(n=count, speeds=p.speeds - p.n + count, added_inertia=p.added_inertia[:count], tables=tables)
 
         def shapes(s: float, x: Array) -> tuple[Array, Array]:

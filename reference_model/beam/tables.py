@@ -15,7 +15,7 @@ from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
 from quickreturn.reference_model.machine.memory import on_lines
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
-from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.motion.layout import ShapeRow, Tables
 from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.splines import spline_coefficients
@@ -167,15 +167,20 @@ def span_tables(family: ModeFamily, points: int, intervals: int) -> Tables:
     gauss, _ = np.polynomial.legendre.leggauss(points)
     u = np.append(0.5 * (gauss + 1.0), 1.0)
     nodes = np.linspace(family.low, family.high, intervals + 1)
-    spans = [family.shapes_at(nodes, u, span) for span in range(2)]
-    psi = [np.stack([span[kind] for span in spans], axis=1) for kind in range(3)]  # (k, cells, points and end, n)
-    extras = [
-        *(family.squares_at(nodes, order) for order in (0, 1)),
-        spans[0][3][:, -1, :],
-        *(family.at_slider(nodes, order) for order in (1, 2)),
-    ]
-    lengths = np.stack([nodes, family.length - nodes], axis=1)
-    coefficients = spline_coefficients(nodes, _rows(psi, extras, lengths))
+    inboard, outboard = (family.shapes_at(nodes, u, span) for span in range(2))
+    psi, psi_s, psi_ss, curvature = (np.stack(of_spans, axis=1) for of_spans in zip(inboard, outboard, strict=True))
+    row = ShapeRow(
+        shape=_at_points(psi),
+        shape_s=_at_points(psi_s),
+        shape_ss=_at_points(psi_ss),
+        squares=family.squares_at(nodes),
+        squares_s=family.squares_at(nodes, 1),
+        curvature_at_slider=curvature[:, 0, -1],
+        angle_at_slider_s=family.at_slider(nodes, 1),
+        angle_at_slider_ss=family.at_slider(nodes, 2),
+        length=np.stack([nodes, family.length - nodes], axis=1),
+    )
+    coefficients = spline_coefficients(nodes, row.joined)
     return _tables(nodes[0], nodes[-1], coefficients, True, points, np.zeros(intervals), 2)
 
 
@@ -231,15 +236,15 @@ def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Arr
         squares: modal stiffness of each shape, rad^2/s^2, shape (n,).
         nodes: element boundaries, m; None where the shapes are smooth.
     """
-    n, length, points = len(squares), scene.follower.length, 7
-    edges = np.linspace(0.0, length, 2 * math.ceil((3 * n + 12) / 14.0) + 1) if nodes is None else nodes
+    length, points = scene.follower.length, 7
+    edges = np.linspace(0.0, length, 2 * math.ceil((3 * len(squares) + 12) / 14.0) + 1) if nodes is None else nodes
     if len(edges) == 2:  # the equations expect a cell on either side of the slider's place
         edges = np.array([0.0, 0.5 * length, length])
     cells = len(edges) - 1
     gauss, _ = np.polynomial.legendre.leggauss(points)
     x = _places(edges[None], np.append(0.5 * (gauss + 1.0), 1.0))
-    nothing = np.zeros((1, n))
-    row = _rows([angles(x.ravel()).reshape(*x.shape, n)], [squares[None], nothing, nothing, nothing, nothing], np.diff(edges)[None])
+    nothing = np.zeros((1, len(squares)))
+    row = _unmoved(angles(x.ravel()).reshape(*x.shape, -1), squares, nothing, nothing, np.diff(edges)[None]).joined
     coefficients = np.zeros((1, 4, row.shape[1]))
     coefficients[0, 3] = row
     inboard = max(cells // 2, 1)
@@ -252,9 +257,23 @@ def _fixed_rows(shapes: ShapeSet, squares: Array, s: Array, edges: Array, points
     gauss, _ = np.polynomial.legendre.leggauss(points)
     x = _places(edges, np.append(0.5 * (gauss + 1.0), 1.0))
     psi = shapes.evaluate(x.ravel(), 1).reshape(*x.shape, shapes.count)
-    curvature, change = (shapes.evaluate(s, order) for order in (2, 3))
-    rest = np.zeros_like(curvature)
-    return _rows([psi], [np.broadcast_to(squares, curvature.shape), rest, curvature, curvature, change], np.diff(edges))
+    return _unmoved(psi, squares, shapes.evaluate(s, 2), shapes.evaluate(s, 3), np.diff(edges)).joined
+
+
+def _unmoved(psi: Array, squares: Array, curvature: Array, change: Array, length: Array) -> ShapeRow:
+    """Rows of shapes that stay, from psi (k, cells, points, n), and its first and second derivative at the slider, (k, n)."""
+    shape = _at_points(psi)
+    return ShapeRow(
+        shape=shape,
+        shape_s=shape[:, :0],
+        shape_ss=shape[:, :0],
+        squares=np.broadcast_to(squares, curvature.shape),
+        squares_s=np.zeros_like(curvature),
+        curvature_at_slider=curvature,
+        angle_at_slider_s=curvature,
+        angle_at_slider_ss=change,
+        length=length,
+    )
 
 
 def _places(edges: Array, u: Array) -> Array:
@@ -262,12 +281,11 @@ def _places(edges: Array, u: Array) -> Array:
     return edges[:, :-1, None] + np.diff(edges)[:, :, None] * u
 
 
-def _rows(psi: list[Array], extras: list[Array], lengths: Array) -> Array:
-    """Rows (k, row length), see `ShapeRow`, from blocks `psi` (k, cells, points, n), `extras` (k, n) and cell `lengths` (k, cells), m."""
-    places, points = len(psi[0]), psi[0].shape[2]
-    padding = 4 * math.ceil(points / 4) - points
-    blocks = [np.pad(block, ((0, 0), (0, 0), (0, padding), (0, 0))).transpose(0, 3, 1, 2).reshape(places, -1) for block in psi]
-    return np.concatenate([*blocks, *extras, lengths], axis=1)
+def _at_points(psi: Array) -> Array:
+    """Values (k, n, N) at the points of all cells, with fillers, from those (k, cells, points, n) at the points of each."""
+    k, cells, points, n = psi.shape
+    places = 4 * math.ceil(points / 4)
+    return np.pad(psi, ((0, 0), (0, 0), (0, places - points), (0, 0))).transpose(0, 3, 1, 2).reshape(k, n, cells * places)
 
 
 def _tables(low: float, high: float, coefficients: Array, moves: bool, points: int, slider_cell: Array, cells: int) -> Tables:

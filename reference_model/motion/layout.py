@@ -78,6 +78,17 @@ class ShapeRow(NamedTuple):
         parts = np.split(row[..., : ends[-1]], ends[:-1], axis=-1)
         return cls(*(part.reshape(*row.shape[:-1], *size) for part, size in zip(parts, sizes, strict=True)))
 
+    @property
+    def joined(self) -> Vector:
+        """The rows, shape (..., row length)."""
+        lead = self.length.shape[:-1]
+        return np.concatenate([part.reshape(*lead, -1) for part in self], axis=-1)
+
+    def first(self, count: int) -> ShapeRow:
+        """The rows of the first `count` shapes."""
+        of_points, of_shapes = self[:3], self[3:-1]
+        return ShapeRow(*(part[..., :count, :] for part in of_points), *(part[..., :count] for part in of_shapes), self.length)
+
 
 class Tables(NamedTuple):
     """psi_i and its derivatives by s at points that move with the slider, piecewise cubic in s.
