@@ -86,8 +86,8 @@ class ShapeRow(NamedTuple):
 
     def first(self, count: int) -> ShapeRow:
         """The rows of the first `count` shapes."""
-        of_points, of_shapes = self[:3], self[3:-1]
-        return ShapeRow(*(part[..., :count, :] for part in of_points), *(part[..., :count] for part in of_shapes), self.length)
+        of_points = {name: getattr(self, name)[..., :count, :] for name in self._fields[:3]}
+        return self._replace(**of_points, **{name: getattr(self, name)[..., :count] for name in self._fields[3:-1]})
 
 
 class Tables(NamedTuple):
