@@ -22,6 +22,23 @@ from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.verification import Verification
 
 
+@dataclass(frozen=True)
+class Subject:
+    """What a report is about, as far as its first screen depends on it.
+
+    Attributes:
+        arm: kind of the arm.
+        consequence: what the swing does to it (a clause); "" if nothing is to be said.
+        inference: a sentence on what the results suggest; "" if there is none.
+        on_the_model: whether the thesis' model is among the figures, in place of the largest difference of a peak.
+    """
+
+    arm: str = "flexible"
+    consequence: str = ""
+    inference: str = ""
+    on_the_model: bool = False
+
+
 @dataclass(frozen=True, kw_only=True)
 class Content:
     """The data of a page on the user's own machines. A subject with chapters of its own derives its content from this class.
@@ -71,9 +88,9 @@ class Content:
         return {}, []
 
     @property
-    def answer_template(self) -> str:
-        """Template of the first screen."""
-        return "answer.html"
+    def subject(self) -> Subject:
+        """What the report is about."""
+        return Subject()
 
     @property
     def assumed(self) -> Mapping[str, Any] | None:

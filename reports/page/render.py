@@ -14,6 +14,7 @@ from quickreturn.reports import templates, words
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.first_screen import Figure, agreement_screen, machine_screen
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.tables.table import csv_text
 
@@ -84,23 +85,22 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         start=shown.case.name,
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
-        content=content,
-        answer=answer,
-        answers=content.loads if any(loads.lead for loads in content.loads) else [],
+        screen=agreement_screen(answer, content.subject, title_of_case, _first_mode(shown)),
+        machines=[(loads, machine_screen(loads)) for loads in content.loads] if any(loads.lead for loads in content.loads) else [],
         curves=[around.case.name for around in content.around if around.curve],
         shown=shown.case.name,
-        title_of_case=title_of_case,
-        first_mode=_first_mode(shown),
-        first_mode_case=shown.case.name,
         chapters=chapters,
     )
 
 
-def _first_mode(result: CaseResult) -> str:
-    """First-mode frequencies before and after the return by the leading engine, "" if none is resolvable."""
+def _first_mode(result: CaseResult) -> Figure | None:
+    """First-mode frequencies before and after the return by the leading engine; None if none is resolvable."""
     lead = result.runs.get(REFERENCE) or next(iter(result.runs.values()))
     frequencies = [lead.consensus_frequency(half) if lead.usable else None for half in HALVES]
-    return " / ".join("n. r." if value is None else f"{value:.1f}" for value in frequencies) + " Hz" if any(frequencies) else ""
+    if not any(frequencies):
+        return None
+    shown = " / ".join("n. r." if value is None else f"{value:.1f}" for value in frequencies)
+    return f"{shown} Hz", f"first-mode frequency before and after the quick return, {words.case_label(result.case.name)}"
 
 
 def animation_page(case: Case, motions: Mapping[str, Trajectory]) -> str:

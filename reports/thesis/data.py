@@ -18,13 +18,14 @@ from quickreturn.cases.thesis.scatter import Band
 from quickreturn.cases.units import in_si
 from quickreturn.engines.registry import MODEL
 from quickreturn.reference_model.mechanism import TorqueDrive
-from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.content import Content, Subject
 from quickreturn.reports.results.runs import of_library
 from quickreturn.reports.thesis import long_studies
 from quickreturn.reports.thesis.conclusions import Basis, Conclusion, conclusions
 from quickreturn.reports.thesis.measured import statement_values
 from quickreturn.reports.thesis.runs import thesis_runs
 from quickreturn.reports.thesis.sufficiency import Split, splits
+from quickreturn.reports.words import in_words, percent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,9 +78,11 @@ class ThesisData(Content):
         return splits(self.finding)
 
     @property
-    def answer_template(self) -> str:
-        """Template of the first screen: the one on the thesis, unless the report also has other cases."""
-        return "answer_on_runs.html" if len(self.thesis_results) == len(self.results) else "answer.html"
+    def subject(self) -> Subject:
+        """The thesis, unless the report also has other cases."""
+        if len(self.thesis_results) < len(self.results):
+            return Subject()
+        return Subject("thin aluminium", ", and the arm whips", inference(self.splits), on_the_model=True)
 
     @property
     def assumed(self) -> Mapping[str, Any]:
@@ -94,3 +97,17 @@ class ThesisData(Content):
     def general_notes(self) -> frozenset[str]:
         """Published inconsistencies that concern all runs."""
         return frozenset(inconsistency.sentence for inconsistency in inconsistencies() if set(inconsistency.runs) == set(RUNS))
+
+
+def inference(splits: Sequence[Split]) -> str:
+    """What makes the frequency too high after the return alone; "" if that was not recorded."""
+    if not splits:
+        return ""
+    first = splits[0]
+    posts = ", ".join(percent(post, "+.1f") for post in first.posts)
+    return (
+        "Compared with measurements its frequency was right before the return and too high after it: of the effects tried, a roller that"
+        f" is softer on one side makes that difference ({percent(first.pre, '+.1f')} before, {percent(first.post, '+.1f')} after, at"
+        f" {first.strength}; after the return {posts} at the {in_words(len(first.posts))} strengths tried), and none that acts alike on"
+        " both sides does. This is an inference: no measured curve survives."
+    )

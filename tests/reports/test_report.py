@@ -1,7 +1,6 @@
 """The finished page: complete, self-contained, and of one mind with its CSV files."""
 
 import csv
-import dataclasses
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -14,11 +13,9 @@ from quickreturn.cases.jobs.key import code_fingerprint
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.runs.comparison import compare
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import OutputError, check_folder
-from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
@@ -26,14 +23,13 @@ from quickreturn.reports.report import CATALOGUE, PAGE, write, write_report
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.thesis.content import ThesisContent
 from quickreturn.reports.verification import FILE, PARTS, verification
-from quickreturn.reports.words import size
 from tests.cases.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.made_up_studies import made_up_studies
 from tests.reports.pages import content_of
-from tests.reports.plotted_results import ENGINES, with_run, with_table
+from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import PageReader, reported_result
 
 
@@ -163,44 +159,9 @@ def test_a_later_report_removes_the_tables_of_an_earlier_one_and_nothing_else(tm
     assert (tmp_path / "mine.csv").read_text() == "kept"
 
 
-@pytest.mark.parametrize("missed", [0, 1, 12])
-def test_an_engine_is_alike_as_long_as_few_of_its_numbers_depart(missed: int) -> None:
-    result = reported_result("thesis-24")
-    reference = result.runs["reference"]
-    measures = list(reference.measures)
-    for number in range(missed):
-        quantity = "maximum" if number < len(measures) else "minimum"
-        place = number % len(measures)
-        measures[place] = dataclasses.replace(measures[place], **{quantity: 1e9})  # type: ignore[arg-type]
-    result = with_run(result, "mujoco", measures=tuple(measures), consensus=reference.consensus)
-    found = answer_of(content_of(results=[compare(result.case, result.runs)]))
-    # 34 numbers of mujoco at most are compared: one is less than a twentieth, twelve are not
-    assert ("mujoco" in found.alike) == (missed < 2)
-    assert ("mujoco" in found.departing) == (missed == 12)
-    assert found.alike[:1] in (["reference"], [])
-
-
-def test_set_ups_in_which_nothing_could_be_judged_are_not_counted_among_those_that_agree() -> None:
-    good, broken = reported_result("thesis-24"), reported_result("example", dict.fromkeys(ENGINES, "failed"))
-    told = pages.text_of(content_of(results=[good, broken]))
-    assert "the same motion in one of two set-ups" in told
-    assert "What was compared" in told
-    assert "What was compared" not in pages.text_of(content_of(results=[broken]))
-    assert "the same motion in both set-ups" in pages.text_of(content_of(results=[good, reported_result("thesis-06")]))
-
-
 def test_what_did_not_deliver_is_named_with_its_case() -> None:
     told = pages.text_of(content_of(results=[reported_result("example", {"exudyn": "failed"})]))
     assert "example, exudyn: failed at t = 0.25 s" in told
-
-
-def test_the_answer_follows_from_the_numbers() -> None:
-    told = pages.text_of(content_of(results=[reported_result("thesis-24")]))
-    cubic = answer_of(content_of(results=[reported_result("thesis-24")])).cubic
-    assert cubic is not None
-    assert cubic.frequency.median == pytest.approx(0.13, abs=0.01)  # made up: 1.13 times, and 0.4 % of noise
-    assert f"rings {size(cubic.frequency.median)} faster and shows".replace("\N{NO-BREAK SPACE}", " ") in told
-    assert "4 of 4" in told
 
 
 def test_recorded_tables_are_shown_with_what_they_say_of_themselves_as_text() -> None:

@@ -8,7 +8,7 @@ from quickreturn.cases.benchmark import Compiling
 from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.reports.chapters import methods_tables as tables
 from quickreturn.reports.chapters.methods import contest_words, finding, level_words, waiting_words
-from quickreturn.reports.page.answer import Contest, answer_of
+from quickreturn.reports.page.answer import Contest
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.pages import chapter_of, one_run, plain, read, text_of
 
@@ -66,16 +66,6 @@ def test_the_fastest_the_next_and_the_packages_are_named_at_each_error() -> None
     # reference: 0.1 / 2^4 < 1 % with 2 degrees of freedom, 2 ms; multiplier: 1 / 8^3 with 8, 80 ms; exudyn: 2 / 16^2 with 16, 1.6 s
     wanted = "To 1 % of run 24’s tip deflection: reference 2.0 ms, multiplier 80 ms (40 times as long), exudyn 1.6 s (800 times as long)."
     assert wanted in told
-
-
-def test_the_answer_names_the_fastest_and_the_next_engine() -> None:
-    found = answer_of(one_run(benchmarks=[made_up_benchmark()])).fastest
-    assert found is not None
-    assert found.solve_times[:2] == [
-        ("reference", 4e-3),
-        ("multiplier", 160e-3),
-    ]  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
-    assert answer_of(one_run()).fastest is None
 
 
 def test_a_model_that_does_not_converge_is_said_to() -> None:

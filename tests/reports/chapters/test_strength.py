@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from quickreturn.cases.loads import Factor, Resonance, loads_of_run, resonance
+from quickreturn.cases.loads import loads_of_run, resonance
 from quickreturn.cases.loads.stress import section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.reports.chapters.strength import finding, lacking, mode_sentences, stress_sentences
@@ -14,6 +14,7 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import cycles
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of_case, numbers_of_case
 from quickreturn.reports.words import quantity
+from tests.reports.made_up_loads import made_up_loads, with_resonance, without
 from tests.reports.pages import finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
@@ -24,27 +25,9 @@ def example() -> CaseResult:
     return reported_result("example")
 
 
-@pytest.fixture
-def known(example: CaseResult) -> CaseLoads:
-    """Loads with known numbers: 12.346 MPa at 375 mm, an amplitude of 8 MPa about -0.02 MPa at 400 mm, safety 2 and 3, harmonic 9."""
-    found = loads_of_case(example)
-    loads = found.loads["reference"]
-    assert loads.stress is not None
-    largest = dataclasses.replace(loads.stress.largest, value=12.346e6, place=0.375, crank_angle=5.65)
-    amplitude = dataclasses.replace(loads.stress.amplitude, value=8e6, place=0.4)
-    stress = dataclasses.replace(loads.stress, largest=largest, amplitude=amplitude, mean=-0.02e6)
-    factors = {"yield_factor": Factor(2.0, 1.9, 2.1, 0.05), "fatigue_factor": Factor(3.0, 2.9, 3.1, 0.03)}
-    made = CaseLoads(found.case, {"reference": dataclasses.replace(loads, stress=stress, modulus=70e9, **factors)})
-    vars(made)["resonance"] = Resonance(first_mode=18.4, lowest=12.1, crank=2.0)
-    vars(made)["shift_of_motion"] = 0.092
-    return made
-
-
-def without(case: CaseLoads, *factors: str) -> CaseLoads:
-    loads = dataclasses.replace(case.loads["reference"], **dict.fromkeys(factors))
-    made = dataclasses.replace(case, loads={"reference": loads})
-    vars(made)["resonance"] = case.resonance
-    return made
+@pytest.fixture(scope="module")
+def known() -> CaseLoads:
+    return made_up_loads()
 
 
 def test_the_heading_gives_stress_safety_and_resonance(known: CaseLoads) -> None:
@@ -53,7 +36,7 @@ def test_the_heading_gives_stress_safety_and_resonance(known: CaseLoads) -> None
     assert plain(finding([without(known, "yield_factor")])) == f"{stress}, safety 3 against fatigue; {resonance}"
     neither = without(known, "yield_factor", "fatigue_factor")
     assert plain(finding([neither])) == f"{stress}; {resonance}"
-    vars(neither)["resonance"] = None
+    neither = with_resonance(neither, None)
     assert plain(finding([neither])) == stress
     assert plain(finding([neither, known])) == f"example: {stress}"  # of the first of several
 
@@ -86,8 +69,7 @@ def test_the_sentences_on_the_first_mode_give_both_frequencies(known: CaseLoads)
         "from 12.10 Hz up, so a resonance is blunt. The rotation of the crank, and its compliance under a driving torque, change"
         " the mean by 0.5 %; this is taken as its error."
     )
-    vars(known)["resonance"] = None
-    assert mode_sentences(known) == ""
+    assert mode_sentences(with_resonance(known, None)) == ""
 
 
 def test_the_keys_that_are_missing_are_named(known: CaseLoads) -> None:

@@ -1,0 +1,59 @@
+"""The numbers of the first screen."""
+
+import dataclasses
+
+import pytest
+
+from quickreturn.cases.runs.comparison import compare
+from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.words import size
+from tests.reports import pages
+from tests.reports.made_up_benchmark import made_up_benchmark
+from tests.reports.pages import content_of, one_run
+from tests.reports.plotted_results import ENGINES, with_run
+from tests.reports.reported_results import reported_result
+
+
+@pytest.mark.parametrize("missed", [0, 1, 12])
+def test_an_engine_is_alike_as_long_as_few_of_its_numbers_depart(missed: int) -> None:
+    result = reported_result("thesis-24")
+    reference = result.runs["reference"]
+    measures = list(reference.measures)
+    for number in range(missed):
+        quantity = "maximum" if number < len(measures) else "minimum"
+        place = number % len(measures)
+        measures[place] = dataclasses.replace(measures[place], **{quantity: 1e9})  # type: ignore[arg-type]
+    result = with_run(result, "mujoco", measures=tuple(measures), consensus=reference.consensus)
+    found = answer_of(content_of(results=[compare(result.case, result.runs)]))
+    # 34 numbers of mujoco at most are compared: one is less than a twentieth, twelve are not
+    assert ("mujoco" in found.alike) == (missed < 2)
+    assert ("mujoco" in found.departing) == (missed == 12)
+    assert found.alike[:1] in (["reference"], [])
+
+
+def test_set_ups_in_which_nothing_could_be_judged_are_not_counted_among_those_that_agree() -> None:
+    good, broken = reported_result("thesis-24"), reported_result("example", dict.fromkeys(ENGINES, "failed"))
+    told = pages.text_of(content_of(results=[good, broken]))
+    assert "the same motion in one of two set-ups" in told
+    assert "What was compared" in told
+    assert "What was compared" not in pages.text_of(content_of(results=[broken]))
+    assert "the same motion in both set-ups" in pages.text_of(content_of(results=[good, reported_result("thesis-06")]))
+
+
+def test_the_answer_follows_from_the_numbers() -> None:
+    told = pages.text_of(content_of(results=[reported_result("thesis-24")]))
+    cubic = answer_of(content_of(results=[reported_result("thesis-24")])).cubic
+    assert cubic is not None
+    assert cubic.frequency.median == pytest.approx(0.13, abs=0.01)  # made up: 1.13 times, and 0.4 % of noise
+    assert f"rings {size(cubic.frequency.median)} faster and shows".replace("\N{NO-BREAK SPACE}", " ") in told
+    assert "4 of 4" in told
+
+
+def test_the_answer_names_the_fastest_and_the_next_engine() -> None:
+    found = answer_of(one_run(benchmarks=[made_up_benchmark()])).fastest
+    assert found is not None
+    assert found.solve_times[:2] == [
+        ("reference", 4e-3),
+        ("multiplier", 160e-3),
+    ]  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
+    assert answer_of(one_run()).fastest is None
