@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853  # takes 0.3 s to import: only the compiled loop imports this module
 
-#: Stages of a step; the rate at its end is the first stage of the next.
-STAGES: Final = 12
 #: Weights of the stages before each stage, shape (13, 13): twelve of the step, and its end.
 A: Final = np.vstack([np.pad(DOP853.A, ((0, 0), (0, 1))), np.append(DOP853.B, 0.0)])
 #: Errors of orders 3 and 5: weights of the step's stages and its end, shape (13,).

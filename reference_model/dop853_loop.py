@@ -8,8 +8,8 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, STAGES, A
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, A
+from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STAGES, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.machine.compilation import KERNEL, compiled, without_references
 from quickreturn.reference_model.machine.pointers import call_equations, matrix_at, numbers_at
 

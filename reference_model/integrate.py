@@ -11,8 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.dop853 import STAGES
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, Integration
+from quickreturn.reference_model.integration import LEFT_FOLLOWER, STAGES, Integration
 from quickreturn.reference_model.machine.objects import Entry
 
 #: Size of the first step, and of the least, over the time of the motion: that of the output would make the rows change the steps.

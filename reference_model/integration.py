@@ -1,10 +1,13 @@
 """What a time integration delivers, whatever its method."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+#: Stages of a step of DOP853; the rate at its end is the first stage of the next.
+STAGES: Final = 12
 #: How an integration ends.
 REACHED_END, LEFT_FOLLOWER, STEP_TOO_SMALL, TOO_MANY_CALLS, NOT_A_NUMBER = range(5)
 
