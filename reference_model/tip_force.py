@@ -44,6 +44,8 @@ def constants(tip: Tip) -> dict[str, float]:
 def tip_force(tip: Tip, crank_angle: NDArray[np.float64]) -> NDArray[np.float64]:
     """The force (N) along n1 and n2 at crank angles (rad); shape (2, *that of the angles)."""
     angles = np.asarray(crank_angle, dtype=float)
+    if not tip.is_forced:
+        return np.zeros((2, *angles.shape))
     span = tip.force_to - tip.force_from
     acting = np.array([share_of_force(angle, tip.force_from, span, tip.force_ramp) for angle in angles.ravel()]).reshape(angles.shape)
     return np.multiply.outer(np.array(tip.force), acting)

@@ -1,6 +1,7 @@
 """Combines templates, style, script and data into one self-contained file."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, Final
 
 from jinja2 import Environment
@@ -36,15 +37,16 @@ KINDS: Final = {
 }
 
 
-def environment(packages: Sequence[str] = ()) -> Environment:
-    """The templates of a page, with those of other packages."""
+@cache
+def environment(packages: tuple[str, ...] = ()) -> Environment:
+    """The templates of a page, with those of other packages; each is compiled for the first page."""
     jinja = templates.environment(packages=packages)
     jinja.filters["csv"] = csv_text
     jinja.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return jinja
 
 
-def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: Sequence[str] = (), **values: Any) -> str:
+def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: tuple[str, ...] = (), **values: Any) -> str:
     """A page around a view.
 
     Args:
