@@ -45,7 +45,7 @@ def methods(content: Content) -> Chapter | None:
         "fastest": tables.fastest(benchmarks),
         "waits": tables.waiting(benchmarks),
         "compiled": tables.compiling(content.compiling),
-        "plots": [(benchmark, _over_time(benchmark), _errors_over(benchmark, FREEDOM)) for benchmark in benchmarks],
+        "plots": [(each, over := _over_time(each), _errors_over(each, FREEDOM), mark_words(len(over) > 1)) for each in benchmarks],
         "fronts": [tables.front(benchmark) for benchmark in benchmarks],
         "tables": [
             tables.orders(benchmarks),
@@ -140,6 +140,15 @@ def contest_words(contests: int, firsts: Mapping[str, int], soonest: Mapping[str
     by_waiting = f"By waiting time (set-up, solution and error estimate): {won(soonest)}."
     waited = by_waiting if soonest else "The time of the error estimates was not measured here."
     return f"The fastest solver in {counted(contests, 'contest')}: {won(firsts)}; {nobody}. {waited}"
+
+
+def mark_words(waited: bool) -> str:
+    """What the marks of a plot over time are; `waited`: whether it can also be over waiting time."""
+    measured = "Waiting time was measured for each method’s fastest settings to each error. " if waited else ""
+    return (
+        f"{measured}Hollow marks are variants of a method; in the shaded range errors are less than the difference between the two"
+        " reference solutions. A click or a touch on a mark shows its settings."
+    )
 
 
 def _wins(orders: Iterable[Sequence[str]]) -> dict[str, int]:

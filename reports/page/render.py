@@ -1,23 +1,21 @@
 """Combines templates, style, script and data into one self-contained file."""
 
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import Any, Final
 
-from jinja2 import Environment
 from markupsafe import Markup
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reports import templates, words
+from quickreturn.reports import words
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, agreement_screen, machine_screen
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
-from quickreturn.reports.tables.table import csv_text
+from quickreturn.reports.templates import environment
 
 #: Parts of every page's script, in their order, and further parts for a page with chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")
@@ -35,15 +33,6 @@ KINDS: Final = {
     "moving-boundaries": "two moving spans",
     "derived": "by computer",
 }
-
-
-@cache
-def environment(packages: tuple[str, ...] = ()) -> Environment:
-    """The templates of a page, with those of other packages; each is compiled for the first page."""
-    jinja = templates.environment(packages=packages)
-    jinja.filters["csv"] = csv_text
-    jinja.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    return jinja
 
 
 def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: tuple[str, ...] = (), **values: Any) -> str:

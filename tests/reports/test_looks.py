@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from quickreturn.engines.registry import GROUP, MAIN, RIVALS
 from quickreturn.reports.drawing.style import all_looks
 from quickreturn.reports.looks import ENGINES, SIGNALS, looks
-from quickreturn.reports.page.render import KINDS, environment
+from quickreturn.reports.page.render import KINDS
+from quickreturn.reports.templates import environment
 
 STYLE = environment().get_template("style.css").render(engines=(), looks={})
 LIGHT, DARK = (dict(re.findall(r"--([\w-]+): (#\w+)", block)) for block in re.findall(r"{([^}]*--ground[^}]*)}", STYLE)[:2])

@@ -27,8 +27,6 @@ from quickreturn.reports.words import HALF, channel_name, counted, number, perce
 STRAINS: Final = CHANNELS[1:]
 #: Least difference between the halves, in an excess of frequency, that a reader of plots would notice.
 MARKED: Final = 0.02
-
-
 #: The verdicts on several statements, where they differ from those on one.
 _ON_SEVERAL: Final = {HOLDS: "hold", IN_PART: "hold in part", NOT: "do not hold"}
 
@@ -41,7 +39,7 @@ def thesis(content: ThesisData) -> Chapter:
     fitted = [difference.relative for difference in compared]
     of_halves = {half: [difference.ratio for difference in compared if difference.half == half] for half in HALF}
     facts = {
-        "fits_worse": fits_worse(axis_comparisons(results)),
+        "model_error": model_error_words(fits_worse(axis_comparisons(results))),
         "of_record": content.of_record.get("finding"),
         **effect_facts(content.finding, results),
         "of_record_scatter": content.of_record.get("unprinted"),
@@ -99,6 +97,16 @@ def _stiffness(ratios: Mapping[str, Sequence[float]]) -> str:
     return (
         f"Its one cubic is too {stiff} before and after the return{alike} ({number(pre, '.2f')} and {number(post, '.2f')} times the"
         f" converged frequency, medians of {len(ratios['pre'])} and {len(ratios['post'])} runs that resolve it)"
+    )
+
+
+def model_error_words(worse: bool) -> str:
+    """What the model error is; `worse`: whether the converged model fits the axes of the figures worse than the single cubic."""
+    better = "the axes of the figures are the only contact with the measurement that is left, and there the cubic fits better"
+    cubic = f": {better} (see The experiment)" if worse else ""
+    return (
+        "The reference is the same approach, converged. Their difference is the model error of the single cubic: the error that the thesis’"
+        f" author would have seen if the machine moved as the converged model does. Whether it does is open{cubic}."
     )
 
 

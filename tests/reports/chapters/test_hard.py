@@ -12,7 +12,7 @@ from quickreturn.cases.judging.verdicts import (
 )
 from quickreturn.cases.library.hard import IMPOSSIBLE
 from quickreturn.reports.chapters import hard as tables
-from quickreturn.reports.chapters.hard import finding
+from quickreturn.reports.chapters.hard import finding, judged_words
 from tests.reports import pages
 from tests.reports.made_up_matrix import VERDICTS, made_up_matrix
 from tests.reports.pages import plain
@@ -90,6 +90,14 @@ def test_the_page_explains_itself_and_tells_what_was_checked() -> None:
     assert all(sentence in text for sentence in IMPOSSIBLE.values())
     assert "none silently wrong of 3 claims that could be checked, 1 of them against a model’s own equations" in text
     assert "1\N{NO-BREAK SPACE}cell of the matrix has not been computed" in text
+
+
+def test_the_chapter_says_against_what_claims_are_checked() -> None:
+    told = plain(judged_words(True))
+    assert "asked for a tip deflection with an error of 1 % and judged from its own runs" in told
+    own = "; the claims of thesis, which are about its own equations, against a converged solution of these."
+    assert told.endswith(f"every claim is checked against a converged solution{own}")
+    assert judged_words(False).endswith("every claim is checked against a converged solution.")
 
 
 def test_a_claim_that_does_not_hold_is_shouted() -> None:

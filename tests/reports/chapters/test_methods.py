@@ -7,7 +7,7 @@ import pytest
 from quickreturn.cases.benchmark import Compiling
 from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.reports.chapters import methods_tables as tables
-from quickreturn.reports.chapters.methods import contest_words, finding, level_words, waiting_words
+from quickreturn.reports.chapters.methods import contest_words, finding, level_words, mark_words, waiting_words
 from quickreturn.reports.page.answer import Contest
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.pages import chapter_of, one_run, plain, read, text_of
@@ -144,6 +144,13 @@ def test_who_solves_fastest_need_not_be_who_is_done_first() -> None:
     told = "solves fastest in 3 of 3 contests (by waiting time, 1)"
     assert told in text_of(one_run(benchmarks=[table]))
     assert "error estimate): multiplier in 2, reference in 1." in text_of(one_run(benchmarks=[table]))
+
+
+def test_the_marks_of_a_chart_are_explained() -> None:
+    assert mark_words(True).startswith(
+        "Waiting time was measured for each method’s fastest settings to each error. Hollow marks are variants"
+    )
+    assert mark_words(False).startswith("Hollow marks are variants of a method; ")
 
 
 def test_the_chart_offers_what_one_waits_for_where_that_was_measured() -> None:

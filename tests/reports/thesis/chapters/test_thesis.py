@@ -7,7 +7,7 @@ import pytest
 
 from quickreturn.cases.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
 from quickreturn.cases.thesis.finding.effects import effects
-from quickreturn.reports.thesis.chapters.thesis import counted_words, finding, stiffness_words
+from quickreturn.reports.thesis.chapters.thesis import counted_words, finding, model_error_words, stiffness_words
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE
 from quickreturn.reports.thesis.raw_extremes import Excess
 from quickreturn.reports.thesis.sufficiency import Split, splits
@@ -59,6 +59,12 @@ def test_the_heading_is_about_the_study_that_is_recorded() -> None:
     )
     assert "no symmetric effect tried" in told
     assert finding_of(one_run(), "thesis").startswith("Its one cubic is too stiff before and after the return alike (1.13 and 1.1")
+
+
+def test_whether_the_machine_moves_as_the_converged_model_is_open() -> None:
+    assert model_error_words(False).endswith(" Whether it does is open.")
+    fits = "the only contact with the measurement that is left, and there the cubic fits better (see The experiment)."
+    assert model_error_words(True).endswith(fits)
 
 
 def excesses(before: float, after: float) -> list[Excess]:

@@ -1,0 +1,75 @@
+"""A chapter is added as `docs/developing.md` says: a module, a template, and its name in one file. Done on a copy of the package."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.package_copy import ROOT, copied_package
+
+MODULE = '''"""How fast the cranks turn."""
+
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.results.runs import mean_crank_speed
+from quickreturn.reports.tables.cells import CASE
+from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.words import counted
+
+
+def speeds(content: Content) -> Chapter:
+    """The chapter."""
+    table = Table("speeds", "Mean speed of the crank.", (CASE, Column("speed", unit="rad/s", form=".1f")))
+    for result in content.results:
+        table.add(case=result.case.name, speed=mean_crank_speed(result.runs["reference"]))
+    return Chapter("speeds", "How fast it turns", finding(len(table.rows)), {"table": table})
+
+
+def finding(cases: int) -> str:
+    """The number of cases."""
+    return f"The crank turns in {counted(cases, 'case')}"
+'''
+TEMPLATE = """{% from "macros.html" import table %}
+{% macro body(f) %}
+<p>As the reference computes it.</p>
+{{ table(f.table) }}
+{% endmacro %}
+"""
+#: Writes a report on made-up results.
+WRITE = """
+import sys
+from pathlib import Path
+from quickreturn.reports.report import write
+from tests.reports.pages import one_run
+from tests.reports.reported_results import reported_result
+write(one_run(reported_result("example")), Path(sys.argv[1]))
+"""
+
+
+def insert(file: Path, line: str, after: str) -> None:
+    """Insert a line after another one."""
+    text = file.read_text()
+    assert text.count(after) == 1
+    file.write_text(text.replace(after, after + line))
+
+
+def test_a_chapter_needs_a_module_a_template_and_its_name_in_one_file(tmp_path: Path) -> None:
+    package = copied_package(tmp_path / "copy", "reference_model", "engines", "cases", "reports")
+    (package / "reports/chapters/speeds.py").write_text(MODULE)
+    (package / "reports/chapters/speeds.html").write_text(TEMPLATE)
+    chapters, imported = package / "reports/page/chapters.py", "from quickreturn.reports.chapters.{0} import {0}\n"
+    insert(chapters, imported.format("speeds"), after=imported.format("runs"))
+    insert(chapters, "    speeds,\n", after="    strength,\n")
+
+    (tmp_path / "report").mkdir()
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(package.parent), str(ROOT / "build/tests-alone")))}
+    command = [sys.executable, "-c", WRITE, str(tmp_path / "report")]
+    told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stderr
+    page = (tmp_path / "report/index.html").read_text()
+    finding = "The crank turns in 1\N{NO-BREAK SPACE}case"
+    assert f'<span class="name">How fast it turns</span> <span class="finding">{finding}</span>' in page
+    assert page.index('id="strength"') < page.index('id="speeds"') < page.index('id="each"')
+    assert 'id="table-speeds"' in page
+    assert (tmp_path / "report/speeds.csv").read_text().startswith("case,speed [rad/s]\nexample,")
+    assert "speeds.csv,1,Mean speed of the crank." in (tmp_path / "report/tables.csv").read_text()
