@@ -243,9 +243,10 @@ def test_links_lead_somewhere(document: str) -> None:
 
 @pytest.mark.parametrize("document", DOCUMENTS)
 def test_files_that_are_named_exist(document: str) -> None:
-    """A path within the project, in `typewriter`."""
+    """A path within the project, in `typewriter`; NAME stands for that of a file to be written."""
     named = re.findall(r"`([\w./-]+/[\w.-]+\.(?:py|md|csv|toml|html|txt)|[\w./-]+/)`", prose(document))
-    assert [path for path in named if path.startswith(tuple(each.name for each in ROOT.iterdir())) and not (ROOT / path).exists()] == []
+    ours = [path for path in named if path.startswith(tuple(each.name for each in ROOT.iterdir())) and "NAME" not in path]
+    assert [path for path in ours if not (ROOT / path).exists()] == []
 
 
 def test_the_readme_is_short_and_its_pictures_are_light() -> None:

@@ -126,7 +126,7 @@ def run(checkout: Path, *options: str, code: int = 0) -> str:
     (checkout / "conftest.py").write_text(CONFTEST.format(place=str(ROOT / "tests/ledger.py")))
     command = [sys.executable, "-P", "-m", "pytest", "-p", "no:cacheprovider", *options]
     # no bytecode: that of a file which is changed within a second, and keeps its size, would count as current
-    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     found = subprocess.run(command, cwd=checkout, capture_output=True, text=True, check=False, env=environment)
     assert found.returncode == code, found.stdout + found.stderr
     return found.stdout + found.stderr

@@ -56,8 +56,8 @@ def suite(tmp_path: Path) -> Path:
 
 def ran(suite: Path, *options: str, code: int = 0) -> str:
     """What pytest prints, in a process of its own."""
-    environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(filter(None, sys.path))}
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-v", *options]
+    environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(filter(None, sys.path)), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    command = [sys.executable, "-m", "pytest", "-p", "xdist", "-p", "no:cacheprovider", "-v", *options]
     found = subprocess.run(command, cwd=suite, env=environment, capture_output=True, text=True, check=False)
     assert found.returncode == code, found.stdout + found.stderr
     return found.stdout + found.stderr

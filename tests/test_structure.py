@@ -2,6 +2,7 @@
 
 import ast
 import sys
+from functools import cache
 from graphlib import TopologicalSorter
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,6 +21,7 @@ MODULES = modules_in(TOP)
 FILES = list(MODULES.values())
 
 
+@cache
 def imported(file: Path) -> set[str]:
     """Modules that a file imports, anywhere in it: of `from a import b` the module b of the package a, where there is one, otherwise a."""
     found: set[str] = set()

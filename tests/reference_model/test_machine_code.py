@@ -4,6 +4,7 @@ And when: code of other sources is never taken, and what is not compiled has no 
 """
 
 import ctypes
+import json
 import os
 import subprocess
 import sys
@@ -20,15 +21,18 @@ from tests.package_copy import copied_package
 
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
 
-#: Compiles, calls and keeps a small function; then tells where, and what there is to say.
+#: Compiles, calls and keeps a small function; tells where code is kept, and what there is to say.
 CODE = """
 import os
 from pathlib import Path
-from quickreturn.reference_model.machine import machine_code
 from quickreturn.reference_model.small import double
 assert double(4.0) == 8.0
-folder = Path(os.environ["NUMBA_CACHE_DIR"])
-print(folder, any(folder.rglob("*.nbi")), machine_code.warning_if_not_kept(), sep="|")
+assert any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nbi"))
+"""
+TELLS = """
+import os
+from quickreturn.reference_model.machine import machine_code
+print(os.environ["NUMBA_CACHE_DIR"], machine_code.warning_if_not_kept(), sep="|")
 """
 DECORATORS = "quickreturn.reference_model.machine.compilation"
 SMALL = f"from {DECORATORS} import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
@@ -50,8 +54,8 @@ def installed(tmp_path: Path) -> Iterator[Path]:
         path.chmod(path.stat().st_mode | 0o200)
 
 
-def told(installed: Path, home: Path, **variables: str) -> tuple[Path, str]:
-    """Where code was kept, and what is said of it, by a process that finds this home folder."""
+def told(installed: Path, home: Path, compiles: bool = True, **variables: str) -> tuple[Path, str]:
+    """Where code is kept, and what is said of it, by a process that finds this home folder; `compiles`: it keeps some there."""
     environment = {
         "PATH": os.environ["PATH"],
         "HOME": str(home),
@@ -59,12 +63,10 @@ def told(installed: Path, home: Path, **variables: str) -> tuple[Path, str]:
         "TMPDIR": str(installed.parent),
         **variables,
     }
-    found = subprocess.run(
-        [sys.executable, "-P", "-c", CODE], env=environment, preexec_fn=powerless, capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-P", "-c", f"{CODE if compiles else ''}{TELLS}"]
+    found = subprocess.run(command, env=environment, preexec_fn=powerless, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr
-    folder, kept, sentence = found.stdout.strip().split("|")
-    assert kept == "True"
+    folder, sentence = found.stdout.strip().split("|")
     return Path(folder), sentence
 
 
@@ -79,10 +81,10 @@ def test_code_of_an_installation_that_cannot_be_written_is_kept_for_the_user(ins
     folder, sentence = told(installed, tmp_path)
     assert folder.parent == tmp_path / ".cache/quickreturn"
     assert sentence == ""
-    cache, _ = told(installed, tmp_path, XDG_CACHE_HOME=str(tmp_path / "xdg"))
+    cache, _ = told(installed, tmp_path, compiles=False, XDG_CACHE_HOME=str(tmp_path / "xdg"))
     assert cache.parent == tmp_path / "xdg/quickreturn"
     other = tmp_path / "chosen"
-    assert told(installed, tmp_path, NUMBA_CACHE_DIR=str(other)) == (other, "")
+    assert told(installed, tmp_path, compiles=False, NUMBA_CACHE_DIR=str(other)) == (other, "")
 
 
 def test_without_a_home_it_lives_as_long_as_the_process_and_that_is_said(installed: Path, tmp_path: Path) -> None:
@@ -93,30 +95,39 @@ def test_without_a_home_it_lives_as_long_as_the_process_and_that_is_said(install
     assert not folder.exists()
 
 
-@pytest.mark.parametrize(
-    ("file", "before", "after", "same"),
-    [
-        ("engines/refusals.py", '"""', '"""Once more: ', True),
-        ("engines/own/beam_engine.py", '"""', '"""Once more: ', True),
-        ("engines/exudyn/joint.py", '"""', '"""Once more: ', True),
-        ("reference_model/dop853.py", "INTERPOLATED: Final = ", "INTERPOLATED: Final = 0 + ", False),
-        ("reference_model/joint.py", "import math", "import math  # other", False),
-        ("engines/mujoco/native.py", '"""', '"""Once more: ', False),
-        ("reference_model/small.py", "x + x", "2.0 * x", False),
-    ],
-)
-def test_code_is_compiled_anew_where_what_is_compiled_has_changed(installed: Path, file: str, before: str, after: str, same: bool) -> None:
-    source = installed / "quickreturn" / file
-    old = hash_in(installed)
-    assert before in source.read_text()
-    source.write_text(source.read_text().replace(before, after, 1))
-    assert (hash_in(installed) == old) is same
+#: A source, what is replaced in it and by what, and whether the code that is compiled stays the same.
+CHANGES = [
+    ("engines/refusals.py", '"""', '"""Once more: ', True),
+    ("engines/own/beam_engine.py", '"""', '"""Once more: ', True),
+    ("engines/exudyn/joint.py", '"""', '"""Once more: ', True),
+    ("reference_model/dop853.py", "INTERPOLATED: Final = ", "INTERPOLATED: Final = 0 + ", False),
+    ("reference_model/joint.py", "import math", "import math  # other", False),
+    ("engines/mujoco/native.py", '"""', '"""Once more: ', False),
+    ("reference_model/small.py", "x + x", "2.0 * x", False),
+]
+#: Prints the hash, and then that with each change alone.
+HASHES = """
+import json, sys
+from pathlib import Path
+from quickreturn.reference_model.imported_modules import text_of
+from quickreturn.reference_model.machine.machine_code import source_hash
+print(source_hash())
+for file, before, after, _ in json.loads(sys.argv[1]):
+    text = Path(file).read_text()
+    assert before in text, file
+    Path(file).write_text(text.replace(before, after, 1))
+    source_hash.cache_clear(), text_of.cache_clear()
+    print(source_hash())
+    Path(file).write_text(text)
+"""
 
 
-def hash_in(installed: Path) -> str:
-    asked = "from quickreturn.reference_model.machine.machine_code import source_hash; print(source_hash())"
+def test_code_is_compiled_anew_where_what_is_compiled_has_changed(installed: Path) -> None:
     environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(installed), "NUMBA_CACHE_DIR": "/tmp"}
-    return subprocess.run([sys.executable, "-P", "-c", asked], env=environment, capture_output=True, text=True, check=True).stdout
+    command = [sys.executable, "-P", "-c", HASHES, json.dumps(CHANGES)]
+    run = subprocess.run(command, cwd=installed / "quickreturn", env=environment, capture_output=True, text=True, check=True)
+    old, *new = run.stdout.split()
+    assert {file: found == old for (file, *_), found in zip(CHANGES, new, strict=True)} == {file: same for file, *_, same in CHANGES}
 
 
 def test_all_that_compiled_functions_call_is_among_the_sources_of_compiled_code() -> None:

@@ -46,6 +46,7 @@ def test_it_ends_as_published() -> None:
     np.testing.assert_allclose(found[list(MULTIPLIERS)], list(MULTIPLIERS.values()), rtol=1e-7)
 
 
+@pytest.mark.verify
 def test_what_the_factor_missing_in_the_set_changes() -> None:
     """As docs/describe.md says: the stretch by 0.8 and 0.7 %, the drive by 1.3 %."""
     found = end(consistent=True, tolerance=1e-9)[["stretch_1", "stretch_2", "drive_force"]]

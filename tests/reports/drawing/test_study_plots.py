@@ -154,6 +154,6 @@ def test_steps_of_colour_go_one_way_from_dark_to_bright(eyes: str) -> None:
 
 
 def test_the_documents_show_the_commands_that_their_pictures_come_from() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "studies.md").read_text("utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "studies.md").read_text("utf-8")
     for shown in (CURVE, *(each for axes in MAPS.values() for each in axes), *MAPS):
         assert shown in text
