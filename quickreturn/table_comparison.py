@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from quickreturn.accuracy import checked
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.comparison import CaseResult, Difference, hold_against_engines
+from quickreturn.cases.runs.comparison import SAYS_NOTHING, CaseResult, Difference, agreement, hold_against_engines
 from quickreturn.cases.runs.differences import column_differences, explanations
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows, Shown
@@ -51,8 +51,8 @@ class TableComparison(Shown):
 
     @property
     def passed(self) -> bool | None:
-        """Whether no row exceeds its tolerance; None if nothing could be judged."""
-        return not self.missed if self.rows else None
+        """Whether no row exceeds its tolerance; None if nothing could be judged, or every row says nothing (`Difference.verdict`)."""
+        return None if all(row.verdict == "says nothing" for row in self.rows) else not self.missed
 
     @property
     def accuracy_class(self) -> str | None:
@@ -62,11 +62,14 @@ class TableComparison(Shown):
     @property
     def verdict(self) -> str:
         """The outcome as a sentence."""
-        if not self.rows:
-            return f"{self.name} could not be judged: {self.run.remark or self.result.with_tables.reason}"
+        if self.passed is None:
+            silent = f"all {len(self.rows)} comparisons say nothing: what is claimed is more than {SAYS_NOTHING}" if self.rows else ""
+            return f"{self.name} could not be judged: {silent or self.run.remark or self.result.with_tables.reason}"
         others = " and ".join(dict.fromkeys(check.other for check in self.missed or self.rows))
         if not self.missed:
-            return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons"
+            silent = agreement(self.rows)["says_nothing"]
+            told = f"; {silent} of them say nothing, for more is claimed than {SAYS_NOTHING}" if silent else ""
+            return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons{told}"
         return f"{self.name} departs from {others} by more than is claimed in {len(self.missed)} of {len(self.rows)} comparisons"
 
     @cached_property

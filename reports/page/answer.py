@@ -63,7 +63,7 @@ def answer_of(content: Content) -> Answer:
     """The answer of a report."""
     results = content.results
     runs = [run for result in results for run in result.runs.values()]
-    checks = [check for result in results for check in result.checks]
+    checks = [check for result in results for check in result.checks if check.verdict != "says nothing"]
     judged = list(dict.fromkeys(check.engine for check in checks))
     beyond = {name: [not check.passed for check in checks if check.engine == name] for name in judged}
     alike = [name for name in judged if sum(beyond[name]) <= FEW * len(beyond[name])]
@@ -74,7 +74,7 @@ def answer_of(content: Content) -> Answer:
     fastest = contest(content.benchmarks[0], LEVELS[1]) if content.benchmarks else None
     return Answer(
         cases=len(results),
-        compared=sum(bool(result.checks) for result in results),
+        compared=sum(result.passed is not None for result in results),
         engines=engines_of(results),
         simulations=len(runs),
         settled=sum(run.status == Ending.SETTLED for run in runs),

@@ -1,6 +1,7 @@
 """`quickreturn compare` from outside: tables of the program's own trajectories, changed or not, held against an engine."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.command_line import main
+from quickreturn.table_comparison import TableComparison
 from tests.engines.fake_package import install
 from tests.quickreturn.conftest import Call
 
@@ -160,6 +162,12 @@ def test_in_python_a_table_is_told_the_same(call: Call, trajectory: pd.DataFrame
     assert (as_it_is.passed, as_it_is.explanations, as_it_is.missed) == (True, {}, ())
     assert f"in all {len(as_it_is.rows)} comparisons" in as_it_is.verdict
     assert {"tip_acceleration", "slider_force", "moment_06", "pivot_force_x"} < {check.channel for check in as_it_is.rows}
+    wide = [replace(row, mine=replace(row.mine, estimate=row.scale)) for row in as_it_is.rows]
+    nothing = TableComparison(replace(as_it_is.result, table_checks=tuple(wide)), as_it_is.name)
+    assert nothing.passed is None
+    assert nothing.verdict.startswith(f"table could not be judged: all {len(wide)} comparisons say nothing")
+    some = TableComparison(replace(as_it_is.result, table_checks=(*as_it_is.rows[1:], wide[0])), as_it_is.name)
+    assert (some.passed, "of them say nothing" in some.verdict) == (True, True)
 
 
 def test_a_table_that_knows_its_case_is_refused_on_another(trajectory: pd.DataFrame) -> None:

@@ -40,6 +40,20 @@ def test_set_ups_in_which_nothing_could_be_judged_are_not_counted_among_those_th
     assert "the same motion in both set-ups" in pages.text_of(content_of(results=[good, reported_result("thesis-06")]))
 
 
+def test_claims_as_wide_as_the_numbers_make_no_engine_alike_and_no_set_up_the_same() -> None:
+    result = reported_result("thesis-24")
+    for engine, run in result.runs.items():
+        estimates = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
+        wide = [{f"{name}_estimate": each.number(name) and abs(each.number(name) or 0.0) for name in estimates} for each in run.measures]
+        measures = tuple(dataclasses.replace(each, **changes) for each, changes in zip(run.measures, wide, strict=True))
+        result = with_run(result, engine, measures=measures)
+    result = compare(result.case, result.runs)
+    assert result.agreement == {"agree": 0, "disagree": 0, "says_nothing": len(result.checks)}
+    found = answer_of(content_of(results=[result]))
+    assert (found.compared, found.alike, found.departing) == (0, [], [])
+    assert "the same motion in one of two set-ups" in pages.text_of(content_of(results=[reported_result("thesis-06"), result]))
+
+
 def test_the_answer_follows_from_the_numbers() -> None:
     told = pages.text_of(content_of(results=[reported_result("thesis-24")]))
     cubic = answer_of(content_of(results=[reported_result("thesis-24")])).cubic
