@@ -1,15 +1,11 @@
 """A scene with a few quantities changed."""
 
-import contextlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any
 
-from quickreturn.engines.base import EngineFailure
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import AnyScene, changed, value_at
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -27,10 +23,3 @@ class Variation:
     def of(self, scene: AnyScene) -> AnyScene:
         """A scene with the new values. ImpossibleMechanism: as `scene_values.changed`."""
         return changed(scene, self.changes(scene))
-
-
-def possible_results(scene: AnyScene, variations: Iterable[Variation], result_of: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
-    """The name and the result of each variation of a scene; variations that are impossible or cannot be simulated are left out."""
-    for variation in variations:
-        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield variation.name, result_of(variation.of(scene))

@@ -9,6 +9,8 @@ from typing import Any, Final, Self, get_type_hints
 
 from quickreturn.reference_model.errors import ToldError
 
+#: Stands for every engine that runs, in place of an engine's name among settings.
+ANY_ENGINE: Final = "engine"
 _LONGEST: Final = 60  # characters of a name or value that a message quotes, and of a number that is read
 #: Plain numbers as text; what else Python reads as a number ("1_000", digits of other scripts, "nan") is probably a slip.
 _NUMBERS: Final = {int: r"[+-]?[0-9]+", float: r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"}

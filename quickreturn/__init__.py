@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from quickreturn.cases.columns import UnknownColumn
     from quickreturn.cases.conformance import conform
     from quickreturn.cases.errors import CaseError
-    from quickreturn.catalogue import case, list_cases, list_engines
+    from quickreturn.catalogue import case, list_cases
     from quickreturn.cross_validation import CrossValidation, report, run
     from quickreturn.differences import Differences, difference
     from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from quickreturn.engines.start_state import reconstruct
     from quickreturn.engines.trajectory import Trajectory
     from quickreturn.frequencies import modes
+    from quickreturn.questions import list_engines
     from quickreturn.resonance_curves import Resonance, resonance
     from quickreturn.solution import Solution, simulate
     from quickreturn.sweeping import case_at, measures, sweep
@@ -94,10 +95,11 @@ _HOMES: Final = {
     "quickreturn.engines.trajectory": ("Trajectory",),
     "quickreturn.calibration": ("calibrate", "uncertainty"),
     "quickreturn.advice": ("Advice", "advise"),
-    "quickreturn.catalogue": ("case", "list_cases", "list_engines"),
+    "quickreturn.catalogue": ("case", "list_cases"),
     "quickreturn.cross_validation": ("CrossValidation", "report", "run"),
     "quickreturn.differences": ("Differences", "difference"),
     "quickreturn.frequencies": ("modes",),
+    "quickreturn.questions": ("list_engines",),
     "quickreturn.resonance_curves": ("Resonance", "resonance"),
     "quickreturn.solution": ("Solution", "simulate"),
     "quickreturn.sweeping": ("case_at", "measures", "sweep"),

@@ -1,25 +1,25 @@
 """Uncertain parameters: fitted to a recorded table, or drawn from distributions."""
 
 import os
+import tomllib
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from quickreturn import questions
 from quickreturn.accuracy import checked
+from quickreturn.cases.broken_toml import broken_toml
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all, texts_given
-from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.job import Job, Limits
+from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.text_file import read_text
 from quickreturn.cases.uncertainty import calibration
 from quickreturn.cases.uncertainty.calibration import frees_of
 from quickreturn.cases.uncertainty.fit import Fit
+from quickreturn.cases.uncertainty.propagation import Scatter, planned
 from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.cross_validation import opened
 from quickreturn.differences import AnyTable, as_table
-
-if TYPE_CHECKING:
-    from quickreturn.cases.jobs.job import Limits
-    from quickreturn.cases.uncertainty.propagation import Scatter
 
 #: Key of a study file -> its type, and an example.
 KEYS: Final[Mapping[str, tuple[type, str]]] = {
@@ -81,9 +81,6 @@ def uncertainty(
     Raises:
         CaseError: an invalid argument; the sentence says what is accepted.
     """
-    from quickreturn.cases.sweep.rows import MeasureRequest
-    from quickreturn.cases.uncertainty.propagation import planned
-
     if isinstance(uncertain, Mapping):
         source, distributions = "uncertain", dict(uncertain)
     else:
@@ -99,10 +96,6 @@ def uncertainty(
 
 def _study_file(path: str) -> dict[str, Any]:
     """`case`, `measures` and `uncertain` of a study file, with dotted keys joined. CaseError: it is no study file."""
-    import tomllib
-
-    from quickreturn.cases.broken_toml import broken_toml
-
     text = read_text(path, "a study file", 1_000_000)
     try:
         content = tomllib.loads(text)

@@ -1,11 +1,11 @@
-"""Lists of cases and engines, and cases by name, by pattern or as objects."""
+"""The list of cases, and cases by name, by pattern or as objects."""
 
 import fnmatch
 import glob
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case, with_times
@@ -13,13 +13,6 @@ from quickreturn.cases.document import check_mapping
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.library import CatalogueLine, case_names, catalogue
 from quickreturn.cases.shown import Cell, Rows, Shown
-
-if TYPE_CHECKING:
-    from quickreturn.cases.recorded import RecordedTable
-    from quickreturn.engines.base import AnyEngine
-    from quickreturn.questions import About
-
-    AnyEngineOrTable = str | os.PathLike[str] | AnyEngine
 
 T = TypeVar("T")
 AnyCase = str | os.PathLike[str] | Case | CatalogueLine
@@ -87,20 +80,6 @@ def list_cases(tag: str | None = None) -> Listing[CatalogueLine]:
     return Listing.of(catalogue(tag), NAME=lambda line: line.name, TAGS=lambda line: ", ".join(line.tags), TITLE=lambda line: line.title)
 
 
-def list_engines() -> "Listing[About]":
-    """All engines: name, version, what their error estimates cover, method, and whether they can be used on this machine or why not."""
-    from quickreturn.questions import about_all
-
-    return Listing.of(
-        about_all(),
-        NAME=lambda each: each.name,
-        VERSION=lambda each: each.version or "-",
-        ESTIMATES=lambda each: each.estimate,
-        METHOD=lambda each: each.method,
-        STATE=lambda each: "available" if each.available else f"not available: {each.reason}",
-    )
-
-
 def matching(name: str) -> Sequence[str]:
     """Cases of the library, or else files, that match a name with *, ? or [...] (CaseError: none does); any other name for itself."""
     if not glob.has_magic(name) or os.path.lexists(name):
@@ -116,7 +95,7 @@ def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = loa
 
     CaseError: see `load` and `matching`; none is given; or two have the same name, so that their results could not be distinguished.
     """
-    singles = [single for given in _several(names) for single in ([given] if isinstance(given, Case) else matching(_name(given)))]
+    singles = [single for given in several(names) for single in ([given] if isinstance(given, Case) else matching(_name(given)))]
     cases = [single if isinstance(single, Case) else load(single) for single in dict.fromkeys(singles)]
     if not cases:
         raise CaseError("cases", None, None, "none is given", 'give one, such as "thesis-24"')
@@ -127,48 +106,6 @@ def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = loa
     return cases
 
 
-def _several(given: Any) -> list[Any]:
+def several(given: Any) -> list[Any]:
     """One item or several, as a list."""
     return [given] if isinstance(given, (str, os.PathLike, Case, CatalogueLine)) or not isinstance(given, Iterable) else list(given)
-
-
-def engine_given(engine: "str | AnyEngine") -> "str | AnyEngine":
-    """The argument itself. UnknownEngine: it is neither a name nor an engine."""
-    from quickreturn.engines.base import Engine
-    from quickreturn.engines.registry import UnknownEngine
-
-    if isinstance(engine, (str, Engine)):
-        return engine
-    if isinstance(engine, type):
-        raise UnknownEngine(f"{engine.__name__}: this is a class; give an engine, {engine.__name__}()")
-    raise UnknownEngine(f'{as_written(engine)}: no engine; give a name, such as "reference", or an engine')
-
-
-def prepared(
-    cases: Sequence[Case], engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]", settings: Mapping[str, Mapping[str, str]]
-) -> "tuple[list[str], dict[str, dict[str, str]], dict[str, list[RecordedTable]]]":
-    """Names of engines, settings of each as texts, and recorded tables by case, all checked before anything runs.
-
-    Args:
-        cases: the cases on which the engines run.
-        engines: with paths of recorded tables among them; the four main engines where no engine is among them.
-        settings: see `questions.settings_of`.
-
-    Raises:
-        UnknownEngine: there is no engine of this name, or another process could not find it.
-        SettingError, CaseError: an invalid setting or table, or a case without a cycle, such as a follower alone.
-    """
-    from quickreturn.cases.recorded import is_table, tables_of
-    from quickreturn.engines.base import Engine
-    from quickreturn.engines.registry import MAIN, engine
-    from quickreturn.questions import check_settings, settings_of
-
-    _ = [case.mechanism for case in cases]  # raises CaseError for a follower alone
-    given = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in _several(engines)]
-    paths = list(dict.fromkeys(one for one in given if isinstance(one, str) and is_table(one)))
-    names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in given if one not in paths) or MAIN)
-    for name in names:
-        engine(name)
-    texts = settings_of(settings, names)
-    check_settings(cases, texts)
-    return names, texts, tables_of(paths, [case.name for case in cases])

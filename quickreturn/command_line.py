@@ -9,7 +9,6 @@ import difflib
 import errno
 import math
 import os
-import re
 import signal
 import sys
 import time
@@ -19,19 +18,35 @@ from types import FrameType
 from typing import TYPE_CHECKING, Final
 
 import click
+from click.shell_completion import CompletionItem, shell_complete
 
 from quickreturn.cases.errors import as_written, shortened
-from quickreturn.commands.options import QUIET, STORE, tell
+from quickreturn.commands.console import QUIET, STORE, tell
 from quickreturn.reference_model.errors import ExitCode, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.cases.jobs.store import Store
 
-#: In the order of `--help`; each is a module of `quickreturn.commands`.
-COMMANDS: Final = (
-    "engines", "cases", "new", "show", "simulate", "modes", "run", "sweep", "resonance", "compare", "calibrate", "report", "benchmark",
-    "advise", "conform", "plot", "animate",
-)  # fmt: skip
+#: The commands in the order of `--help`, each a module of `quickreturn.commands`, with the first sentence of its help.
+COMMANDS: Final = {
+    "engines": "List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy.",
+    "cases": "List the cases of the library: name, tags, title.",
+    "new": "Write a case file of your own to FILE, with the meaning of every key beside it.",
+    "show": "Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.",
+    "simulate": "Simulate CASE from the standard start; with --output, write the trajectory.",
+    "modes": "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.",
+    "run": "Bring engines to their steady state on each CASE, measure and compare them.",
+    "sweep": "Measure the settled motion of every machine of a grid.",
+    "resonance": "Follow the periodic motion of CASE over the crank's speed or another key.",
+    "compare": "Measure recorded tables of CASE and compare them with engines.",
+    "calibrate": "Find parameters of CASE from a recorded table by least squares.",
+    "report": "Write the report on each CASE; without one, on the 24 runs of the thesis.",
+    "benchmark": "Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.",
+    "advise": "Say where CASE lies on the map of classes, and which methods were the fastest there to an error.",
+    "conform": "Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.",
+    "plot": "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.",
+    "animate": "Simulate CASE from the standard start and draw it moving, engines over each other.",
+}
 
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
 COMPLETION: Final = "_QUICKRETURN_COMPLETE"
@@ -64,10 +79,14 @@ class CommandGroup(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the subcommands, each with the whole first sentence of its help: click would cut it to one line."""
-        commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
+        """Write the subcommands, each with a whole sentence: click would import them all, and cut their help to one line."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, first_sentence(command.help or "")) for name, command in commands if command])
+            formatter.write_dl(list(COMMANDS.items()))
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Completions of a subcommand or an option; no subcommand is imported for them."""
+        commands = [CompletionItem(name, help=told) for name, told in COMMANDS.items() if name.startswith(incomplete)]
+        return [*commands, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
         """The subcommand that the arguments begin with; UsageError with the nearest name if there is none."""
@@ -76,11 +95,6 @@ class CommandGroup(click.Group):
             hint = f" (perhaps {near[0]} is meant)" if near else ""
             raise click.UsageError(f"{as_written(args[0])}: no such command{hint}; accepted: {', '.join(COMMANDS)}", ctx)
         return super().resolve_command(ctx, args)
-
-
-def first_sentence(text: str) -> str:
-    """The first sentence of a text, on one line."""
-    return re.split(r"(?<=\.)\s", " ".join(text.split()), maxsplit=1)[0]
 
 
 def _quiet_option() -> click.Option:
@@ -132,8 +146,6 @@ def _answered(arguments: list[str]) -> int:
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
         if instruction := os.environ.get(COMPLETION):  # the shell asks for completions
-            from click.shell_completion import shell_complete
-
             return shell_complete(quickreturn, {}, "quickreturn", COMPLETION, instruction)
         code = _run(arguments or ["--help"])
         sys.stdout.flush()

@@ -14,17 +14,19 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Shown
-from quickreturn.catalogue import AnyCase, loaded, prepared
+from quickreturn.catalogue import AnyCase, loaded
+from quickreturn.engine_choice import AnyEngineOrTable, prepared
 from quickreturn.engines.registry import MAIN
 from quickreturn.engines.settings import SettingError, as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.results.loads import loads_of_case, numbers_of_case
 from quickreturn.solution import framed
+from quickreturn.verdict_text import parts_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from quickreturn.catalogue import AnyEngineOrTable
     from quickreturn.reports.drawing.style import Drawing
 
 #: Numbers of a measure, as columns of `CrossValidation.frame`.
@@ -99,8 +101,6 @@ class CrossValidation(Shown):
         """Loads on the parts: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
         import pandas as pd
 
-        from quickreturn.reports.results.loads import loads_of_case, numbers_of_case
-
         rows = [(result.case.name, *row) for result in self.results for row in numbers_of_case(loads_of_case(result))]
         return pd.DataFrame([{"case": case, "engine": engine} | vars(number) for case, engine, number in rows])
 
@@ -124,8 +124,6 @@ class CrossValidation(Shown):
         return stacked(cycles, chosen)
 
     def _parts(self) -> Iterator[Cell]:
-        from quickreturn.verdict_text import parts_of
-
         for result in self.results:
             yield from parts_of(result)
 

@@ -4,6 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.solving import frequencies_job
 from quickreturn.catalogue import AnyCase, one_case
@@ -42,7 +44,6 @@ def modes(
         EngineFailure: the engine failed, or returned something other than natural frequencies.
         ValueError: an invalid crank angle or count.
     """
-    import numpy as np
     import pandas as pd
 
     given = np.atleast_1d(np.asarray(crank_angle))

@@ -19,7 +19,8 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.key import LIBRARIES
-from quickreturn.cases.jobs.store import Store, write_atomically
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.whole_file import write_atomically
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import judge_scenes
 from quickreturn.cases.library import catalogue

@@ -58,16 +58,12 @@ class Resonance(Shown):
     @property
     def special(self) -> "pd.DataFrame":
         """Special points: kind, value of the varied quantity (SI), the error of its location on the model's curve, and the claim."""
-        import pandas as pd
-
-        return pd.DataFrame(map(vars, self.curve.special), columns=["kind", "value", "tolerance", "error", "reason"])
+        return _table(self.curve.special, "kind", "value", "tolerance", "error", "reason")
 
     @property
     def peaks(self) -> "pd.DataFrame":
         """Peaks of the first measure: value of the varied quantity (SI), height, order of the harmonic."""
-        import pandas as pd
-
-        return pd.DataFrame(map(vars, self.curve.peaks), columns=["value", "height", "order"])
+        return _table(self.curve.peaks, "value", "height", "order")
 
     def plot(self, mark: float | None = None) -> "Drawing":
         """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks.
@@ -75,13 +71,9 @@ class Resonance(Shown):
         Args:
             mark: value of the varied quantity (SI) at which the machine runs; None: no mark.
         """
-        from quickreturn.reports.drawing.curves import PANEL, WIDE
-        from quickreturn.reports.drawing.resonance import draw
-        from quickreturn.reports.drawing.style import new_figure
+        from quickreturn.reports.drawing.resonance import resonance_figure
 
-        figure = new_figure(0.9 + 1.4 * PANEL * len(self.curve.measures), WIDE)
-        draw(figure, self.curve, self.case, mark)
-        return figure
+        return resonance_figure(self.curve, self.case, mark)
 
     def document(self) -> dict[str, Any]:
         """The JSON document: special points, peaks, and the points by column."""
@@ -133,6 +125,12 @@ class Resonance(Shown):
     def _of_range(self, value: float | None, digits: str = ".6g") -> str:
         """A value in the unit in which the range was given."""
         return "unknown" if value is None or math.isnan(value) else f"{value / self.curve.range.size:{digits}}"
+
+
+def _table(points: Sequence[Any], *columns: str) -> "pd.DataFrame":
+    import pandas as pd
+
+    return pd.DataFrame(map(vars, points), columns=list(columns))
 
 
 def resonance(

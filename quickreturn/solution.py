@@ -16,9 +16,12 @@ from quickreturn.cases.jobs.here import ThisProcess
 from quickreturn.cases.jobs.job import Job, T
 from quickreturn.cases.jobs.store import Store, StoreError
 from quickreturn.cases.jobs.workshop import outcomes_of
+from quickreturn.cases.loads.arm import missing
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.solving import Answer, TrajectoryRequest
-from quickreturn.catalogue import AnyCase, engine_given, one_case
+from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.dataset import dataset_of
+from quickreturn.engine_choice import engine_given
 from quickreturn.engines.accurate import NOT_ESTIMATED, TIP, Result
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED, ErrorPart
@@ -28,6 +31,9 @@ from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS, MOMENTS
 from quickreturn.reference_model.machine import machine_code
+from quickreturn.reports.output import check_writable, write_file
+from quickreturn.reports.results.loads import stress_text
+from quickreturn.reports.words import ESTIMATE, TIED, settings_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -124,8 +130,6 @@ class Solution(Shown):
 
     def to_xarray(self) -> "xr.Dataset":
         """The trajectory as an xarray dataset over `time`, with units and error estimates as attributes, which netCDF keeps."""
-        from quickreturn.dataset import dataset_of
-
         return dataset_of(self.case, self.engine, self.version, self.result)
 
     def plot(self, *columns: str) -> "Drawing":
@@ -151,7 +155,6 @@ class Solution(Shown):
             CaseError: a page was asked for, and the case has no crank.
         """
         from quickreturn.reports.drawing.animation import moving
-        from quickreturn.reports.output import check_writable, write_file
 
         place = Path(path)
         check_writable(place, "", ".webp", ".html")
@@ -164,10 +167,6 @@ class Solution(Shown):
             kept: the file that has the trajectory's rows, if any.
             notes: words that say where the notes on the case are.
         """
-        from quickreturn.cases.loads.arm import missing
-        from quickreturn.reports.results.loads import stress_text
-        from quickreturn.reports.words import TIED, settings_words
-
         result = self.result
         times = {part: getattr(result, f"{part}_seconds") for part in ("compile", "setup", "solve", "estimate")}
         yield "case", self.case.name
@@ -196,8 +195,6 @@ class Solution(Shown):
 
         For a rigid follower the first is that of the tip's place.
         """
-        from quickreturn.reports.words import ESTIMATE
-
         result = self.result
         name, remark = ESTIMATE[result.estimate_of]
         asked = "" if result.accuracy is None else f"asked: {result.accuracy:g}"

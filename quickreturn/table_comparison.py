@@ -11,16 +11,15 @@ from quickreturn.cases.runs.comparison import SAYS_NOTHING, CaseResult, Differen
 from quickreturn.cases.runs.differences import column_differences, explanations
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows, Shown
-from quickreturn.catalogue import AnyCase, one_case, prepared
+from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.cross_validation import given_settings, opened
 from quickreturn.differences import AnyTable, as_table
+from quickreturn.engine_choice import AnyEngineOrTable, prepared
 from quickreturn.engines.registry import MAIN
 from quickreturn.verdict_text import parts_of
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from quickreturn.catalogue import AnyEngineOrTable
 
 
 class TableComparison(Shown):

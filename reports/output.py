@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from quickreturn.cases.errors import printable, shortened
+from quickreturn.cases.jobs.whole_file import words_of, write_atomically
 from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reference_model.errors import ToldError
 
@@ -79,8 +80,6 @@ def write_file(path: Path, content: bytes) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    from quickreturn.cases.jobs.store import write_atomically
-
     target = _resolved(path)
     try:
         if _is_special(target):
@@ -138,8 +137,6 @@ def _is_special(path: Path) -> bool:
 
 
 def _output_error(path: Path, error: OSError) -> OutputError:
-    from quickreturn.cases.jobs.store import words_of
-
     return OutputError(f"{_shown(path)}: it cannot be written ({words_of(error)})")
 
 

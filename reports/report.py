@@ -20,7 +20,7 @@ from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work
-from quickreturn.cases.runs.comparison import cross_validate
+from quickreturn.cases.runs.comparison import SAYS_NOTHING, CaseResult, agreement, cross_validate
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.runs.steady_state import steady_state
@@ -35,6 +35,7 @@ from quickreturn.reports.page.render import report_page
 from quickreturn.reports.results.around import curves_around, jobs_around
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import verification as stored_verification
+from quickreturn.reports.words import TIED, counted
 
 PAGE: Final = "index.html"
 #: The list of all CSV files. The next report in the same folder reads it, and removes the tables that it does not replace.
@@ -68,6 +69,28 @@ class Written:
     def failed(self) -> bool:
         """Whether an engine did not complete a case or missed its accuracy, or a table cannot be used: as in `run`."""
         return bool(self.unusable or self.incomplete or self.inaccurate)
+
+    @property
+    def summary(self) -> str:
+        """Lines: the page, what was simulated and how it ended, where engines differ, and the number of tables."""
+        content = self.content
+        runs = sum(len(result.runs) for result in content.results)
+        made = f"{counted(len(content.results), 'case')}, {counted(runs, 'simulation')}".replace(TIED, " ")
+        neutral = sum(run.status == Ending.NEUTRAL for _, run in content.troubles)
+        further = f", {neutral} neutral" if neutral else ""
+        missed = f", {len(self.inaccurate)} missed their accuracy" if self.inaccurate else ""
+        ended = f"{made}: {runs - len(content.troubles)} settled{further}{missed}, {len(self.incomplete)} did not complete"
+        return "\n".join((str(self.page), ended, _verdict(content.results), f"{len(self.tables)} tables as CSV beside the page"))
+
+
+def _verdict(results: Sequence[CaseResult]) -> str:
+    """The number of comparisons in which engines differ by more than they claim, or why there are no comparisons."""
+    checks = [check for result in results for check in result.with_tables.checks]
+    if not checks:
+        return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"
+    counts = agreement(checks)
+    silent = f"; {counts['says_nothing']} say nothing, for more is claimed than {SAYS_NOTHING}" if counts["says_nothing"] else ""
+    return f"engines differ by more than they claim in {counts['disagree'] or 'none'} of {len(checks)} comparisons{silent}"
 
 
 def write_report(

@@ -4,13 +4,14 @@ import contextlib
 import functools
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeVar
 
 from quickreturn.cases.conformance.checks import NOT_QUICK, Array, LeftOut
 from quickreturn.cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
-from quickreturn.cases.jobs.display import span
+from quickreturn.cases.jobs.tally import span
+from quickreturn.cases.variation import Variation
 from quickreturn.engines import progress
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal
 from quickreturn.engines.error_parts import compared
@@ -23,7 +24,10 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism, Scene
+from quickreturn.reference_model.scene_values import AnyScene
+
+T = TypeVar("T")
 
 #: Columns that are not compared with `reference`: the grid, and residuals of a model's own numerics.
 _NOT_COMPARED: Final = ("time", "constraint_gap", "axial_stretch")
@@ -238,3 +242,10 @@ def compared_columns(run: Trajectory, among: Iterable[str] = COMPARED, right: Ma
     """Names of the columns of `run` that are in `among` and, if columns by `reference` are given (`right`), not zero in these."""
     names = [name for name in among if name in run.columns]
     return tuple(name for name in names if right is None or (name in right and rms(right[name]) > 0.0))
+
+
+def possible_results(scene: AnyScene, variations: Iterable[Variation], result_of: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
+    """The name and the result of each variation of a scene; variations that are impossible or cannot be simulated are left out."""
+    for variation in variations:
+        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
+            yield variation.name, result_of(variation.of(scene))

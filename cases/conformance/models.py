@@ -8,11 +8,11 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import Motion, solution
+from quickreturn.cases.conformance.bench import Motion, possible_results, solution
 from quickreturn.cases.conformance.checks import Array
 from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.mistakes import Finding
-from quickreturn.cases.variation import Variation, possible_results
+from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Scene, TorqueDrive

@@ -9,14 +9,14 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, solution, truth
+from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, possible_results, solution, truth
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by, some
 from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, known_mistakes
 from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.conformance.together import together
 from quickreturn.cases.explanation import UNEXPLAINED, Hypothesis, explain
 from quickreturn.cases.mistakes import share_of
-from quickreturn.cases.variation import Variation, possible_results
+from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene

@@ -13,7 +13,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.conformance.bench import Bench, Motion, solution
 from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by
 from quickreturn.cases.conformance.together import everything
-from quickreturn.cases.jobs.display import span
+from quickreturn.cases.jobs.tally import span
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import SettingError, Settings

@@ -1,7 +1,7 @@
 """Jobs on a cluster: a Dask scheduler distributes them, and each worker computes its jobs in processes of their own.
 
 If a worker is killed, other workers compute its jobs again; a job that kills four of them is given up. Results go into the store of the
-machine that runs the command.
+machine that runs the command. This module needs the package distributed, which the extra `cluster` installs.
 """
 
 import asyncio
@@ -9,7 +9,10 @@ import multiprocessing
 from collections.abc import Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import Final
+
+from distributed import Client, KilledWorker, Security, Status, get_worker
+from distributed.comm.core import connect
 
 from quickreturn.cases.jobs.isolation import isolated
 from quickreturn.cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
@@ -17,9 +20,6 @@ from quickreturn.cases.jobs.key import LIBRARIES, SIMULATION, code_fingerprint, 
 from quickreturn.cases.jobs.processes import computed
 from quickreturn.engines.base import first_line
 from quickreturn.engines.registry import OWN
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 #: Longest time, s, in which the scheduler must answer, and then the first worker join. On a busy machine they take a few seconds.
 PATIENCE: Final = 10.0
@@ -34,10 +34,6 @@ def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "
         ExecutorError: there is no such scheduler, no worker, or one with other code or versions than this machine.
     """
     place = f"cluster {address}"
-    try:
-        from distributed import Client
-    except ImportError as error:
-        raise ExecutorError(f"{place}: the package distributed is not installed; try pip install 'quickreturn[cluster]'") from error
     try:
         with ThreadPoolExecutor(1) as elsewhere:  # a notebook's own thread runs a loop of events already
             elsewhere.submit(asyncio.run, _answers(address)).result()
@@ -55,7 +51,7 @@ def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "
 class Cluster:
     """An executor on a cluster, made by `cluster`; see `cases.jobs.job.Executor`."""
 
-    def __init__(self, client: "Client", limits: Limits, quiet: bool) -> None:
+    def __init__(self, client: Client, limits: Limits, quiet: bool) -> None:
         self._client, self.limits, self.quiet = client, limits, quiet
 
     @property
@@ -65,8 +61,6 @@ class Cluster:
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`; `watch` is not called, because the workers do not report their progress."""
-        from distributed import KilledWorker
-
         executor = self._client.get_executor(pure=False)
         yield from computed(
             lambda job: executor.submit(_on_worker, job, key_of(job), self.limits),
@@ -84,14 +78,11 @@ class Cluster:
 
 async def _answers(address: str) -> None:
     """Raise OSError or ValueError if nothing answers at the address: a client without a scheduler would hang when it is closed."""
-    from distributed import Security
-    from distributed.comm.core import connect
-
     comm = await connect(address, PATIENCE, **Security().get_connection_args("client"))
     await comm.close()
 
 
-def _check(client: "Client", address: str) -> None:
+def _check(client: Client, address: str) -> None:
     """Raise ExecutorError unless there are workers, all with this machine's versions, which may start processes."""
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
@@ -125,8 +116,6 @@ def _worker() -> tuple[bool, dict[str, str]]:
 
 def _on_worker(job: Job[V], key: str, limits: Limits) -> Outcome[V]:
     """On a worker: compute a job until it is cancelled. Its key shows other code or libraries, as on a worker that joined unchecked."""
-    from distributed import Status, get_worker
-
     worker = get_worker()
     if key_of(job) != key:
         raise ExecutorError(f"worker {worker.address} has other code or libraries than the machine that asks for {job.name}")

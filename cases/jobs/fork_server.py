@@ -32,6 +32,10 @@ PRELOAD: Final = (
     "quickreturn.cases.runs.steady_state",
 )
 
+#: Instead of these, those for processes that describe engines, and for those that simulate with them.
+DESCRIBING: Final = ("quickreturn.cases.jobs.worker", "quickreturn.engines.registry", "quickreturn.engines.scene")
+COMPUTING: Final = (*DESCRIBING, "quickreturn.cases.solving", "quickreturn.engines.own.simulation")
+
 _LOCK: Final = threading.Lock()
 #: Process number of a fork server that has not started a process yet.
 _without_job: Final[list[int]] = []

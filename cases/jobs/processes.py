@@ -6,7 +6,6 @@ from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from functools import partial
-from importlib import import_module
 
 from quickreturn.cases.jobs.fork_server import PRELOAD
 from quickreturn.cases.jobs.isolation import end_waiting, isolated
@@ -85,7 +84,6 @@ class LocalProcesses:
         limits: see `cases.jobs.job.Executor`; None: `default_limits`.
         preload: modules that the fork server imports once; only the first job of a process decides.
         quiet: whether progress is not reported.
-        meanwhile: modules that this process imports while others compute.
     """
 
     def __init__(
@@ -94,17 +92,14 @@ class LocalProcesses:
         limits: Limits | None = None,
         preload: Sequence[str] = PRELOAD,
         quiet: bool = True,
-        meanwhile: Sequence[str] = (),
     ) -> None:
         if at_once is not None and at_once < 1:
             raise ValueError(f"jobs={at_once}: at least 1 is needed")
-        self.at_once, self.quiet, self._preload, self._meanwhile = at_once or available_cores(), quiet, preload, meanwhile
+        self.at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
         self.limits = limits or default_limits()
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.jobs.job.Executor`."""
-        if jobs:
-            threading.Thread(target=lambda: [import_module(module) for module in self._meanwhile]).start()
         ended = threading.Event()
         pool = ThreadPoolExecutor(self.at_once)
         try:

@@ -249,3 +249,9 @@ def _declared() -> Iterator[Measure]:
 
 #: Name -> measure, in the order in which they are listed.
 MEASURES: Final[Mapping[str, Measure]] = MappingProxyType({each.name: each for each in _declared()})
+
+
+def listed() -> list[Measure]:
+    """The measures for a list: those that every column of a trajectory has stand there once, for COLUMN."""
+    single = MEASURES.keys() - {each.name for name in COLUMNS for each in of_columns(name, "")}
+    return [*of_columns("COLUMN", "the column's unit"), *(each for name, each in MEASURES.items() if name in single)]

@@ -6,7 +6,7 @@ The library is loaded when the first model is built, not when engines are listed
 import time
 from collections.abc import Mapping
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +15,9 @@ from quickreturn.engines.base import ROLLERS, SPIN_UP, USUAL, Comparison, Engine
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
-
-if TYPE_CHECKING:
-    from quickreturn.engines.exudyn.record import Model
 
 #: Lowest frequency (Hz) in run 24, on which the ladder was measured.
 MEASURED_FREQUENCY: Final = 10.9
@@ -45,7 +41,9 @@ class ExudynEngine(Engine[ExudynSettings]):
     def describe(self, scene: Scene, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom of the assembled system."""
         self.check(scene)
-        return self._model(scene, standard_start(scene), settings).assembly.describe()
+        from quickreturn.engines.exudyn.models import model_of
+
+        return model_of(scene, standard_start(scene), settings).assembly.describe()
 
     def settings_for(self, accuracy: float, scene: Scene) -> ExudynSettings:
         """The rung of the ladder measured in run 24; for a follower alone with its step in proportion to the longest period."""
@@ -75,10 +73,11 @@ class ExudynEngine(Engine[ExudynSettings]):
     def prepare(self, scene: Scene, start: Start | None, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(scene)
+        from quickreturn.engines.exudyn.models import model_of
         from quickreturn.engines.exudyn.simulation import ExudynSimulation
 
         began, units = time.perf_counter(), Units.of(scene)
-        model = self._model(units.scene(scene), start and units.start(start), settings)
+        model = model_of(units.scene(scene), start and units.start(start), settings)
         return ExudynSimulation(model, settings, units, began)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
@@ -88,17 +87,3 @@ class ExudynEngine(Engine[ExudynSettings]):
 
         units = Units.of(mechanism)
         return modes.natural_frequencies(units.scene(mechanism), crank_angle, count, settings.elements) / units.time
-
-    @staticmethod
-    def _model(scene: Scene, start: Start | None, settings: ExudynSettings) -> "Model":
-        from quickreturn.engines.exudyn.alone import FollowerModel
-        from quickreturn.engines.exudyn.flexible import FlexibleModel
-        from quickreturn.engines.exudyn.rigid import RigidModel
-
-        if scene.crank is None:
-            return FollowerModel(scene, settings)
-        assert start is not None
-        state = reconstruct(scene, start)
-        if scene.follower.is_rigid:
-            return RigidModel(scene, start, state)
-        return FlexibleModel(scene, start, state, settings)

@@ -1,11 +1,14 @@
 """`quickreturn advise`: which method for a machine, by the recorded map of classes."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 
 import click
 
+import quickreturn as qr
 from quickreturn.accuracy import HIGHEST, LOWEST
 from quickreturn.commands import options
+from quickreturn.reports.output import print_json
 
 
 @click.command(name="advise")
@@ -20,13 +23,8 @@ def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments:
     The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.
     Nothing is simulated. The output names each quantity that lies outside the map. With several cases the JSON document is a list.
     """
-    from dataclasses import asdict
-
-    from quickreturn.advice import advise
-    from quickreturn.reports.output import print_json
-
     loaded = options.load_all(cases, tag, options.read_overrides(assignments))
-    found = [advise(case, accuracy) for case in loaded]
+    found = [qr.advise(case, accuracy) for case in loaded]
     options.tell_doubts(loaded)
     if as_json:
         documents = [asdict(each) for each in found]

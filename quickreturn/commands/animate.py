@@ -6,7 +6,8 @@ from typing import Final
 
 import click
 
-from quickreturn.commands import options
+from quickreturn.commands import console, options
+from quickreturn.reports.output import check_writable, write_file
 
 ENDINGS: Final = (".webp", ".html")
 
@@ -40,7 +41,6 @@ def command(
     the motion, and to magnify the deflection.
     """
     from quickreturn.commands.trajectories import trajectories
-    from quickreturn.reports.output import check_writable, write_file
 
     overrides, settings = options.read_assignments(assignments)
     if magnify is not None and output.lower().endswith(".html"):
@@ -48,7 +48,7 @@ def command(
     loaded = options.load(case, overrides, duration)
     check_writable(Path(output), "", *ENDINGS)
     found = {name: trajectory for (_, name), trajectory in trajectories([loaded], engines, settings, accuracy).items()}
-    options.begin(f"drawing {output}")
+    console.begin(f"drawing {output}")
     from quickreturn.reports.drawing.animation import moving
 
     write_file(Path(output), moving(loaded, found, Path(output).suffix.lower(), magnify))

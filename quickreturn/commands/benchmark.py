@@ -5,7 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from quickreturn.commands import options
+import quickreturn as qr
+from quickreturn.commands import console, options
+from quickreturn.reference_model.errors import ExitCode
+from quickreturn.reports.output import print_json, print_table
 
 if TYPE_CHECKING:
     from quickreturn.cases.benchmark import Benchmark
@@ -46,9 +49,6 @@ def command(
     """
     from quickreturn.cases.benchmark import SCENES, compiling, measure
     from quickreturn.cases.benchmark.scenes import ENGINES
-    from quickreturn.engines.base import EngineFailure
-    from quickreturn.reference_model.errors import ExitCode
-    from quickreturn.reports.output import print_json
 
     loaded = options.load_all(cases, tag, options.read_overrides(assignments), otherwise=SCENES)
     names = engines or ENGINES
@@ -61,8 +61,8 @@ def command(
     for case in loaded:
         try:
             tables.append(measure(case, workshop, names, repetitions))
-        except EngineFailure as failure:  # of the reference solution; the other cases have their own
-            options.tell(f"{case.name}: {failure}")
+        except qr.EngineFailure as failure:  # of the reference solution; the other cases have their own
+            console.tell(f"{case.name}: {failure}")
             failed = True
             continue
         if not as_json:
@@ -71,7 +71,7 @@ def command(
         print_json({"benchmarks": [_as_document(table) for table in tables]})
     for table in tables:
         for name, reason in table.failures.items():
-            options.tell(f"{table.case}: engine {name} was left out: {reason}")
+            console.tell(f"{table.case}: engine {name} was left out: {reason}")
     if failed or any(table.failures for table in tables):
         return ExitCode.ENGINE_TROUBLE
     return ExitCode.BAD_INPUT if workshop.store.lost else ExitCode.GOOD
@@ -79,7 +79,6 @@ def command(
 
 def _print(table: "Benchmark") -> None:
     from quickreturn.cases.benchmark import pareto_front
-    from quickreturn.reports.output import print_table
     from quickreturn.reports.words import settings_words
 
     truth, confirmation = table.truth, table.confirmation
@@ -90,7 +89,7 @@ def _print(table: "Benchmark") -> None:
     click.echo(f"{table.case}: errors against {truth.engine} ({settings_words(truth.settings)}); {agreed}")
     front = pareto_front(table.points)
     heads = ("", "method", "settings", "dof", "solve s", "largest s", "deflection", "acceleration", "strain", "force", "remark")
-    print_table([_row(point, point in front) for point in table.points], heads)
+    print_table([_row(point, point in front, settings_words(point.changing)) for point in table.points], heads)
     click.echo("* on the Pareto front of solve time and error of the tip deflection")
 
 
@@ -102,10 +101,8 @@ def _as_document(table: "Benchmark") -> dict[str, Any]:
     return vars(table) | {"points": points, "confirmation": {name: value for name, value in vars(table.confirmation).items() if value}}
 
 
-def _row(point: "Point", best: bool) -> tuple[str, ...]:
-    from quickreturn.reports.words import settings_words
-
-    head, measured = ("*" if best else "", point.method, settings_words(point.changing)), point.measured
+def _row(point: "Point", best: bool, settings: str) -> tuple[str, ...]:
+    head, measured = ("*" if best else "", point.method, settings), point.measured
     if measured is None:
         return (*head, *[""] * 7, point.status)
     shown = [point.error(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]

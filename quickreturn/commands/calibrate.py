@@ -5,7 +5,10 @@ from pathlib import Path
 
 import click
 
-from quickreturn.commands import options
+import quickreturn as qr
+from quickreturn.commands import console, options
+from quickreturn.reference_model.errors import ExitCode
+from quickreturn.reports.output import check_writable, print_json, write_file
 
 
 @click.command(name="calibrate")
@@ -27,14 +30,10 @@ def command(case: str, file: str, free: Sequence[str], assignments: Sequence[str
     The 95 % intervals come from the residuals and allow for their correlation. The simulation's own error is given beside them. The output
     names the combinations of parameters that this table cannot determine.
     """
-    from quickreturn.calibration import calibrate
-    from quickreturn.reference_model.errors import ExitCode
-    from quickreturn.reports.output import check_writable, print_json, write_file
-
     loaded = options.load(case, options.read_overrides(assignments))
     if output is not None:
         check_writable(Path(output), loaded.source, ".toml")
-    found = calibrate(loaded, file, free, limits=options.limits(), quiet=options.quiet())
+    found = qr.calibrate(loaded, file, free, limits=options.limits(), quiet=console.quiet())
     if output is not None:
         write_file(Path(output), found.fitted.to_toml().encode())
     if as_json:

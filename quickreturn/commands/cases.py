@@ -2,7 +2,9 @@
 
 import click
 
+import quickreturn as qr
 from quickreturn.commands import options
+from quickreturn.reports.output import print_json
 
 
 @click.command(name="cases")
@@ -10,10 +12,7 @@ from quickreturn.commands import options
 @options.json
 def command(tag: str | None, as_json: bool) -> None:
     """List the cases of the library: name, tags, title."""
-    from quickreturn.catalogue import list_cases
-    from quickreturn.reports.output import print_json
-
-    found = list_cases(tag)
+    found = qr.list_cases(tag)
     if as_json:
         print_json([{"name": case.name, "tags": case.tags, "title": case.title} for case in found])
     else:

@@ -6,7 +6,9 @@ from typing import Final
 
 import click
 
+from quickreturn.cases.shown import in_lines
 from quickreturn.commands import options
+from quickreturn.reports.output import check_writable, print_json, write_file
 
 PICTURES: Final = (".png", ".svg", ".pdf")
 
@@ -40,10 +42,8 @@ def command(
     """
     from quickreturn.cases.recorded import read_table
     from quickreturn.cases.runs.comparison import hold_against_engines
-    from quickreturn.cases.shown import in_lines
-    from quickreturn.catalogue import prepared
     from quickreturn.commands.verdicts import as_document, exit_code
-    from quickreturn.reports.output import check_writable, print_json
+    from quickreturn.engine_choice import prepared
     from quickreturn.table_comparison import parts_of_tables, refuse_same_names, tables_in
 
     overrides, settings = options.read_assignments(assignments)
@@ -68,7 +68,6 @@ def command(
             click.echo(in_lines(parts_of_tables(result, tables_in(result))))
     if output:
         from quickreturn.reports.drawing.recorded import drawn
-        from quickreturn.reports.output import write_file
 
         write_file(Path(output), drawn(results, Path(output).suffix.lower()))
     return exit_code(results, workshop, engines)

@@ -2,7 +2,11 @@
 
 import click
 
+from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
+from quickreturn.cases.jobs.job import Outcome
 from quickreturn.commands import options
+from quickreturn.reference_model.errors import ExitCode
+from quickreturn.reports.output import print_json
 
 
 @click.command(name="conform")
@@ -17,14 +21,8 @@ def command(engine: str, quick: bool, as_json: bool) -> int:
     Exit code 0: it conforms; 1: it does not; 3: nothing could be judged. An engine that is coarse and says so still conforms.
     """
     from quickreturn.cases.conformance import QUICK, conform, job
-    from quickreturn.cases.jobs.fork_server import get_ready
-    from quickreturn.cases.jobs.job import Outcome
-    from quickreturn.engines.registry import usable_engine
-    from quickreturn.questions import COMPUTING
-    from quickreturn.reference_model.errors import ExitCode
-    from quickreturn.reports.output import print_json
 
-    usable_engine(engine)
+    options.refuse_missing([engine])
     get_ready(COMPUTING)
     workshop = options.opened_workshop()
     found = conform(engine, workshop.executor, seconds=QUICK if quick else None)

@@ -2,7 +2,10 @@
 
 import click
 
+import quickreturn as qr
+from quickreturn.cases.jobs.job import Job
 from quickreturn.commands import options
+from quickreturn.reports.output import print_json, print_table
 
 
 @click.command(name="engines")
@@ -17,10 +20,7 @@ def command(engine: str | None, as_json: bool) -> None:
 
 
 def _list(as_json: bool) -> None:
-    from quickreturn.catalogue import list_engines
-    from quickreturn.reports.output import print_json
-
-    found = list_engines()
+    found = qr.list_engines()
     if as_json:
         print_json(found)
     else:
@@ -28,9 +28,7 @@ def _list(as_json: bool) -> None:
 
 
 def _describe(name: str, as_json: bool) -> None:
-    from quickreturn.cases.jobs.job import Job
     from quickreturn.questions import asked, settings, value_of
-    from quickreturn.reports.output import print_json, print_table
 
     found = value_of(*asked([Job(name, settings, (name,))], name))
     if as_json:

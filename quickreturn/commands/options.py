@@ -1,27 +1,24 @@
 """Arguments and options that several subcommands share, and how their texts are read."""
 
-import contextlib
 import functools
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 from click.shell_completion import CompletionItem
 
 from quickreturn.accuracy import HIGHEST, LOWEST
-from quickreturn.cases.errors import as_written, shortened
+from quickreturn.cases.errors import CaseError, as_written, shortened
+from quickreturn.cases.jobs.job import ExecutorError, Limits, default_limits
 from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_number
+from quickreturn.commands import console
+from quickreturn.engines.settings import ANY_ENGINE
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
-    from quickreturn.cases.jobs.job import Job, Limits, Outcome
-    from quickreturn.cases.jobs.store import Store
     from quickreturn.cases.jobs.workshop import Workshop
 
-T = TypeVar("T")
 #: Converts the text of an option, given its name, to a value; raises UsageError if it cannot.
 Reader = Callable[[str, str], Any]
 
@@ -67,11 +64,7 @@ def angles(option: str, text: str) -> list[float]:
     raise click.UsageError(f"{option} {as_written(text)}: {accepted}")
 
 
-LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
-
-#: Keys of a click context's `meta`: whether to be quiet, the store of results, and whether results are not to be stored.
-QUIET: Final = "quickreturn.quiet"
-STORE: Final = "quickreturn.store"
+#: The option, and the key of a click context's `meta`: whether results are not to be stored.
 NO_STORE: Final = "--no-store"
 
 #: Pictures that can be written.
@@ -149,7 +142,7 @@ assignments: Final[Callable[[Any], Any]] = _set(
 
 
 def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
-    """Split `--set` texts into overrides of the case by key, and settings by engine (see `questions.settings_of`) and name."""
+    """Split `--set` texts into overrides of the case by key, and settings by engine (see `engine_choice.settings_of`) and name."""
     case: dict[str, str] = {}
     engines: dict[str, dict[str, str]] = {}
     for text in assignments:
@@ -179,7 +172,6 @@ def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
 def _is_engine(section: str) -> bool:
     from quickreturn.cases.keys import SECTIONS
     from quickreturn.engines.registry import engine_names
-    from quickreturn.questions import ANY_ENGINE
 
     return section == ANY_ENGINE or (section not in SECTIONS and section in engine_names())
 
@@ -213,7 +205,6 @@ def load_all(
 def load(case: str, overrides: dict[str, str], duration: float | None = None, output_step: float | None = None) -> "Case":
     """The case with overrides and other simulation times, s."""
     from quickreturn.cases.case_file import load_case, with_times
-    from quickreturn.cases.errors import CaseError
 
     for key, seconds in (("duration", duration), ("output_step", output_step)):
         if seconds is not None and f"simulation.{key}" in overrides:
@@ -242,7 +233,7 @@ def tell_doubts(cases: "Sequence[Case]") -> None:
             if doubt in case.notes:
                 concerned.setdefault(doubt, []).append(case.name)
     for doubt, (first, *others) in concerned.items():
-        tell(f"{first}{f' and {len(others)} more' if others else ''}: note: {doubt}")
+        console.tell(f"{first}{f' and {len(others)} more' if others else ''}: note: {doubt}")
 
 
 def tell_slow(cases: "Sequence[Case]") -> None:
@@ -251,16 +242,11 @@ def tell_slow(cases: "Sequence[Case]") -> None:
 
     for case in cases:
         if slow := warning(case):
-            tell(f"{case.name}: {slow}")
+            console.tell(f"{case.name}: {slow}")
 
 
 def _option(key: str) -> str:
     return f"--{key.replace('_', '-')}"
-
-
-def quiet() -> bool:
-    """Whether progress is not reported."""
-    return bool(click.get_current_context().meta.get(QUIET))
 
 
 def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Workshop":
@@ -275,75 +261,29 @@ def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -
     from quickreturn.cases.jobs.workshop import Workshop
 
     context = click.get_current_context()
-    meta, store = context.meta, Store(tell=tell)
+    meta, store = context.meta, Store(tell=console.tell)
     if address := meta.get("--cluster"):
-        from quickreturn.cases.jobs.cluster import cluster
-
-        workshop = Workshop(store, context.with_resource(cluster(address, limits(), quiet())))
+        try:
+            from quickreturn.cases.jobs.cluster import cluster
+        except ModuleNotFoundError as error:
+            advice = "try pip install 'quickreturn[cluster]'"
+            raise ExecutorError(f"cluster {address}: the package {error.name} is not installed; {advice}") from error
+        workshop = Workshop(store, context.with_resource(cluster(address, limits(), console.quiet())))
     else:
-        workshop = Workshop(store, LocalProcesses(meta.get("--jobs"), limits(), quiet=quiet()))
+        workshop = Workshop(store, LocalProcesses(meta.get("--jobs"), limits(), quiet=console.quiet()))
         if cases:
             fork_server.get_ready(fork_server.PRELOAD)
             context.call_on_close(fork_server.not_needed)
-    meta[STORE] = store
+    meta[console.STORE] = store
     tell_doubts(cases)
     if cases:
         what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
-        begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
+        console.begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
     return workshop
 
 
-def answered(jobs: "Sequence[Job[T]]", title: str, meanwhile: Sequence[str] = ()) -> "tuple[list[Outcome[T]], Store | None]":
-    """The outcomes of jobs under the options of `limited` and `stored`, and the store, if there is one; a message names stored results.
-
-    `meanwhile`: modules that this process imports while others compute.
-    """
-    from quickreturn import questions
-    from quickreturn.cases.jobs import fork_server
-    from quickreturn.cases.jobs.processes import LocalProcesses
-    from quickreturn.cases.jobs.workshop import outcomes_of
-    from quickreturn.engines.registry import OWN
-    from quickreturn.solution import opened_store
-
-    meta = click.get_current_context().meta
-    # another's engine: its version and code, which the key contains, would load its library here
-    jobs = [job if OWN.issuperset(job.engines) else replace(job, lasts=None) for job in jobs]
-    store = None if meta.get(NO_STORE) or not any(job.lasts for job in jobs) else opened_store(tell)
-    meta[STORE] = store
-    executor = LocalProcesses(limits=limits(), preload=questions.COMPUTING, quiet=quiet(), meanwhile=meanwhile)
-    outcomes = outcomes_of(jobs, title, executor, store)
-    if store is not None and (known := [outcome.job.name for outcome in outcomes if outcome.stored]):
-        begin(f"{', '.join(known)}: computed before and kept in {store.folder}; {NO_STORE} computes anew")
-    if all(outcome.stored for outcome in outcomes):
-        fork_server.not_needed()
-    return outcomes, store
-
-
-def begin(what: str) -> None:
-    """Announce a slow step on standard error, unless quiet."""
-    if not quiet():
-        with contextlib.suppress(OSError):  # nobody listens
-            click.echo(f"  {what}", err=True)
-
-
-def tell(sentence: str) -> None:
-    """Print a sentence on standard error, on one line."""
-    with contextlib.suppress(OSError):  # nobody listens, or its disk is full
-        click.echo(f"quickreturn: {_one_line(sentence)}", err=True)
-
-
-def _one_line(sentence: str) -> str:
-    """The sentence on one line of limited length, without characters that control the terminal."""
-    joined = re.sub(r"\s*[\r\n]\s*", " ", sentence.strip())  # blanks within a line stay: a value is shown as it was given
-    text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
-    half = LONGEST_MESSAGE // 2
-    return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
-
-
-def limits() -> "Limits":
+def limits() -> Limits:
     """Time and memory limits of an engine from the options of `limited`; the default ones if the command has no such options."""
-    from quickreturn.cases.jobs.job import Limits, default_limits
-
     meta, usual = click.get_current_context().meta, default_limits()
     gibibytes = meta.get("--memory-limit")
     return Limits(meta.get("--time-limit") or usual.seconds, round(gibibytes * 2**30) if gibibytes else usual.memory)

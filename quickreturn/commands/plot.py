@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from quickreturn.commands import options
+from quickreturn.commands import console, options
+from quickreturn.reports.output import check_writable, write_file
 
 
 @click.command(name="plot")
@@ -36,10 +37,9 @@ def command(
     A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn over those of the
     other sources.
     """
-    from quickreturn.cases.recorded import is_table
+    from quickreturn.cases.recorded import is_table, read_table
     from quickreturn.commands.trajectories import trajectories
     from quickreturn.reports.drawing.style import picture
-    from quickreturn.reports.output import check_writable, write_file
 
     overrides, settings = options.read_assignments(assignments)
     files, cases = ([each for each in sources if is_table(each) is wanted] for wanted in (True, False))
@@ -51,13 +51,12 @@ def command(
         if value and not engines:
             raise click.UsageError(f"{what}: without --engine nothing is simulated; give --engine as well")
     check_writable(Path(output), "", *options.PICTURES)
-    options.begin(f"drawing {output}")
+    console.begin(f"drawing {output}")
     if not engines and not files:
         from quickreturn.reports.drawing.mechanism import mechanisms
 
         figure = mechanisms(loaded)
     else:
-        from quickreturn.cases.recorded import read_table
         from quickreturn.reports.drawing.curves import curves
 
         shown: dict[str, Mapping[str, Any]] = {Path(file).stem: read_table(file).columns for file in files}

@@ -3,17 +3,13 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import click
 
 from quickreturn.cases.errors import as_written
-from quickreturn.commands import options
-
-if TYPE_CHECKING:
-    from quickreturn.cases.runs.comparison import CaseResult
-    from quickreturn.reports.report import Written
-
+from quickreturn.commands import console, options
+from quickreturn.reference_model.errors import ExitCode
 
 #: Endings of files. With such a name a user expects a page, not a folder.
 _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
@@ -52,8 +48,7 @@ def command(
     3: an engine failed, was stopped at a limit, did not settle or missed its accuracy, or a default engine is not installed; the page is
     still written and shows it. Each result is stored at once: an interrupted report continues where it stopped.
     """
-    from quickreturn.catalogue import prepared
-    from quickreturn.reference_model.errors import ExitCode
+    from quickreturn.engine_choice import prepared
 
     overrides, settings = options.read_assignments(assignments)
     for key, value in overrides.items():
@@ -68,39 +63,11 @@ def command(
     from quickreturn.reports.thesis.content import content_type
 
     written = write_report(loaded, Path(output), workshop, names, tables, accuracy, texts, content_type(loaded))
-    _print(written)
+    click.echo(written.summary)
     for case, run in (*written.incomplete, *written.inaccurate):
-        options.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")
+        console.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")
     for case, run in written.unusable:
-        options.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
+        console.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
     if written.failed:
         return ExitCode.ENGINE_TROUBLE
     return ExitCode.BAD_INPUT if workshop.store.lost else ExitCode.GOOD
-
-
-def _print(written: "Written") -> None:
-    from quickreturn.cases.runs.endings import Ending
-    from quickreturn.reports.words import TIED, counted
-
-    content = written.content
-    runs = sum(len(result.runs) for result in content.results)
-    click.echo(str(written.page))
-    made = f"{counted(len(content.results), 'case')}, {counted(runs, 'simulation')}".replace(TIED, " ")
-    neutral = sum(run.status == Ending.NEUTRAL for _, run in content.troubles)
-    further = f", {neutral} neutral" if neutral else ""
-    missed = f", {len(written.inaccurate)} missed their accuracy" if written.inaccurate else ""
-    click.echo(f"{made}: {runs - len(content.troubles)} settled{further}{missed}, {len(written.incomplete)} did not complete")
-    click.echo(_verdict(content.results))
-    click.echo(f"{len(written.tables)} tables as CSV beside the page")
-
-
-def _verdict(results: Sequence["CaseResult"]) -> str:
-    """The number of comparisons in which engines differ by more than they claim, or why there are no comparisons."""
-    from quickreturn.cases.runs.comparison import SAYS_NOTHING, agreement
-
-    checks = [check for result in results for check in result.with_tables.checks]
-    if not checks:
-        return f"nothing could be judged: {'; '.join(dict.fromkeys(result.reason for result in results))}"
-    counts = agreement(checks)
-    silent = f"; {counts['says_nothing']} say nothing, for more is claimed than {SAYS_NOTHING}" if counts["says_nothing"] else ""
-    return f"engines differ by more than they claim in {counts['disagree'] or 'none'} of {len(checks)} comparisons{silent}"

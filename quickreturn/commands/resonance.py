@@ -8,6 +8,8 @@ import click
 
 from quickreturn.commands import options
 from quickreturn.commands.options import PICTURES
+from quickreturn.reference_model.errors import ExitCode
+from quickreturn.reports.output import check_writable, print_json, write_file
 
 TABLES: Final = (".csv", ".nc", ".parquet")
 
@@ -48,9 +50,7 @@ def command(
     """
     from quickreturn.cases.resonance_curve import SPEED, USUAL, job, range_of
     from quickreturn.questions import value_of
-    from quickreturn.reference_model.errors import ExitCode
     from quickreturn.reports.drawing.style import picture
-    from quickreturn.reports.output import check_writable, print_json, write_file
     from quickreturn.resonance_curves import Resonance, speed_of
 
     loaded = options.load(case, options.read_overrides(assignments))

@@ -4,7 +4,10 @@ from collections.abc import Sequence
 
 import click
 
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.shown import in_lines
 from quickreturn.commands import options
+from quickreturn.reports.output import print_json
 
 
 @click.command(name="run")
@@ -30,9 +33,8 @@ def command(
     stopped at a limit, did not settle or did not reach the accuracy asked, or a default engine is not installed. The other engines go on.
     Each result is stored at once: an interrupted run continues.
     """
-    from quickreturn.catalogue import prepared
     from quickreturn.commands.verdicts import as_document, exit_code
-    from quickreturn.reports.output import print_json
+    from quickreturn.engine_choice import prepared
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load_all(cases, tag, overrides)
@@ -41,8 +43,6 @@ def command(
     options.tell_slow(loaded)
     workshop = options.opened_workshop(loaded, names)
     from quickreturn.cases.runs.comparison import cross_validate
-    from quickreturn.cases.runs.endings import Ending
-    from quickreturn.cases.shown import in_lines
     from quickreturn.verdict_text import parts_of
 
     results = cross_validate(loaded, workshop, names, accuracy, texts, tables)

@@ -4,51 +4,18 @@ import itertools
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from quickreturn.commands import options
+from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
+from quickreturn.commands import console, options
+from quickreturn.reference_model.errors import ExitCode
+from quickreturn.reports.output import check_writable, print_json, print_table
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
-    from quickreturn.commands.trajectories import Attempt
-    from quickreturn.engines.base import EngineFailure
-    from quickreturn.engines.trajectory import Trajectory
-    from quickreturn.questions import EngineDied
-    from quickreturn.solution import Solution
-
-    Found = Solution | EngineFailure | EngineDied
-
-_ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
-
-#: Modules that this process imports while workers simulate, to show their results.
-_SHOWING: Final = ("quickreturn.reports.results.loads",)
-
-#: Further keys of a simulation's JSON document, with the values that they have after a failure without any.
-_NOTHING: Final[dict[str, Any]] = {
-    "version": None,
-    "stored": False,
-    "rows": 0,
-    "reached": False,
-    "error_estimate": None,
-    "error_estimates": {},
-    "error_parts": (),
-    "estimate_of": None,
-    "further_run_skipped": None,
-    "remark": "",
-    "settings": None,
-    "loads": {},
-    "setup_seconds": None,
-    "compile_seconds": None,
-    "solve_seconds": None,
-    "estimate_seconds": None,
-    "statistics": {},
-    "bodies": (),
-    "joints": (),
-    "degrees_of_freedom": None,
-    "failure": None,
-}
+    from quickreturn.commands.trajectories import Found
 
 
 @click.command(name="simulate")
@@ -87,18 +54,13 @@ def command(
     estimate that could exceed --time-limit are not begun. The accuracy of `thesis` is that of the integration of its own equations. With
     several engines or cases the JSON document is a list.
     """
-    from quickreturn import questions
-    from quickreturn.cases.jobs.fork_server import get_ready
-    from quickreturn.reference_model.errors import ExitCode
-
     if no_estimate and accuracy is not None:
         raise click.UsageError(
             f"--accuracy {accuracy:g} and --no-estimate are both given; the estimate alone shows what is reached, give one of them"
         )
     overrides, settings = options.read_assignments(assignments)
-    get_ready(questions.COMPUTING)  # what it imports takes longer than what this process does
-    from quickreturn.commands.trajectories import attempts
-    from quickreturn.reports.output import check_writable, print_json
+    get_ready(COMPUTING)  # what it imports takes longer than what this process does
+    from quickreturn.commands.trajectories import NOTHING, attempts, written
 
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
     places = _places(output, loaded, engines)
@@ -107,17 +69,17 @@ def command(
             check_writable(Path(file), case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
-    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate, _SHOWING):
+    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate):
         case, name = attempt.case, attempt.engine
         try:
-            known, found = _written(attempt, places[case.name, name])
+            known, found = written(attempt, places[case.name, name])
         except Exception as error:  # the results of the others are written before the error is raised
             refusal = refusal or error
             continue
         if documents and not as_json:
             click.echo()
         document = {"case": case.name, "engine": name, "output": places[case.name, name], "notes": case.notes, "accuracy": accuracy}
-        documents.append(document | _NOTHING | known)
+        documents.append(document | NOTHING | known)
         if not as_json:
             _print(documents[-1], found, shlex.join(["quickreturn", "show", *options.given_as(case, overrides)]))
     if as_json and documents:
@@ -129,7 +91,7 @@ def command(
         kept = "there is nothing to keep"
         if document["rows"]:
             kept = f"{document['rows']} rows are kept {f'in {place}' if (place := document['output']) else 'only with --output'}"
-        options.tell(f"{document['case']}: engine {document['engine']}: {document['remark']}; {kept}")
+        console.tell(f"{document['case']}: engine {document['engine']}: {document['remark']}; {kept}")
     if refusal is not None:
         raise refusal
     return ExitCode.ENGINE_TROUBLE if missed else ExitCode.GOOD
@@ -150,50 +112,8 @@ def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:
     return f"{cases[0].name if len(cases) == 1 else '{case}'}{'-{engine}' if len(engines) > 1 else ''}.csv"
 
 
-def _written(attempt: "Attempt", path: str | None) -> "tuple[dict[str, Any], Found]":
-    """Write the trajectory, if there is one and a file is named; return its JSON document and the solution.
-
-    Raises as `Attempt.answer`.
-    """
-    from quickreturn.engines.base import EngineFailure
-    from quickreturn.questions import EngineDied
-    from quickreturn.reports.output import write_file
-    from quickreturn.solution import as_csv
-
-    found: Found
-    trajectory: Trajectory | None
-    try:
-        known: dict[str, Any] = {"version": attempt.answer().version, "stored": attempt.outcome.stored}
-        found = attempt.solution()
-        trajectory = found.trajectory
-    except EngineFailure as failed:
-        found, trajectory = failed, failed.partial
-    except EngineDied as death:
-        failure: dict[str, Any] = {"time": None, "cause": attempt.outcome.explanation, "advice": _ADVICE}
-        return {"remark": f"{attempt.outcome.explanation}; {_ADVICE}", "failure": failure}, death
-    if trajectory is not None:
-        if path is not None:
-            write_file(Path(path), as_csv(trajectory))
-        known |= {"rows": len(trajectory), "solve_seconds": trajectory.solve_seconds, "statistics": dict(trajectory.statistics)}
-    if isinstance(found, EngineFailure):
-        failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
-        return known | {"remark": str(found), "failure": failure}, found
-    from quickreturn.reports.results.loads import loads_document
-
-    same = {name: getattr(found.result, name) for name in ("accuracy", *_NOTHING) if hasattr(found.result, name)}
-    more = {
-        "settings": found.settings,
-        "error_parts": [vars(part) for part in found.error_parts],
-        "loads": loads_document(found.loads),
-        **vars(found.result.description),
-    }
-    return known | same | more, found
-
-
 def _print(document: Mapping[str, Any], found: "Found", notes: str) -> None:
     """A simulation as a table; `notes`: the command that shows those on the case."""
-    from quickreturn.reports.output import print_table
-
     if isinstance(found, Exception):
         rows = [("case", document["case"]), ("engine", f"{document['engine']} ({document['version'] or 'version unknown'})")]
         if document["notes"]:

@@ -1,13 +1,18 @@
 """`quickreturn sweep`: the settled motion of every machine of a grid."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
 import click
 
-from quickreturn.commands import options
+from quickreturn.commands import console, options
 from quickreturn.commands.options import PICTURES
+from quickreturn.engines.settings import SettingError
+from quickreturn.reference_model.errors import ExitCode
+from quickreturn.reports.output import check_writable, print_json, write_file
+from quickreturn.table_files import dataset_file
 
 ENDINGS: Final = (".nc", ".csv", ".parquet")
 
@@ -16,14 +21,11 @@ class _WithMeasures(click.Command):
     """A command whose help lists the measures at its end."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the measures; those that every column of a trajectory has are listed once, for COLUMN."""
-        from quickreturn.cases.sweep.measures import MEASURES, of_columns
-        from quickreturn.reference_model.columns import COLUMNS
+        """Write the measures."""
+        from quickreturn.cases.sweep.measures import listed
 
-        single = MEASURES.keys() - {each.name for name in COLUMNS for each in of_columns(name, "")}
-        shown = [*of_columns("COLUMN", "the column's unit"), *(each for name, each in MEASURES.items() if name in single)]
         with formatter.section("Measures"):
-            formatter.write_dl([(each.name, f"{each.meaning[0].upper()}{each.meaning[1:]} [{each.unit}].") for each in shown])
+            formatter.write_dl([(each.name, f"{each.meaning[0].upper()}{each.meaning[1:]} [{each.unit}].") for each in listed()])
 
 
 @click.command(name="sweep", cls=_WithMeasures)
@@ -61,14 +63,8 @@ def command(
 
     Points that are unstable, impossible or fail are results and have a status; exit code 3: no point has a number.
     """
-    import numpy as np
-
     from quickreturn.cases.sweep.grid import ENGINE, axis
-    from quickreturn.engines.settings import SettingError
-    from quickreturn.reference_model.errors import ExitCode
-    from quickreturn.reports.output import check_writable, print_json, write_file
     from quickreturn.sweeping import USUAL, computed, dataset_of, summary
-    from quickreturn.table_files import dataset_file
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
@@ -79,7 +75,8 @@ def command(
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
     if plot is not None:
-        from quickreturn.reports.drawing.study import LINES, drawable
+        from quickreturn.reports.drawing.study import LINES, draw, drawable
+        from quickreturn.reports.drawing.style import picture
 
         check_writable(Path(plot), "" if loaded.source == "library" else case, *PICTURES)
         if not drawable(varied):
@@ -90,15 +87,12 @@ def command(
     dataset = dataset_of(found)
     write_file(Path(output), dataset_file(dataset, Path(output).suffix.lower()))
     if plot is not None:
-        from quickreturn.reports.drawing.study import draw
-        from quickreturn.reports.drawing.style import picture
-
         write_file(Path(plot), picture(draw(found), Path(plot).suffix.lower()))
     if as_json:
         print_json({"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": output})
     else:
         click.echo("\n".join(summary(dataset)))
-    if np.isfinite(found.values).any():
+    if any(map(math.isfinite, found.values.flat)):
         return ExitCode.GOOD
-    options.tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
+    console.tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
     return ExitCode.ENGINE_TROUBLE

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from quickreturn.cases.loads import loads_of_run, resonance
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.commands import options
+from quickreturn.commands import console
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.results.loads import loads_document
 
@@ -21,10 +21,10 @@ def exit_code(results: "Sequence[CaseResult]", workshop: "Workshop", engines: Se
     results = [result.with_tables for result in results]
     for result in results:
         for each in result.failures:
-            options.tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
+            console.tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
     refused = [(result.case.name, each) for result in results for each in result.runs.values() if engines and each.status == Ending.REFUSED]
     for name, each in refused:
-        options.tell(f"{name}: engine {each.engine}: {each.remark}")
+        console.tell(f"{name}: engine {each.engine}: {each.remark}")
     if refused:
         return ExitCode.BAD_INPUT
     if any(result.failures for result in results):

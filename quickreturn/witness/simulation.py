@@ -1,12 +1,13 @@
 """A running simulation of the quick-return whose equations the computer derived, and its natural frequencies."""
 
 import time
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from quickreturn.derive import DescriptionError, Model, natural_frequencies
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
@@ -16,9 +17,8 @@ from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.layout import Tables
 from quickreturn.reference_model.rigid import crank_pace, deflection_scale
-
-if TYPE_CHECKING:
-    from quickreturn.derive import Model
+from quickreturn.witness.description import constants, quick_return
+from quickreturn.witness.recovery import columns
 
 Array = NDArray[np.float64]
 
@@ -36,8 +36,6 @@ class DerivedSimulation(Simulation):
     """Advances the state of the described system, in units of the scene's own: its feedback is in the unit of time."""
 
     def __init__(self, mechanism: Mechanism, start: Start, modes: int, tolerance: float) -> None:
-        from quickreturn.witness.description import constants
-
         began = time.perf_counter()
         self.units = Units.of(mechanism)
         self.mechanism, start = self.units.scene(mechanism), self.units.start(start)
@@ -51,15 +49,13 @@ class DerivedSimulation(Simulation):
         self.sizes = self._sizes()
         self.setup_seconds = time.perf_counter() - began + self.shapes.seconds
 
-    def model(self) -> "Model":
+    def model(self) -> Model:
         """The compiled equations with the shapes of this scene."""
         mechanism = self.mechanism
         return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
-        from quickreturn.witness.recovery import columns
-
         began, equations = time.perf_counter(), self.model()
         in_si = self.time + output_step * np.arange(round(duration / output_step) + 1, dtype=np.float64)
         times = in_si / self.units.time
@@ -85,8 +81,6 @@ class DerivedSimulation(Simulation):
 
     def _begin(self, start: Start) -> Array:
         """The state closest to a start in which the loop is closed without a gap."""
-        from quickreturn.derive import DescriptionError
-
         equations, mechanism, n = self.model(), self.mechanism, self.modes
         names = [each.name for each in equations.system.coordinates]
         q, v = np.zeros(len(names)), np.zeros(len(names))
@@ -121,9 +115,6 @@ class DerivedSimulation(Simulation):
 
 def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
     """Natural frequencies (Hz) of the model with the crank held, linearised by differentiation."""
-    from quickreturn.derive import natural_frequencies
-    from quickreturn.witness.description import constants
-
     units = Units.of(mechanism)
     mechanism = units.scene(mechanism)
     still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False)
@@ -132,14 +123,11 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
     return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest)) / units.time
 
 
-_MODELS: Final[dict[tuple[int, int, bool, bool], "Model"]] = {}
+_MODELS: Final[dict[tuple[int, int, bool, bool], Model]] = {}
 
 
-def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> "Model":
+def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> Model:
     """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
-    from quickreturn.derive import Model
-    from quickreturn.witness.description import quick_return
-
     key = (modes, tables.gauss_points, rigid, prescribed)
     if key not in _MODELS:
         _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed), feedback=FEEDBACK)

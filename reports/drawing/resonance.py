@@ -5,8 +5,16 @@ from matplotlib.figure import Figure
 from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve
 from quickreturn.cases.units import shown_unit
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, logarithmic, look, tidy
+from quickreturn.reports.drawing.curves import PANEL, WIDE
+from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, Drawing, logarithmic, look, new_figure, tidy
 from quickreturn.reports.looks import looks
+
+
+def resonance_figure(curve: ResonanceCurve, case: str, mark: float | None = None) -> Drawing:
+    """A figure of the curve, as `draw` draws it."""
+    figure = new_figure(0.9 + 1.4 * PANEL * len(curve.measures), WIDE)
+    draw(figure, curve, case, mark)
+    return figure
 
 
 def draw(figure: Figure, curve: ResonanceCurve, case: str, mark: float | None = None) -> None:

@@ -353,7 +353,7 @@ def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.Monk
     def broken(*arguments: object) -> None:
         raise KeyError("surprise")
 
-    monkeypatch.setattr("quickreturn.commands.show._document", broken)
+    monkeypatch.setattr("quickreturn.commands.case_document.document_of", broken)
     answer = call("show", "small.toml")
     assert answer.code == 3
     assert answer.errors == "quickreturn: unforeseen: KeyError: 'surprise'; please report this\n"
@@ -420,6 +420,6 @@ def test_main_returns_the_code_and_raises_nothing(capsys: pytest.CaptureFixture[
 
 
 def test_show_groups_parts_that_differ_in_their_numbers_alone() -> None:
-    from quickreturn.commands.show import grouped
+    from quickreturn.commands.case_document import grouped
 
     assert grouped(["crank", "link 1: rod", "link 2: rod", "link 3: rod", "tip"]) == ["crank", "link 1 to 3: rod", "tip"]

@@ -65,7 +65,7 @@ def test_angles_give_a_list_with_both_ends(call: Call) -> None:
 
 
 def test_show_takes_patterns_and_tags(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("quickreturn.commands.show._models", lambda scene: [])  # what each engine builds takes seconds
+    monkeypatch.setattr("quickreturn.commands.case_document._models", lambda scene: [])  # what each engine builds takes seconds
     found = json.loads(call("show", "small*.toml", "--tag", "example", "--json").output)
     assert [each["name"] for each in found] == ["small", "smaller", "example", "shaper-cutting"]
     assert call("show", "other.toml", "small.toml").output.count("what follows") == 2
@@ -118,7 +118,7 @@ def test_nothing_is_known_of_a_store_where_none_is_used(capsys: pytest.CaptureFi
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("quickreturn.commands.show._document", interrupted)
+    monkeypatch.setattr("quickreturn.commands.case_document.document_of", interrupted)
     before = signal.getsignal(signal.SIGINT)
     assert main(["show", "thesis-24"]) == 130
     assert "nothing is kept" in capsys.readouterr().err

@@ -12,9 +12,10 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.jobs.display import Tally, answers, span
+from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.tally import Tally, span
 from quickreturn.engines.progress import Progress
 
 CODE = """
