@@ -30,7 +30,7 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS, MOMENTS
-from quickreturn.reference_model.machine import machine_code
+from quickreturn.reference_model.native import cache_folder
 from quickreturn.reports.output import check_writable, write_file
 from quickreturn.reports.results.loads import stress_text
 from quickreturn.reports.words import ESTIMATE, TIED, settings_words
@@ -244,7 +244,7 @@ def simulate(
         EngineFailure: the run failed; `partial` holds the trajectory up to then.
     """
     chosen, scene = engine_from(engine), one_case(case)
-    if sentence := machine_code.warning_if_not_kept():
+    if sentence := cache_folder.warning_if_not_kept():
         warnings.warn(sentence, stacklevel=2)
     request = TrajectoryRequest(
         scene=scene.scene,

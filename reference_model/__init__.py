@@ -4,6 +4,6 @@ This package knows no file format, no engine and no plot. The equations are deri
 thesis' model in `thesis/DERIVATION.md`; the code cites their numbers.
 """
 
-from quickreturn.reference_model.machine import machine_code
+from quickreturn.reference_model.native import cache_folder
 
-machine_code.choose_cache_folder()
+cache_folder.choose_cache_folder()

@@ -10,8 +10,8 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.machine.compilation import inlined
-from quickreturn.reference_model.machine.pointers import MEMBERS, array_of, intrinsic
+from quickreturn.reference_model.native.compilation import inlined
+from quickreturn.reference_model.native.pointers import MEMBERS, array_of, intrinsic
 from quickreturn.reference_model.state import State
 
 

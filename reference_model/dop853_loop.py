@@ -1,17 +1,15 @@
 """The compiled loop of DOP853 (see `integrate`)."""
 
 import math
-from typing import Any, Final
+from typing import Final
 
-import numba
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATION, A
 from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STAGES, STEP_TOO_SMALL, TOO_MANY_CALLS
-from quickreturn.reference_model.machine.compilation import KERNEL, compiled, without_references
-from quickreturn.reference_model.machine.pointers import call_equations, matrix_at, numbers_at
+from quickreturn.reference_model.native.compilation import inner
+from quickreturn.reference_model.native.pointers import call_equations, matrix_at, numbers_at
 
 #: Largest product of the step and the equations' highest angular frequency. DOP853 shrinks an undamped oscillation to 0.70 to 0.75 of
 #: itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond. Without a ceiling steps pass that again and again, and the
@@ -20,8 +18,8 @@ CEILING: Final = 5.7
 MAX_CALLS: Final = 200_000_000
 
 
-@compiled
-def leaving_fraction(
+@inner
+def _leaving_fraction(
     function: int,
     parameters: int,
     workspace: int,
@@ -30,13 +28,14 @@ def leaving_fraction(
     K: NDArray[np.float64],
     h: float,
     limit: float,
+    scratch: NDArray[np.float64],
 ) -> float:
     """Fraction of the step of size h that begins in y, where the slider passes `limit`; by bisection. K: the step's stages."""
-    state, rate = np.empty(len(y)), np.empty(len(y))
+    state, rate = scratch[0], scratch[1]
     low, high = 0.0, 1.0
     for _ in range(45):
         middle = 0.5 * (low + high)
-        interpolate(y, K, h, middle, state)
+        _interpolate(y, K, h, middle, state)
         if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data, 0) == 1 and watched[0] <= limit:
             low = middle
         else:
@@ -44,7 +43,7 @@ def leaving_fraction(
     return low
 
 
-@without_references
+@inner
 def _dop853(
     function: int,
     parameters: int,
@@ -94,11 +93,13 @@ def _dop853(
             step = h * (max(0.333, 0.9 * norm**-0.125) if norm < 1e8 else 0.25)
             rejected = True
             continue
-        if watched[0] > limit:
-            return LEFT_FOLLOWER, rows, t, calls, h
-        while rows <= intervals and rows * output_step <= t + h * (1.0 + 1e-12):
-            interpolate(y, K, h, min((rows * output_step - t) / h, 1.0), states[rows])
+        left = watched[0] > limit
+        made = h * _leaving_fraction(function, parameters, workspace, watched, y, K, h, limit, scratch) if left else h
+        while rows <= intervals and rows * output_step <= t + made * (1.0 + 1e-12):
+            _interpolate(y, K, h, min((rows * output_step - t) / h, 1.0), states[rows])
             rows += 1
+        if left:
+            return LEFT_FOLLOWER, rows, t + made, calls, h
         t = end if last else t + h
         _copy(new, y)
         _copy(K[STAGES], K[0])
@@ -111,13 +112,13 @@ def _dop853(
     return REACHED_END, rows, t, calls, step
 
 
-@without_references
+@inner
 def _copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
     for i in range(len(source)):
         target[i] = source[i]
 
 
-@without_references
+@inner
 def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
     for i in range(len(y)):
         out[i] = y[i]
@@ -128,7 +129,7 @@ def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: 
                 out[i] += weight * K[j, i]
 
 
-@without_references
+@inner
 def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], controlled: int) -> float:
     error5 = error3 = 0.0
     for i in range(controlled):
@@ -143,8 +144,8 @@ def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], c
     return h * error5 / math.sqrt((error5 + 0.01 * error3) * controlled)
 
 
-@without_references
-def interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: float, out: NDArray[np.float64]) -> None:
+@inner
+def _interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: float, out: NDArray[np.float64]) -> None:
     """The state at the fraction `u` of the step from `y` on, by its stages' rates `K` (equation 5.16)."""
     _copy(y, out)
     for j in range(len(INTERPOLATED)):
@@ -155,7 +156,7 @@ def interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: flo
             out[i] += h * weight * K[INTERPOLATED[j], i]
 
 
-def _by_address(
+def loop(
     function: int,
     parameters: int,
     workspace: int,
@@ -181,9 +182,3 @@ def _by_address(
     ended = numbers_at(reached, 4)
     status, ended[0], ended[1], ended[2], ended[3] = _dop853(*at, *how, limit, step, least_step, *arrays)
     return status
-
-
-def loop() -> Any:
-    """The loop, compiled."""
-    whole, real = types.int64, types.float64
-    return numba.cfunc(whole(*[whole] * 6, real, *[whole] * 3, real, real, real, *[whole] * 4), cache=True, **KERNEL)(_by_address)

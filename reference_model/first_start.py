@@ -5,17 +5,14 @@ than those needed, the first process compiles what is missing, and only time is 
 """
 
 import gc
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
-from numba import config, types
+from numba import types
 
 from quickreturn.reference_model.compiled_state import STATE_TYPE
-from quickreturn.reference_model.machine.pointers import At
-from quickreturn.reference_model.motion import equations, inertia
+from quickreturn.reference_model.motion import inertia
 from quickreturn.reference_model.motion.compiled_layout import PARAMETERS_TYPE, TABLES_TYPE, WORKSPACE_TYPE
+from quickreturn.reference_model.native.pointers import At
 
 
 def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
@@ -29,19 +26,9 @@ def compiled_by_the_second() -> list[tuple[Any, tuple[types.Type, ...]]]:
     ]
 
 
-def kernel() -> Any:
-    """The compiled equations of motion; if they are not on the disk yet, a second process compiles the rest at the same time."""
-    if any(Path(config.CACHE_DIR).glob("*/equations._kernel-*.nbi")):  # type: ignore[attr-defined]
-        return equations.kernel()
-    quiet = subprocess.DEVNULL
-    with subprocess.Popen([sys.executable, "-P", "-m", __name__], stdin=quiet, stdout=quiet, stderr=quiet):
-        return equations.kernel()
-
-
 if __name__ == "__main__":
-    # here, for what stands at the head of a file that uses the compiler counts as compiled (`machine.machine_code`)
-    from quickreturn.reference_model.integrate import LOOP
-    from quickreturn.reference_model.model import OBSERVATIONS
+    # here, for what stands at the head of a file that uses the compiler counts as compiled (`native.cache_folder`)
+    from quickreturn.reference_model.entries import LOOP, OBSERVATIONS
 
     gc.disable()  # as engines.accurate has it while it compiles
     for function, signature in compiled_by_the_second():

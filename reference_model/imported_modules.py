@@ -1,6 +1,6 @@
 """The modules of this package that a module imports, directly and through others, found in the text of the sources.
 
-Nothing is imported for it, so that the hash of the compiled code costs milliseconds at each start (`machine.machine_code`), and so that a
+Nothing is imported for it, so that the hash of the compiled code costs milliseconds at each start (`native.cache_folder`), and so that a
 stored result knows the code that it depends on.
 """
 

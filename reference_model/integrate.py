@@ -11,14 +11,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, STAGES, Integration
-from quickreturn.reference_model.machine.objects import Entry
+from quickreturn.reference_model.entries import LOOP
+from quickreturn.reference_model.integration import STAGES, Integration
 
 #: Size of the first step, and of the least, over the time of the motion: that of the output would make the rows change the steps.
 FIRST_STEP: Final = 1e-3
 LEAST_STEP: Final = 1e-11
-#: The loop.
-LOOP: Final = Entry("quickreturn.reference_model.dop853_loop:loop", 6 * "i" + "fiii" + "fff" + "iiii")
 
 
 @dataclass(frozen=True)
@@ -68,12 +66,4 @@ def dop853(
     sizes = size, output_step, intervals, scales.ctypes.data, len(scales), limit, first_step or FIRST_STEP / pace, LEAST_STEP / pace
     status = LOOP(*at, watched.ctypes.data, y.ctypes.data, *sizes, *(each.ctypes.data for each in (states, K, scratch, end)))
     rows, calls, (time, step) = int(end[0]), int(end[2]), end[1::2].tolist()
-    if status == LEFT_FOLLOWER:  # in the step from `time` and `y` on, whose stages are left in K
-        from quickreturn.reference_model.dop853_loop import interpolate, leaving_fraction
-
-        until_leaving = step * leaving_fraction(*at, watched, y, K, step, limit)
-        while rows <= intervals and rows * output_step <= time + until_leaving * (1.0 + 1e-12):
-            interpolate(y, K, step, min((rows * output_step - time) / step, 1.0), states[rows])
-            rows += 1
-        time += until_leaving
     return Integration(states[:rows], status, time, calls, step)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Final
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
@@ -12,13 +11,13 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
+from quickreturn.reference_model.entries import KERNEL, OBSERVATIONS
 from quickreturn.reference_model.integrate import Equations, dop853
 from quickreturn.reference_model.integration import Integration
-from quickreturn.reference_model.machine.memory import Placed
-from quickreturn.reference_model.machine.objects import Entry
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
-from quickreturn.reference_model.motion.layout import FACTS, Parameters, ShapeRow, state_size, workspace
+from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
+from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
@@ -29,11 +28,6 @@ Array = NDArray[np.float64]
 #: Function of the slider's place (m) and arc lengths (m), shape (k,). It returns the shapes' tangent angles and their derivatives by the
 #: slider's place, each of shape (k, n).
 Angles = Callable[[float, Array], tuple[Array, Array]]
-
-
-#: The equations of motion, and the observables of states.
-KERNEL: Final = Entry("quickreturn.reference_model.first_start:kernel", "iiiii")
-OBSERVATIONS: Final = Entry("quickreturn.reference_model.motion.equations:observations", "iiiiiiii")
 
 
 class ObservationFailed(RuntimeError):
@@ -61,7 +55,7 @@ class BeamModel:
         workspace: intermediate results for the state evaluated last.
     """
 
-    def __init__(self, scene: Scene, constants: Parameters, shapes: Angles, made_before: float = 0.0) -> None:
+    def __init__(self, scene: Scene, constants: BeamParameters, shapes: Angles, made_before: float = 0.0) -> None:
         self.scene = scene
         self.made_before = made_before
         self.parameters = constants

@@ -1,6 +1,12 @@
 """Natural modes of the follower with the crank held still: converged, undamped, about the straight follower at rest.
 
-The follower turns about P with the base block, is held by the slider at arc length s and carries the tip body at its free end.
+The follower turns about P with the base block, is held by the slider at arc length s and carries the tip body at its free end. With the
+deflection w(x) sin(omega t), the largest strain energy U equals the largest kinetic energy omega^2 T in every mode,
+
+    2 U = EI int w''^2 dx + k w(s)^2                                                         stiffness matrix K
+    2 T = rhoA int w^2 dx + Jb w'(0)^2 + Js w'(s)^2 + m (w(L) + e w'(L))^2 + J w'(L)^2       mass matrix M
+
+and the modes are the stationary points of U / T (equation 2.7): K v = omega^2 M v. A rigid joint holds w(s) = 0 in place of k.
 Each of the two spans P to slider and slider to tip is one element: the four cubic Hermite shapes plus polynomials whose second
 derivatives are Legendre polynomials of degree 2 and up (Szabo and Babuska, "Finite Element Analysis", 1991, section 5.2,
 integrated once more). The value and the slope of such a polynomial vanish at both ends. These shapes leave the stiffness matrix

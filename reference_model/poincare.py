@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.crank_angle_steps import steps_to
+from quickreturn.reference_model.entries import STEPS
 from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import state_size
@@ -203,5 +203,7 @@ def turn_to(model: BeamModel, y: Array, angle: float, parts: int) -> float:
     Returns:
         The time (s) that passes; nan if a state on the way is impossible.
     """
-    equations = model.equations
-    return float(steps_to(equations.function, equations.parameters, equations.workspace, y, angle, parts, np.empty((5, len(y)))))
+    equations, scratch = model.equations, np.empty((6, len(y)))
+    at = equations.function, equations.parameters, equations.workspace
+    moved = STEPS(*at, y.ctypes.data, len(y), angle, parts, scratch.ctypes.data)
+    return float(scratch[5, 0]) if moved else math.nan

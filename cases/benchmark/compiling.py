@@ -18,7 +18,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.machine.machine_code import VARIABLE
+from quickreturn.reference_model.native.cache_folder import VARIABLE
 
 #: The scene of the step; the code is the same for all.
 _CASE: Final = "thesis-24"

@@ -15,7 +15,7 @@ from typing import Any, Final
 from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
 from quickreturn.cases.jobs.tally import Tally, span
 from quickreturn.engines import progress as progress_of_engines
-from quickreturn.reference_model.machine import machine_code
+from quickreturn.reference_model.native import cache_folder
 
 #: Time until the first line of progress, and between lines, s.
 FIRST_LINE_AFTER: Final = 0.3
@@ -117,7 +117,7 @@ def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> Non
 @functools.cache
 def _say_what_is_forgotten() -> None:
     """Print, once in a process, the warning that compiled code is not kept, if there is one."""
-    if sentence := machine_code.warning_if_not_kept():
+    if sentence := cache_folder.warning_if_not_kept():
         _say(sentence)
 
 

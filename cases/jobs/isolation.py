@@ -35,7 +35,7 @@ from typing import Any, Final
 from quickreturn.cases.jobs.fork_server import PRELOAD, Process
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T, Watch, default_limits
 from quickreturn.cases.jobs.worker import serve
-from quickreturn.reference_model.machine import machine_code
+from quickreturn.reference_model.native import cache_folder
 
 #: Beginning of the failure of a job that exceeded its time.
 STOPPED: Final = "stopped at the time limit"
@@ -101,7 +101,7 @@ def _first_alone(job: Job[Any], stopped: Callable[[], bool]) -> Iterator[None]:
     if not (job.brief and job.engines):
         yield
         return
-    folder = Path(os.environ[machine_code.VARIABLE])
+    folder = Path(os.environ[cache_folder.VARIABLE])
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / f"{job.function.__qualname__} {' '.join(job.engines)}.first").open("a") as file:
         while not os.fstat(file.fileno()).st_size and not stopped():

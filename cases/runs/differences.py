@@ -41,7 +41,7 @@ PUZZLING: Final = 0.5
 #: Traits that no bending stiffness changes.
 OF_GEOMETRY: Final = frozenset(("nearest", "farthest"))
 #: Ratio of frequencies up to which they count as the same: they are fitted with the shapes of another stiffness.
-ALIKE: Final = 1.03
+SAME_FREQUENCY: Final = 1.03
 #: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
 BESIDES: Final = 0.5
 
@@ -108,7 +108,12 @@ def _lead_on(run: Run, other: Run, case: Case, odd: Collection[str]) -> str:
     """A clause on the stiffness that would give the table's first frequency, and how to fit it; "" if more than that is odd."""
     pairs = [(run.consensus_frequency(half), other.consensus_frequency(half)) for half in HALVES]
     ratios = [mine / its for mine, its in pairs if mine is not None and its is not None]
-    if not ratios or OF_GEOMETRY.intersection(odd) or max(ratios) > ALIKE * min(ratios) or 1.0 / ALIKE < ratios[0] < ALIKE:
+    if (
+        not ratios
+        or OF_GEOMETRY.intersection(odd)
+        or max(ratios) > SAME_FREQUENCY * min(ratios)
+        or 1.0 / SAME_FREQUENCY < ratios[0] < SAME_FREQUENCY
+    ):
         return ""
     stiffness, table = case.mechanism.follower.bending_stiffness, "TABLE.csv" if run.recording is None else run.recording.path
     about = f"a bending stiffness of about {stiffness * float(np.mean(ratios)) ** 2:.2g} N m² in place of {stiffness:.4g}"

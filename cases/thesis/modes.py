@@ -20,8 +20,8 @@ MODES: Final = 3
 EVERY: Final = 6
 
 #: Signs of strains 1, 2, 3.
-ALTERNATING: Final = (1, -1, 1)
-ALIKE: Final = (1, 1, 1)
+ALTERNATING_SIGNS: Final = (1, -1, 1)
+SAME_SIGNS: Final = (1, 1, 1)
 #: "Doubling or tripling": numbers of cubic elements.
 ELEMENTS: Final = (1, 2, 3)
 
@@ -59,8 +59,8 @@ def thesis_modes(mechanism: Mechanism) -> ThesisModes:
     return ThesisModes(
         converged=_ranges(np.array([each.frequencies for each in modes])),
         cubic=_ranges(_cubic_frequencies(mechanism, 1, 2)),
-        alternating=_share_with(signs, ALTERNATING),
-        alike=_share_with(signs, ALIKE),
+        alternating=_share_with(signs, ALTERNATING_SIGNS),
+        alike=_share_with(signs, SAME_SIGNS),
         elements=tuple(float(np.max(np.abs(_cubic_frequencies(mechanism, number, 1)[:, 0] / first - 1.0))) for number in ELEMENTS),
     )
 

@@ -16,13 +16,13 @@ Array = NDArray[np.float64]
 #: A direction counts as not determined if its standard error is larger than this part of the parameters or of their ranges ...
 LOOSE: Final = 0.1
 #: ... or if a change by that part changes the table by less than this part, which is about the simulation's accuracy.
-UNSEEN: Final = 2e-4
+LEAST_CHANGE: Final = 2e-4
 
 
 def best_step(slopes: Array, residuals: Array, weights: Array) -> Array:
     """Change of the coordinates, (p,), that most reduces the residuals, (C, N), weighted by (C,); `slopes`: its effect, (C, N, p)."""
     matrix = (slopes * weights[:, None, None]).reshape(-1, slopes.shape[2])
-    return np.asarray(np.linalg.lstsq(matrix, (residuals * weights[:, None]).ravel(), rcond=UNSEEN)[0])
+    return np.asarray(np.linalg.lstsq(matrix, (residuals * weights[:, None]).ravel(), rcond=LEAST_CHANGE)[0])
 
 
 def covariance(residuals: Array, slopes: Array) -> tuple[Array, Array]:
@@ -99,4 +99,4 @@ def undetermined(sensitivities: Array, spread: Array) -> list[Array]:
     matrix = sensitivities.reshape(-1, len(spread))
     _, values, vectors = np.linalg.svd(matrix / math.sqrt(len(matrix)), full_matrices=False)
     errors = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", vectors, spread, vectors), 0.0))
-    return [vector for vector, value, error in zip(vectors, values, errors, strict=True) if LOOSE * value < UNSEEN or error > LOOSE]
+    return [vector for vector, value, error in zip(vectors, values, errors, strict=True) if LOOSE * value < LEAST_CHANGE or error > LOOSE]

@@ -16,7 +16,7 @@ from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 PROBABILITY: Final = 0.95
 #: Smooth part of the squared residuals above which a note is printed.
-SMOOTH: Final = 0.3
+NOTED_SHARE: Final = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,7 +144,7 @@ class Fit(Shown):
         if not self.exceeding:
             claims = ", ".join(f"{100.0 * share:.2g} %" for share in self.claimed.values())
             yield f"that is within the errors that table and simulation are taken to have: {claims}"
-        elif self.smooth > SMOOTH:
+        elif self.smooth > NOTED_SHARE:
             columns = ", ".join(self.exceeding)
             yield (
                 f"note: {100.0 * self.smooth:.0f} % of the squared residuals are smooth from row to row, and those of {columns} exceed"

@@ -9,7 +9,7 @@ from numba import carray, njit, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco.native import pointer
-from quickreturn.reference_model.machine.compilation import Function
+from quickreturn.reference_model.native.compilation import Function
 
 #: Record of a simulation. Units of length, mass and time are those of `engines.units`, named here by the SI units that they stand for.
 CONTEXT = np.dtype(

@@ -39,14 +39,14 @@ TOLERANCE_PER_ACCURACY: Final = 1e-4
 #: Modes -> modes of the finer run for the error estimate, and its error over that of the run.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: Relative change of the lowest frequency's square by a compliant joint, above which the joint's own vibration is not slowed.
-SOFT: Final = 5e-4
+SOFT_JOINT: Final = 5e-4
 #: Error by slowing the joint's vibration, over the error of the modes.
-UNSEEN: Final = 5e-3
+ERROR_OF_SLOWING: Final = 5e-3
 #: Smallest number of modes if rollers strike the follower: blows excite more modes than the crank does.
 MODES_OF_BLOWS: Final = 7
 #: Value of `blow` above which a roller strikes the follower: 0.07 was measured to need no more modes than a rigid joint, 0.6 needs more
 #: (`engines/LADDERS.md`, section 5).
-HIT: Final = 0.1
+LEAST_BLOW: Final = 0.1
 #: Smallest frequency of a slowed mode over that of a blow (`engines/LADDERS.md`, section 1).
 BLOW_RESOLVED: Final = 5.0
 #: Largest tolerance of a finer run over that of the run: a tenth shows the integration's error. Where rollers touch and part it is the
@@ -60,13 +60,13 @@ RATIO: Final = 0.25
 #: Largest number of modes; a run with as many is compared with one of two fewer.
 MOST_MODES: Final = 16
 #: Number of modes from which on the error falls smoothly, and the largest ratio of errors then stated for two more modes; below, `RATIO`.
-SMOOTH: Final = 4
-SLOWEST: Final = 0.5
+MODES_WITH_ORDER: Final = 4
+SLOWEST_RATIO: Final = 0.5
 #: `stiffness_ratio` below which no mode is slowed, because the motion needs the higher modes. In run 24 (4.1) slowing costs nothing; with a
 #: tenth of its stiffness (1.3) the error is ten times as large (`engines/LADDERS.md`, section 1).
 SOFT_FOLLOWER: Final = 3.0
 #: Modes -> `Comparison.alike`; 0 for other numbers of modes, and for modes as they are, which follow where slowed ones were not enough.
-ALIKE: Final = {1: 4.0, 2: 4.0, 4: 2.0}
+ALIKE_WITHIN: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Length of the last step of the search for a periodic motion, relative to the motion. A tenth of it or less is left, which counts as
 #: settled in a simulation from cycle to cycle.
 ORBIT_TOLERANCE: Final = 1e-3
@@ -175,7 +175,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         ladder = SLOWED if slowed else AS_THEY_ARE
         if not scene.slider.has_corners:
             return fitted(ladder, accuracy, scene)
-        if blow(scene) <= HIT:
+        if blow(scene) <= LEAST_BLOW:
             return fitted(AS_THEY_ARE, accuracy, scene).replaced(added_inertia=True)
         usual = AS_THEY_ARE.pick(accuracy)
         return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS), added_inertia=True)
@@ -200,8 +200,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
         finer, further = sized(settings, more), None
         if more + 2 <= MOST_MODES:
-            further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST, of="modes")
-        alike = ALIKE.get(settings.modes, 0.0) if settings.added_inertia else 0.0
+            further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < MODES_WITH_ORDER else SLOWEST_RATIO, of="modes")
+        alike = ALIKE_WITHIN.get(settings.modes, 0.0) if settings.added_inertia else 0.0
         return (Comparison(settings, finer, ratio, further, alike=alike, of="modes"),)
 
     def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> ReferenceSettings | None:
@@ -284,8 +284,8 @@ def joint_inertia(scene: Scene, modes: int) -> float:
 
     Without it the steps of the explicit integration would have to follow that vibration above 1e6 N/m. With the inertia
     stiffness / Omega^2 a motion of the angular frequency omega meets a joint that is softer by the fraction (omega / Omega)^2. The joint
-    changes the square of the lowest frequency by a fraction E. The product of both is kept at `UNSEEN` times the error of the modes, for
-    the lowest frequency with the slider at its farthest place. 0 where the joint is too soft to need it (`SOFT`).
+    changes the square of the lowest frequency by a fraction E. The product of both is kept at `ERROR_OF_SLOWING` times the error of the
+    modes, for the lowest frequency with the slider at its farthest place. 0 where the joint is too soft to need it (`SOFT_JOINT`).
     """
     stiffness = scene.slider.closed_stiffness
     if scene.crank is None or scene.follower.is_rigid or stiffness <= 0.0:
@@ -293,9 +293,9 @@ def joint_inertia(scene: Scene, modes: int) -> float:
     held = changed(scene, {"slider": None, "slider.inertia": scene.slider.inertia})
     rigid, compliant = (float(frozen_crank_modes(machine, math.pi, 1).frequencies[0]) for machine in (held, scene))
     change = 2.0 * abs(1.0 - compliant / rigid)  # of the frequency's square, with which a motion's amplitude changes
-    if change > SOFT:
+    if change > SOFT_JOINT:
         return 0.0
     highest = float(frozen_crank_modes(held, math.pi, modes).frequencies[-1])
     # not slower than the modes, which bound the step anyway
-    slowed = 2.0 * math.pi * max(rigid * math.sqrt(change / (UNSEEN * AS_THEY_ARE.claim(modes))), highest)
+    slowed = 2.0 * math.pi * max(rigid * math.sqrt(change / (ERROR_OF_SLOWING * AS_THEY_ARE.claim(modes))), highest)
     return stiffness / slowed**2

@@ -116,7 +116,7 @@ def columns_of_shapes(tables, modes: int) -> dict[str, list]:
     """Where a row has the shapes' angles and what goes with them, with derivatives by s."""
     row = ShapeRow.of(np.arange(tables.coefficients.shape[2]), modes, tables)
     places, inner = (modes, tables.cells, tables.cell_size), slice(tables.gauss_points + 1)
-    kinds = [kind.reshape(places)[:, :, inner] for kind in (row.shape, row.shape_s, row.shape_ss)]
+    kinds = [kind.reshape(places)[:, :, inner] for kind in (row.psi_i, row.psi_i_s, row.psi_i_ss)]
     by_place = row.angle_at_slider_s, row.angle_at_slider_ss
     return {
         "psi": [kind.ravel().tolist() for kind in kinds],

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from quickreturn.derive import Beam, System, turned, vector
 from quickreturn.derive.system import column
 from quickreturn.reference_model.mechanism import ROUNDING, Mechanism, TorqueDrive
-from quickreturn.reference_model.motion.layout import ShapeRow, Tables
+from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
 
 Array = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ class Follower(NamedTuple):
     curvature: ca.SX  # there, 1/m
 
 
-def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None) -> System:
+def quick_return(tables: BeamTables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None) -> System:
     """The description of the mechanism: crank, slider, follower, tip body and base.
 
     Args:
@@ -137,7 +137,7 @@ def quick_return(tables: Tables, shapes: int, *, rigid: bool = True, prescribed:
     return system
 
 
-def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: Tables, shapes: int) -> Follower:
+def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: BeamTables, shapes: int) -> Follower:
     """Follower, tip body and base at an angle q2, with the slider at s, and their outputs; otherwise as for `quick_return`."""
     eta = system.amplitudes("eta", shapes, "kg**0.5*m")
     pivot = vector(p.pivot_distance, 0)
@@ -227,14 +227,14 @@ def _acceleration(system: System, place: ca.SX) -> ca.SX:
     return system.rate(system.rate(place))
 
 
-def columns_of_shapes(tables: Tables, shapes: int) -> dict[str, Any]:
+def columns_of_shapes(tables: BeamTables, shapes: int) -> dict[str, Any]:
     """Columns of the table that hold the shapes' angles and related quantities, each with its derivatives by s.
 
     The points are the Gauss points of a cell and its end, cell by cell.
     """
     row = ShapeRow.of(np.arange(tables.coefficients.shape[2], dtype=np.float64), shapes, tables)
     row = ShapeRow(*(part.astype(int) for part in row))
-    fields = (row.shape, row.shape_s, row.shape_ss)[: 3 if tables.moves else 1]
+    fields = (row.psi_i, row.psi_i_s, row.psi_i_ss)[: 3 if tables.moves else 1]
     kinds = [field.reshape(shapes, tables.cells, tables.cell_size) for field in fields]
     return {
         "psi": [kind[:, :, : tables.gauss_points + 1].ravel().tolist() for kind in kinds],

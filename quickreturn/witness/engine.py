@@ -16,7 +16,7 @@ from quickreturn.engines import refusals
 from quickreturn.engines.base import SPRING, USUAL, Comparison, Engine, ModelDescription, Refusal, installed
 from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
-from quickreturn.engines.own.reference import ALIKE, COMPARED, RATIO, SLOWEST, SMOOTH, fitted
+from quickreturn.engines.own.reference import ALIKE_WITHIN, COMPARED, MODES_WITH_ORDER, RATIO, SLOWEST_RATIO, fitted
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -91,8 +91,10 @@ class DerivedEngine(Engine[DerivedSettings]):
             return (Comparison(settings, LADDER.sized(settings, settings.modes - 2), 1.0 / RATIO, of="modes"),)
         finer, further = LADDER.sized(settings, more), None
         if more + 2 <= MOST_MODES:
-            further = Comparison(finer, LADDER.sized(finer, more + 2), RATIO if settings.modes < SMOOTH else SLOWEST, of="modes")
-        return (Comparison(settings, finer, ratio, further, alike=ALIKE.get(settings.modes, 0.0), of="modes"),)
+            further = Comparison(
+                finer, LADDER.sized(finer, more + 2), RATIO if settings.modes < MODES_WITH_ORDER else SLOWEST_RATIO, of="modes"
+            )
+        return (Comparison(settings, finer, ratio, further, alike=ALIKE_WITHIN.get(settings.modes, 0.0), of="modes"),)
 
     def finer(self, settings: DerivedSettings, excess: Mapping[str, float], output_step: float) -> DerivedSettings | None:
         """The next settings of the ladder."""

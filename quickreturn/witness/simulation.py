@@ -15,7 +15,7 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.motion.layout import Tables
+from quickreturn.reference_model.motion.layout import BeamTables
 from quickreturn.reference_model.rigid import crank_pace, deflection_scale
 from quickreturn.witness.description import constants, quick_return
 from quickreturn.witness.recovery import columns
@@ -126,7 +126,7 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
 _MODELS: Final[dict[tuple[int, int, bool, bool], Model]] = {}
 
 
-def model(tables: Tables, modes: int, rigid: bool, prescribed: bool) -> Model:
+def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool) -> Model:
     """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
     key = (modes, tables.gauss_points, rigid, prescribed)
     if key not in _MODELS:

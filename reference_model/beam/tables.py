@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.base_moment import needs_base_shape
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
-from quickreturn.reference_model.machine.memory import on_lines
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Slider, Tip
-from quickreturn.reference_model.motion.layout import ShapeRow, Tables
+from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
+from quickreturn.reference_model.native.memory import on_lines
 from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.splines import spline_coefficients
@@ -97,7 +97,7 @@ def _gap(mechanism: Mechanism) -> float:
 class BoundedTables(NamedTuple):
     """Tables, and the slider position `reach` (m) beyond which the slider counts as off the follower."""
 
-    tables: Tables
+    tables: BeamTables
     reach: float
 
 
@@ -111,7 +111,7 @@ class Following(NamedTuple):
         seconds: wall time (s) that an earlier call spent on them; 0 where this call made them.
     """
 
-    tables: Tables
+    tables: BeamTables
     reach: float
     family: ModeFamily
     seconds: float
@@ -162,7 +162,7 @@ def gauss_points(modes: int) -> int:
     return 7 if modes <= 3 else 11 if modes <= 9 else 15
 
 
-def span_tables(family: ModeFamily, points: int, intervals: int) -> Tables:
+def span_tables(family: ModeFamily, points: int, intervals: int) -> BeamTables:
     """Tables of shapes that follow the slider: one cell to either side of it, `points` Gauss points each."""
     gauss, _ = np.polynomial.legendre.leggauss(points)
     u = np.append(0.5 * (gauss + 1.0), 1.0)
@@ -170,9 +170,9 @@ def span_tables(family: ModeFamily, points: int, intervals: int) -> Tables:
     inboard, outboard = (family.shapes_at(nodes, u, span) for span in range(2))
     psi, psi_s, psi_ss, curvature = (np.stack(of_spans, axis=1) for of_spans in zip(inboard, outboard, strict=True))
     row = ShapeRow(
-        shape=_at_points(psi),
-        shape_s=_at_points(psi_s),
-        shape_ss=_at_points(psi_ss),
+        psi_i=_at_points(psi),
+        psi_i_s=_at_points(psi_s),
+        psi_i_ss=_at_points(psi_ss),
         squares=family.squares_at(nodes),
         squares_s=family.squares_at(nodes, 1),
         curvature_at_slider=curvature[:, 0, -1],
@@ -227,7 +227,7 @@ def elements(mechanism: Mechanism, shapes: ShapeSet, squares: Array) -> BoundedT
     return BoundedTables(tables._replace(step=step), length)
 
 
-def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Array, nodes: Array | None) -> Tables:
+def clamped(scene: FollowerAlone, angles: Callable[[Array], Array], squares: Array, nodes: Array | None) -> BeamTables:
     """Shapes of the follower alone. The tables have one interval, at an arc length that stands in for the slider's place.
 
     Args:
@@ -262,11 +262,11 @@ def _fixed_rows(shapes: ShapeSet, squares: Array, s: Array, edges: Array, points
 
 def _unmoved(psi: Array, squares: Array, curvature: Array, change: Array, length: Array) -> ShapeRow:
     """Rows of shapes that stay, from psi (k, cells, points, n), and its first and second derivative at the slider, (k, n)."""
-    shape = _at_points(psi)
+    psi_i = _at_points(psi)
     return ShapeRow(
-        shape=shape,
-        shape_s=shape[:, :0],
-        shape_ss=shape[:, :0],
+        psi_i=psi_i,
+        psi_i_s=psi_i[:, :0],
+        psi_i_ss=psi_i[:, :0],
         squares=np.broadcast_to(squares, curvature.shape),
         squares_s=np.zeros_like(curvature),
         curvature_at_slider=curvature,
@@ -288,14 +288,14 @@ def _at_points(psi: Array) -> Array:
     return np.pad(psi, ((0, 0), (0, 0), (0, places - points), (0, 0))).transpose(0, 3, 1, 2).reshape(k, n, cells * places)
 
 
-def _tables(low: float, high: float, coefficients: Array, moves: bool, points: int, slider_cell: Array, cells: int) -> Tables:
+def _tables(low: float, high: float, coefficients: Array, moves: bool, points: int, slider_cell: Array, cells: int) -> BeamTables:
     gauss, weights = np.polynomial.legendre.leggauss(points)
     places = 4 * (points // 4 + 1)
     to_points = on_lines((points, places))
     to_points[:, : points + 1] = 0.5 * integrals_to_points(gauss, weights)
     cell_weights = on_lines((places,))
     cell_weights[:points] = 0.5 * weights
-    return Tables(
+    return BeamTables(
         low=float(low),
         high=float(high),
         step=float(high - low) / len(coefficients),

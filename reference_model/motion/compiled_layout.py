@@ -4,11 +4,11 @@ from typing import Final
 
 import numba
 
-from quickreturn.reference_model.machine.pointers import reader, tuple_type
-from quickreturn.reference_model.motion.layout import FACTS, Parameters, Tables, Workspace
+from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, BeamTables, BeamWorkspace
+from quickreturn.reference_model.native.pointers import reader, tuple_type
 
-TABLES_TYPE: Final = tuple_type(Tables)
-PARAMETERS_TYPE: Final = tuple_type(Parameters, tables=TABLES_TYPE)
-WORKSPACE_TYPE: Final = tuple_type(Workspace, facts=numba.from_dtype(FACTS))
+TABLES_TYPE: Final = tuple_type(BeamTables)
+PARAMETERS_TYPE: Final = tuple_type(BeamParameters, tables=TABLES_TYPE)
+WORKSPACE_TYPE: Final = tuple_type(BeamWorkspace, facts=numba.from_dtype(FACTS))
 parameters_at = reader(PARAMETERS_TYPE)
 workspace_at = reader(WORKSPACE_TYPE)

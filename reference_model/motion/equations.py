@@ -1,21 +1,26 @@
 """The equations of motion: slider constraints, solution, and the one compiled kernel (DERIVATION.md, section 5).
 
+With the speeds u, the amplitudes eta and the slider's place s, the energies and the equations are (4.5, 4.6)
+
+    T = 1/2 u.M u                             M_kl = sum m V_k.V_l over beam and bodies, V their partial velocities
+    U = 1/2 sum_i omega_i(s)^2 eta_i^2        the shapes make 1/2 EI int psi'^2 dx diagonal; `squares` is omega^2
+    M du/dt = Q - F B                         Q_k = -sum m V_k.A_0 - omega_k^2 eta_k - 1/2 sigma_k sum_i d(omega_i^2)/ds eta_i^2
+                                              + damping, weight, drive and tool
+
+A_0 is the bias of the accelerations, sigma_k the part of u_k in ds/dt, F the slider's force where the loop is open and B its spread.
+
 The slider's arc length is a state of its own (`state.State`, equation 5.8), which saves an iteration in every evaluation; a weak feedback
 keeps the loop closed. Where the base's motion is prescribed, time takes the place of q1 (equation 11.4).
 """
 
 import math
-from typing import Any
 
-import numba
 import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.compiled_state import state_at
-from quickreturn.reference_model.machine.compilation import KERNEL, compiled, inlined, stage
-from quickreturn.reference_model.machine.pointers import array_at, call_equations
 from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
@@ -32,9 +37,11 @@ from quickreturn.reference_model.motion.inertia import (
     relative_velocities,
     slider_force,
 )
-from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
+from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, move_loop, share_force
 from quickreturn.reference_model.motion.observe import base_motion, observe
+from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.pointers import array_at, call_equations
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
@@ -44,7 +51,7 @@ rows_at = array_at(types.Array(from_dtype(ROW), 1, "C"))
 
 
 @inlined
-def motion(p: Parameters, t: Tables, w: Workspace, y: State) -> int:
+def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> int:
     """To `w`: partial velocities, bias accelerations, and the accelerations of the speeds (equations 2.1 to 5.3).
 
     Returns:
@@ -74,7 +81,7 @@ def motion(p: Parameters, t: Tables, w: Workspace, y: State) -> int:
 
 
 @inlined
-def _turn_base(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
+def _turn_base(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """The base's prescribed motion in place of the loop (equation 11.3)."""
     f = w.facts
     angle, f.q2_rate, f.q2_bias = base_motion(p.base_speed, p.base_time, y.q[0])
@@ -84,7 +91,7 @@ def _turn_base(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
 
 
 @inlined
-def _solve(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> bool:
+def _solve(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int) -> bool:
     """Accelerations and, where the loop is open, the slider's force (equations 5.1 to 5.3)."""
     m, first, f = p.speeds, p.first, w.facts
     if not _factor(w.M, w.factor, first, m):
@@ -130,7 +137,7 @@ def _solve(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> bool:
     return True
 
 
-@stage
+@inner
 def _factor(M: Array, A: Array, first: int, size: int) -> bool:
     """To `A`: the factors of M = L D L^T for rows and columns from `first` on; False if M (lower triangle) is not positive definite.
 
@@ -151,7 +158,7 @@ def _factor(M: Array, A: Array, first: int, size: int) -> bool:
     return True
 
 
-@stage
+@inner
 def _substitute(A: Array, b: Array, first: int, size: int) -> None:
     """Solve M x = b in place of `b`, with the factors `A` of `_factor`."""
     for i in range(first, size):
@@ -165,7 +172,7 @@ def _substitute(A: Array, b: Array, first: int, size: int) -> None:
         b[i] -= total * A[i, i]
 
 
-def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
+def kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
     """Write dy/dt of a state to `rate`, and if `with_forces` is 1, forces to the workspace; the other arguments are addresses.
 
     Returns:
@@ -196,18 +203,7 @@ def _kernel(parameters: int, workspace: int, state: int, rate: int, with_forces:
     return 1
 
 
-def kernel() -> Any:
-    """The equations of motion, compiled; all arguments are addresses."""
-    return numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_kernel)
-
-
-@compiled
-def evaluate(equations: int, parameters: int, workspace: int, y: Array, rate: Array) -> bool:
-    """Write dy/dt of a state to `rate`; False for an impossible state. The first three arguments are addresses."""
-    return call_equations(equations, parameters, workspace, y.ctypes.data, rate.ctypes.data, 0) == 1
-
-
-def _observe_states(equations: int, parameters: int, workspace: int, states: int, count: int, size: int, rate: int, rows: int) -> int:
+def observe_states(equations: int, parameters: int, workspace: int, states: int, count: int, size: int, rate: int, rows: int) -> int:
     """Fill `rows` (count,) of `columns.ROW` from `states` (count, size); the number of rows filled before a state that cannot be.
 
     Arrays by address; `rate` (size,) is overwritten.
@@ -220,8 +216,3 @@ def _observe_states(equations: int, parameters: int, workspace: int, states: int
         if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), filled[k]):
             return k
     return count
-
-
-def observations() -> Any:
-    """`_observe_states`, compiled."""
-    return numba.cfunc(types.int64(*[types.int64] * 8), cache=True, **KERNEL)(_observe_states)

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.machine.compilation import inlined, stage
-from quickreturn.reference_model.machine.simd import load, plus, spread, store
-from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
+from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import point
+from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
@@ -19,8 +19,8 @@ LARGEST_ANGLE = 2.0 * math.pi
 SMALL_ANGLE = 0.25 * math.pi
 
 
-@stage
-def interpolate_row(t: Tables, s: float, row: Array) -> int:
+@inner
+def interpolate_row(t: BeamTables, s: float, row: Array) -> int:
     """To `row`: the table's row at s. Returns the number of the cell that ends at the slider."""
     k = min(max(int((s - t.low) / t.step), 0), t.coefficients.shape[0] - 1)
     ds = s - t.low - k * t.step
@@ -29,7 +29,7 @@ def interpolate_row(t: Tables, s: float, row: Array) -> int:
     return int(t.slider_cell[k])
 
 
-@stage
+@inner
 def directions(psi: Array, e: Array) -> bool:
     """To `e`: exp(i psi) to 1e-15, by Taylor's series, of an eighth of large angles, doubled three times; False for too large an angle."""
     N = len(psi)
@@ -55,8 +55,8 @@ def directions(psi: Array, e: Array) -> bool:
     return True
 
 
-@stage
-def cumulate(t: Tables, length: Array, f: Array, out: Array) -> None:
+@inner
+def cumulate(t: BeamTables, length: Array, f: Array, out: Array) -> None:
     """To `out`: integrals of a complex function f, given at the points of all cells, from x = 0 to every point.
 
     The loops treat real and imaginary parts together, and twelve points at a time, or four, so that these share what is loaded.
@@ -102,17 +102,17 @@ def turned(rate: Array, e: Array, f: Array) -> None:
 
 
 @inlined
-def combine(shape: Array, factors: Array, out: Array) -> None:
-    """To `out`: sum_i factors_i shape_i."""
+def combine(rows: Array, factors: Array, out: Array) -> None:
+    """To `out`: sum_i factors_i rows_i."""
     for j in range(0, len(out), 4):
         sums = spread(0.0)
-        for i in range(len(shape)):
-            sums = plus(sums, factors[i], load(shape[i], j))
+        for i in range(len(rows)):
+            sums = plus(sums, factors[i], load(rows[i], j))
         store(out, j, sums)
 
 
-@stage
-def place(p: Parameters, t: Tables, w: Workspace, y: State, s: float) -> int:
+@inner
+def place(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, s: float) -> int:
     """Angles, places and the integrals U_i and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
 
     Returns:
@@ -120,16 +120,16 @@ def place(p: Parameters, t: Tables, w: Workspace, y: State, s: float) -> int:
     """
     n, N = p.n, t.points
     slider_cell = interpolate_row(t, s, w.row)
-    combine(w.shape, y.eta, w.psi)
+    combine(w.psi_i, y.eta, w.psi)
     if not directions(w.psi, w.e):
         return -1
     cumulate(t, w.length, w.e, w.z)
     if t.moves:
-        combine(w.shape_s, y.eta, w.psi_s)
+        combine(w.psi_i_s, y.eta, w.psi_s)
         turned(w.psi_s, w.e, w.integrand)
         cumulate(t, w.length, w.integrand, w.Y)
     for i in range(n):
-        turned(w.shape[i], w.e, w.integrand)
+        turned(w.psi_i[i], w.e, w.integrand)
         cumulate(t, w.length, w.integrand, w.U[i])
     for cell in range(t.cells):
         for j in range(0, t.cell_size, 4):

@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model import joint
-from quickreturn.reference_model.machine.compilation import inlined, stage
-from quickreturn.reference_model.machine.simd import load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.motion.layout import (
     BASE_TURN,
     CRANK_TURN,
@@ -15,22 +13,24 @@ from quickreturn.reference_model.motion.layout import (
     TIP_1,
     TIP_2,
     TIP_TURN,
-    Parameters,
-    Tables,
-    Workspace,
+    BeamParameters,
+    BeamTables,
+    BeamWorkspace,
 )
 from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.tip_force import share_of_force
 
 Array = NDArray[np.float64]
 
-share, friction_share, joint_force = stage(share_of_force), stage(joint.friction_share), stage(joint.joint_force)
+share, friction_share, joint_force = inner(share_of_force), inner(joint.friction_share), inner(joint.joint_force)
 
 
-@stage
-def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
+@inner
+def relative_velocities(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """To `relative`: velocities of the points relative to the base frame, which the beam damping opposes."""
     size = len(w.relative)
     s_rate = w.facts.s_rate if t.moves else 0.0
@@ -41,8 +41,8 @@ def relative_velocities(p: Parameters, t: Tables, w: Workspace, y: State) -> Non
             w.relative[j] += y.eta_rate[i] * w.U[i, j]
 
 
-@stage
-def partial_velocities(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
+@inner
+def partial_velocities(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int) -> None:
     """To `V`: partial velocities of the beam's points and of all bodies for every speed (equations 4.1 and 4.2)."""
     n, N = p.n, t.points
     end, bodies, arm = t.tip, 2 * N, w.facts.tip_arm
@@ -57,8 +57,8 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, slider_point: int
             store(row, N + j, plus(plus(imaginary, sigma, load(w.Y, N + j)), c, load(w.z, j)))
         tip, slider = c + sigma * w.psi_s[end], c + sigma * w.facts.angle_by_s
         if 0 < k <= n:
-            tip += w.shape[k - 1, end]
-            slider += w.shape[k - 1, slider_point]
+            tip += w.psi_i[k - 1, end]
+            slider += w.psi_i[k - 1, slider_point]
         w.V[k, bodies + TIP_1] = w.V[k, end] - arm.imag * tip
         w.V[k, bodies + TIP_2] = w.V[k, N + end] + arm.real * tip
         w.V[k, bodies + TIP_TURN] = tip
@@ -67,8 +67,8 @@ def partial_velocities(p: Parameters, t: Tables, w: Workspace, slider_point: int
         w.V[k, bodies + CRANK_TURN] = 1.0 if k == 0 else 0.0
 
 
-@stage
-def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
+@inner
+def bias_accelerations(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """To `bias`: accelerations of points and bodies at constant speeds, less gravity (4.3 and 4.4). Also the force on the tip (4.9)."""
     n, N, f = p.n, t.points, w.facts
     acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y.q[0], p.force_begin, p.force_span, p.force_ramp)
@@ -94,8 +94,8 @@ def bias_accelerations(p: Parameters, t: Tables, w: Workspace, y: State) -> None
     w.bias[bodies + CRANK_TURN] = 0.0
 
 
-@stage
-def assemble(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
+@inner
+def assemble(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """Mass matrix (lower triangle) and generalised forces Q for the speeds (equations 4.5 to 4.7, 5.15)."""
     n, m, N, f = p.n, p.speeds, t.points, w.facts
     bodies, size = 2 * N, len(w.mass)
@@ -137,8 +137,8 @@ def assemble(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
     w.Q[0] += p.torque - p.crank_damping * y.u[0] + crank_weight(p, w)
 
 
-@stage
-def pivot_torque(p: Parameters, w: Workspace) -> float:
+@inner
+def pivot_torque(p: BeamParameters, w: BeamWorkspace) -> float:
     """Torque by which damping and friction of the pivot P oppose the follower, N m (equations 4.7 and 5.14)."""
     rate = w.facts.q2_rate
     if p.base_friction == 0.0:
@@ -146,8 +146,8 @@ def pivot_torque(p: Parameters, w: Workspace) -> float:
     return p.base_damping * rate + p.base_friction * friction_share(rate, p.base_friction_rate)
 
 
-@stage
-def _damp_bending(p: Parameters, t: Tables, w: Workspace) -> None:
+@inner
+def _damp_bending(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> None:
     """To `curvature_rate` and `bending_load`: rates of the curvature, and forces of the material's damping (equation 4.10).
 
     Angles are differentiated as the polynomial through their values at a cell's Gauss points.
@@ -170,26 +170,26 @@ def _damp_bending(p: Parameters, t: Tables, w: Workspace) -> None:
 
 
 @inlined
-def _slope_weight(t: Tables, i: int, j: int) -> float:
+def _slope_weight(t: BeamTables, i: int, j: int) -> float:
     """Weight of the value at Gauss point j in the slope at another point i, for a cell of unit length."""
     return t.lagrange[j] / (t.lagrange[i] * (t.u[i] - t.u[j]))
 
 
 @inlined
-def _bending_force(t: Tables, w: Workspace, k: int, n: int) -> float:
+def _bending_force(t: BeamTables, w: BeamWorkspace, k: int, n: int) -> float:
     """Generalised force of the material's damping for the speed k, sign reversed (equation 4.10)."""
     N = t.points
     force = 0.0
     for j in range(N):
         angle = w.sigma[k] * w.psi_s[j]
         if 0 < k <= n:
-            angle += w.shape[k - 1, j]
+            angle += w.psi_i[k - 1, j]
         force += angle * w.bending_load[j]
     return force
 
 
 @inlined
-def crank_weight(p: Parameters, w: Workspace) -> float:
+def crank_weight(p: BeamParameters, w: BeamWorkspace) -> float:
     """Moment of gravity on the crank about O, N m."""
     return p.crank_moment * cross(w.facts.arm, w.facts.gravity)
 
@@ -203,8 +203,8 @@ def _dot(a: Array, b: Array, size: int) -> float:
     return total(sums)
 
 
-@stage
-def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
+@inner
+def highest_frequency(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
     """Upper bound of the highest angular frequency (rad/s) of small vibrations about the present state; 0 if unknown (equation 5.9)."""
     n = p.n
     if p.knows_frequency == 0:
@@ -220,8 +220,8 @@ def highest_frequency(p: Parameters, t: Tables, w: Workspace) -> float:
     return math.sqrt(square / max(1.0 - coupling, 1e-6))
 
 
-@stage
-def dissipation(p: Parameters, t: Tables, w: Workspace, y: State) -> float:
+@inner
+def dissipation(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> float:
     """Power that all dampings and frictions dissipate, W (equation 4.7)."""
     N = t.points
     total = 0.0
@@ -238,14 +238,14 @@ def dissipation(p: Parameters, t: Tables, w: Workspace, y: State) -> float:
 
 
 @inlined
-def _loss_of_rollers(p: Parameters, gap: float, rate: float) -> float:
+def _loss_of_rollers(p: BeamParameters, gap: float, rate: float) -> float:
     """Power that the joint dissipates, W: that of its force, less that of the same rollers without loss."""
     force = joint_force(gap, rate, p.plus, p.minus, p.plus_from, p.minus_from, p.contact_loss, p.joint_damping)
     return rate * (force - joint_force(gap, 0.0, p.plus, p.minus, p.plus_from, p.minus_from, 0.0, 0.0))
 
 
-@stage
-def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
+@inner
+def moment_about_pivot(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
     """Moment about P (N m) that the motion of follower, base and tip body requires (equation 5.4).
 
     The beam damping acts between beam and base and drops out. Also, to `a`: accelerations of points and bodies, less gravity.
@@ -264,15 +264,15 @@ def moment_about_pivot(p: Parameters, t: Tables, w: Workspace) -> float:
     return moment - cross(tip, f.tip_force) + p.tip_mass * cross(tip + f.tip_arm, acceleration)
 
 
-@stage
-def power_of_tool(p: Parameters, t: Tables, w: Workspace) -> float:
+@inner
+def power_of_tool(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
     """Power of the force on the tip, W (equation 4.9)."""
     N, f = t.points, w.facts
     return dot(f.tip_force, point(w.relative, t.tip, N) + 1j * f.q2_rate * point(w.z, t.tip, N))
 
 
-@stage
-def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
+@inner
+def slider_force(p: BeamParameters, t: BeamTables, w: BeamWorkspace, moment: float) -> None:
     """To the facts: force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
     f = w.facts
     f.slider_moment = -p.slider_inertia * w.a[2 * t.points + SLIDER_TURN] / (1.0 - f.gap * f.curvature)
@@ -286,8 +286,8 @@ def slider_force(p: Parameters, t: Tables, w: Workspace, moment: float) -> None:
     f.slider_force = (1j * f.normal + f.tangential) * f.tangent
 
 
-@stage
-def drive_torque(p: Parameters, w: Workspace) -> float:
+@inner
+def drive_torque(p: BeamParameters, w: BeamWorkspace) -> float:
     """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
     if p.first == 0:
         return p.torque

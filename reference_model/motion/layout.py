@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from quickreturn.reference_model.machine.memory import ComplexVector, Cube, Matrix, Vector, on_lines
+from quickreturn.reference_model.native.memory import ComplexVector, Cube, Matrix, Vector, on_lines
 
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
 #: of four.
@@ -59,9 +59,9 @@ FACTS: Final = np.dtype((np.record, [(name, _KINDS[kind]) for name, kind in Fact
 class ShapeRow(NamedTuple):
     """Parts of a table row, in this order, for N points and n shapes; or of rows of shape (...)."""
 
-    shape: Matrix  # (..., n, N) psi_i at the points
-    shape_s: Matrix  # (..., n, N) its derivative by s at fixed arc length; (..., 0, N) where the shapes stay
-    shape_ss: Matrix  # and the second one
+    psi_i: Matrix  # (..., n, N) psi_i at the points
+    psi_i_s: Matrix  # (..., n, N) its derivative by s at fixed arc length; (..., 0, N) where the shapes stay
+    psi_i_ss: Matrix  # and the second one
     squares: Vector  # (..., n) omega_i^2, 1/s^2
     squares_s: Vector  # (..., n) its derivative by s
     curvature_at_slider: Vector  # (..., n) 1/m
@@ -70,7 +70,7 @@ class ShapeRow(NamedTuple):
     length: Vector  # (..., cells) m
 
     @classmethod
-    def of(cls, row: Vector, n: int, t: Tables) -> ShapeRow:
+    def of(cls, row: Vector, n: int, t: BeamTables) -> ShapeRow:
         """Views of rows (..., row length) of a table of n shapes."""
         moving = n if t.moves else 0
         sizes = [(n, t.points), (moving, t.points), (moving, t.points), *[(n,)] * 5, (t.cells,)]
@@ -90,7 +90,7 @@ class ShapeRow(NamedTuple):
         return self._replace(**of_points, **{name: getattr(self, name)[..., :count] for name in self._fields[3:-1]})
 
 
-class Tables(NamedTuple):
+class BeamTables(NamedTuple):
     """psi_i and its derivatives by s at points that move with the slider, piecewise cubic in s.
 
     Cells divide the follower from its base to the slider and from there to the end. The points of a cell are its Gauss points, its end, and
@@ -115,7 +115,7 @@ class Tables(NamedTuple):
     to_points: Vector  # (gauss_points cell_size,) weight of each Gauss point (row) in the integral from the cell's begin to each point
 
 
-class Parameters(NamedTuple):
+class BeamParameters(NamedTuple):
     """Constants of the equations, SI."""
 
     constraint: int  # see `slider_constraint`
@@ -168,16 +168,16 @@ class Parameters(NamedTuple):
     added_inertia: Vector  # (n,) of the amplitudes over their modal masses, see `parameters.added_inertia`
     reach: float  # m, slider position beyond which the slider counts as off the follower
     knows_frequency: int  # whether the shapes' highest frequency bounds that of the equations (5.9)
-    tables: Tables
+    tables: BeamTables
 
 
-class Workspace(NamedTuple):
+class BeamWorkspace(NamedTuple):
     """Scratch of one evaluation, for N points, n shapes and m speeds; rows of length M = 2 N + BODIES also hold the bodies' entries."""
 
     row: Vector  # interpolated row of the table, and what it holds, see `ShapeRow`
-    shape: Matrix
-    shape_s: Matrix
-    shape_ss: Matrix
+    psi_i: Matrix
+    psi_i_s: Matrix
+    psi_i_ss: Matrix
     squares: Vector
     squares_s: Vector
     curvature_at_slider: Vector
@@ -229,7 +229,7 @@ class Workspace(NamedTuple):
     facts: Facts
 
 
-def workspace(p: Parameters) -> Workspace:
+def workspace(p: BeamParameters) -> BeamWorkspace:
     """Scratch arrays for these parameters."""
     n, m, N = p.n, p.speeds, p.tables.points
     M = 2 * N + BODIES
@@ -248,9 +248,9 @@ def workspace(p: Parameters) -> Workspace:
     fields: dict[str, Any] = {name: on_lines(size) for names, size in sizes for name in names.split()}
     fields |= {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}
     facts = np.zeros(1, FACTS)[0]
-    return Workspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, facts=facts)
+    return BeamWorkspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, facts=facts)
 
 
-def state_size(p: Parameters) -> int:
+def state_size(p: BeamParameters) -> int:
     """Size of the state vector: coordinates, s, speeds, dissipated energy, work of the drive, and with an open loop that of the joint."""
     return 2 * p.speeds + 3 + (1 if p.speeds > p.n + 1 else 0)

@@ -5,11 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.machine.compilation import inlined, stage
-from quickreturn.reference_model.machine.simd import load, plus, spread, store
 from quickreturn.reference_model.motion.fields import combine, cumulate
-from quickreturn.reference_model.motion.layout import Parameters, Tables, Workspace
+from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.slider_constraint import CHORDS, ELIMINATED, LEVER
 from quickreturn.reference_model.state import State
 
@@ -17,13 +17,13 @@ Array = NDArray[np.float64]
 
 
 @inlined
-def _on_line(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> None:
+def _on_line(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slider_point: int) -> None:
     """Foot, tangent and their derivatives and partial rates for a slider on the centre line."""
     f = w.facts
     f.foot, f.tangent = point(w.z, slider_point, t.points), point(w.e, slider_point, t.points)
     f.curvature = f.angle_by_s = 0.0
     for i in range(p.n):
-        w.foot_rate[1 + i], w.tangent_rate[1 + i] = point(w.U[i], slider_point, t.points), w.shape[i, slider_point]
+        w.foot_rate[1 + i], w.tangent_rate[1 + i] = point(w.U[i], slider_point, t.points), w.psi_i[i, slider_point]
         f.curvature += w.curvature_at_slider[i] * y.eta[i]
         f.angle_by_s += w.angle_at_slider_s[i] * y.eta[i]
     f.foot_by_s = complex(1.0, 0.0)
@@ -32,7 +32,7 @@ def _on_line(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int
 
 
 @inlined
-def nodes_of_slider(t: Tables, w: Workspace, slider_point: int) -> tuple[int, int, float, float]:
+def nodes_of_slider(t: BeamTables, w: BeamWorkspace, slider_point: int) -> tuple[int, int, float, float]:
     """The slider's element: points of its two nodes (negative for the pivot), length (m), and the slider's place as a fraction of it."""
     cell = slider_point // t.cell_size
     length = w.length[cell] + w.length[cell + 1]
@@ -46,7 +46,7 @@ def _at_node(row: Array, node: int, N: int) -> complex:
 
 
 @inlined
-def _on_chord(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
+def _on_chord(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int) -> None:
     """The results of `_on_line` for a slider on the chord between the two nodes of its element (equation 3.9)."""
     f = w.facts
     left, right, length, share = nodes_of_slider(t, w, slider_point)
@@ -61,8 +61,8 @@ def _on_chord(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None
         w.foot_rate[1 + i], w.tangent_rate[1 + i] = begin + share * change, cross(f.tangent, change) / size
 
 
-@stage
-def move_loop(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> bool:
+@inner
+def move_loop(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slider_point: int) -> bool:
     """To `w`: gap, partial rates of s (`sigma`), q2 (`c`) and gap, and the rates (equations 3.1 to 3.6); False for a singular loop."""
     n, m, f = p.n, p.speeds, w.facts
     if p.constraint == CHORDS:
@@ -114,7 +114,7 @@ def move_loop(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: in
 
 
 @inlined
-def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> None:
+def bias_of_loop(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slider_point: int) -> None:
     """To the facts: bias of the second derivatives of q2, s and the gap (equations 3.7 and 3.8)."""
     n, f = p.n, w.facts
     s_rate = f.s_rate
@@ -137,20 +137,20 @@ def bias_of_loop(p: Parameters, t: Tables, w: Workspace, y: State, slider_point:
         f.q2_bias, f.gap_bias = 0.0, closing.imag - f.foot_by_s.imag * f.s_bias
 
 
-@stage
-def bias_of_places(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
+@inner
+def bias_of_places(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """To `turn`, `gamma` and `A`: angular rates, and the bias accelerations from them and from the moving shapes (equation 2.6)."""
     n, N, f = p.n, t.points, w.facts
     s_rate, q2_rate = f.s_rate, f.q2_rate
-    combine(w.shape, y.eta_rate, w.turn)
+    combine(w.psi_i, y.eta_rate, w.turn)
     if t.moves:
         for j in range(N):
             w.turn[j] += q2_rate + w.psi_s[j] * s_rate
         for j in range(0, N, 4):
             swing = bend = spread(0.0)
             for i in range(n):
-                swing = plus(swing, y.eta_rate[i], load(w.shape_s[i], j))
-                bend = plus(bend, y.eta[i], load(w.shape_ss[i], j))
+                swing = plus(swing, y.eta_rate[i], load(w.psi_i_s[i], j))
+                bend = plus(bend, y.eta[i], load(w.psi_i_ss[i], j))
             store(w.gamma, j, plus(plus(spread(0.0), 2.0 * s_rate, swing), s_rate * s_rate, bend))
     else:
         for j in range(N):
@@ -163,7 +163,7 @@ def bias_of_places(p: Parameters, t: Tables, w: Workspace, y: State) -> None:
 
 
 @inlined
-def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int) -> tuple[float, float, complex]:
+def _bias_of_chord(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slider_point: int) -> tuple[float, float, complex]:
     """Rate and bias acceleration of the chord's angle, and the bias acceleration of the foot (equation 3.9)."""
     N, f = t.points, w.facts
     left, right, length, share = nodes_of_slider(t, w, slider_point)
@@ -179,8 +179,8 @@ def _bias_of_chord(p: Parameters, t: Tables, w: Workspace, y: State, slider_poin
     return turn, turn_bias, begin + share * bias + 2.0 * f.s_rate / length * velocity
 
 
-@stage
-def share_force(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> None:
+@inner
+def share_force(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int) -> None:
     """To `spread`: generalised force of each speed per unit of the slider's force, sign reversed (equation 4.8)."""
     N, f = t.points, w.facts
     if p.constraint != LEVER:
@@ -195,7 +195,7 @@ def share_force(p: Parameters, t: Tables, w: Workspace, slider_point: int) -> No
 
 
 @inlined
-def joint_power(p: Parameters, w: Workspace, y: State) -> float:
+def joint_power(p: BeamParameters, w: BeamWorkspace, y: State) -> float:
     """Power of the slider's force on crank and follower together, W: none for an ideal constraint."""
     total = 0.0
     for k in range(p.speeds):

@@ -12,23 +12,23 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
-from quickreturn.reference_model.machine.compilation import inlined, stage
-from quickreturn.reference_model.machine.simd import load, plus_product, spread, total
 from quickreturn.reference_model.motion.fields import cumulate, directions
-from quickreturn.reference_model.motion.layout import TIP_1, TIP_2, TIP_TURN, Parameters, Tables, Workspace
+from quickreturn.reference_model.motion.layout import TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import joint_power
 from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.simd import load, plus_product, spread, total
 from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
 
-base_motion, joint_energy = stage(motion_of_base), stage(energy_of_joint)
+base_motion, joint_energy = inner(motion_of_base), inner(energy_of_joint)
 
 
 @inlined
-def observe(p: Parameters, t: Tables, w: Workspace, y: State, row: Any) -> bool:
+def observe(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, row: Any) -> bool:
     """Fill a row of `columns.ROW` for the state evaluated last, which must have been evaluated `with_forces`.
 
     False where the recovered line is bent too far.
@@ -47,14 +47,14 @@ def observe(p: Parameters, t: Tables, w: Workspace, y: State, row: Any) -> bool:
     return _recover(p, t, w, y, slider_point, row)
 
 
-@stage
-def _tip_acceleration(p: Parameters, t: Tables, w: Workspace) -> float:
+@inner
+def _tip_acceleration(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
     """Absolute acceleration of x = L along the normal there (equation 6.1)."""
     return cross(point(w.e, t.tip, t.points), point(w.a, t.tip, t.points) + w.facts.gravity)
 
 
-@stage
-def _energies(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int, row: Any) -> None:
+@inner
+def _energies(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slider_point: int, row: Any) -> None:
     """To the row: kinetic, strain and gravity energy (equations 6.2 to 6.4)."""
     n, N, f = p.n, t.points, w.facts
     end = t.tip
@@ -80,8 +80,8 @@ def _energies(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: in
     row.kinetic_energy, row.strain_energy, row.gravity_energy = kinetic, strain, gravity
 
 
-@stage
-def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: State, row: Any) -> None:
+@inner
+def _bearing_forces(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, row: Any) -> None:
     """To the row: forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.10 and 6.11)."""
     N, f = t.points, w.facts
     bodies = 2 * N
@@ -96,8 +96,8 @@ def _bearing_forces(p: Parameters, t: Tables, w: Workspace, y: State, row: Any) 
     row.pivot_force_x, row.pivot_force_y, row.crank_force_x, row.crank_force_y = pivot.real, pivot.imag, crank.real, crank.imag
 
 
-@stage
-def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int, row: Any) -> None:
+@inner
+def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int, row: Any) -> None:
     """To `moment`: moment of the outboard forces at the points, N m (equations 6.5 and 6.6). To the row: at slider, base and tip."""
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
@@ -127,8 +127,8 @@ def _bending_moment(p: Parameters, t: Tables, w: Workspace, slider_point: int, r
     row.moment_tip = cross(f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN]
 
 
-@stage
-def _recover(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int, row: Any) -> bool:
+@inner
+def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slider_point: int, row: Any) -> bool:
     """To the row: moments and strains; shape, base angle, slider and tip place from the recovered curvature (equations 6.7 to 6.9)."""
     N, f = t.points, w.facts
     end, flexibility = t.tip, 1.0 / p.EI
@@ -167,8 +167,8 @@ def _recover(p: Parameters, t: Tables, w: Workspace, y: State, slider_point: int
     return True
 
 
-@stage
-def _at_place(t: Tables, w: Workspace, field: Array, x: float) -> tuple[float, float]:
+@inner
+def _at_place(t: BeamTables, w: BeamWorkspace, field: Array, x: float) -> tuple[float, float]:
     """A field (moment or curvature) and the deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
     cell, begin = 0, 0.0
     while cell < t.cells - 1 and x > begin + w.length[cell] * (1.0 + 1e-12) and w.length[cell + 1] > 0.0:

@@ -3,21 +3,21 @@
 import numpy as np
 
 from quickreturn.reference_model.constants import constants, pace, unslowed
-from quickreturn.reference_model.machine.memory import Vector
 from quickreturn.reference_model.mechanism import Scene
-from quickreturn.reference_model.motion.layout import Parameters, ShapeRow, Tables
+from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, ShapeRow
+from quickreturn.reference_model.native.memory import Vector
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
 
 
 def parameters(
     scene: Scene,
     shapes: int,
-    tables: Tables,
+    tables: BeamTables,
     reach: float,
     constraint: SliderConstraint = CLOSED,
     *,
     slowed_to: float | None = None,
-) -> Parameters:
+) -> BeamParameters:
     """Constants of a scene.
 
     Args:
@@ -30,7 +30,7 @@ def parameters(
     """
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
-    return Parameters(
+    return BeamParameters(
         **constants(scene),
         constraint=kind,
         n=shapes,
@@ -59,7 +59,7 @@ def parameters(
     )
 
 
-def added_inertia(tables: Tables, shapes: int, slowed_to: float) -> Vector:
+def added_inertia(tables: BeamTables, shapes: int, slowed_to: float) -> Vector:
     """Added inertia of each amplitude over its modal mass, which slows the higher half of the modes (equation 5.15), shape (n,).
 
     The modes stay as fast as the middle one at the slider's place where that is fastest, or as `slowed_to` (rad/s) if that is more.

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.machine.compilation import inlined
+from quickreturn.reference_model.native.compilation import inlined
 
 
 @inlined

@@ -6,32 +6,29 @@ The state (equation 5.1) has no place of the slider, which the crank's angle giv
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import Any, Final, NamedTuple
 
-import numba
-from numba import types
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.compiled_state import state_without_slider_at
-from quickreturn.reference_model.machine.compilation import KERNEL, stage
-from quickreturn.reference_model.machine.memory import Cube, Matrix, Vector
-from quickreturn.reference_model.machine.pointers import reader, tuple_type
 from quickreturn.reference_model.moving_boundaries import tables as t
+from quickreturn.reference_model.native.compilation import inner
+from quickreturn.reference_model.native.memory import Cube, Matrix, Vector
+from quickreturn.reference_model.native.pointers import reader, tuple_type
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED
 from quickreturn.reference_model.tip_force import share_of_force
 
 Array = NDArray[Any]
 
-share = stage(share_of_force)
+share = inner(share_of_force)
 
 #: Entries of a signal: value, derivative by l at fixed amplitudes, rate, and second rate (equation 4.1).
 VALUE, BY_L, RATE, ACCELERATION = range(4)
-#: Entries of `Workspace.facts`: force of the slider, torque of the drive, kinetic and strain energy.
+#: Entries of `MovingBoundariesWorkspace.facts`: force of the slider, torque of the drive, kinetic and strain energy.
 FORCE, TORQUE, KINETIC, STRAIN = range(4)
 
 
-class Parameters(NamedTuple):
+class MovingBoundariesParameters(NamedTuple):
     """Constants of the equations, SI; read-only in compiled code."""
 
     n: int  # shapes
@@ -58,7 +55,7 @@ class Parameters(NamedTuple):
     coefficients: Cube  # (intervals, powers, length of a row), see `tables.Shapes`
 
 
-class Workspace(NamedTuple):
+class MovingBoundariesWorkspace(NamedTuple):
     """Intermediate results for the state evaluated last."""
 
     rows: Matrix  # (3, length of a row) the table's row and its first two derivatives by l
@@ -67,13 +64,13 @@ class Workspace(NamedTuple):
     watched: Vector  # (2,) read by the integrator: arc length of the slider, m; highest angular frequency, rad/s
 
 
-PARAMETERS_TYPE: Final = tuple_type(Parameters)
-WORKSPACE_TYPE: Final = tuple_type(Workspace)
+PARAMETERS_TYPE: Final = tuple_type(MovingBoundariesParameters)
+WORKSPACE_TYPE: Final = tuple_type(MovingBoundariesWorkspace)
 parameters_at = reader(PARAMETERS_TYPE)
 workspace_at = reader(WORKSPACE_TYPE)
 
 
-@stage
+@inner
 def interpolate(p: Any, rows: Array, distance: float) -> None:
     """To `rows`: the table's row at l, and its first two derivatives by l."""
     intervals = len(p.coefficients)
@@ -89,7 +86,7 @@ def interpolate(p: Any, rows: Array, distance: float) -> None:
         rows[0, k], rows[1, k], rows[2, k] = value, by_u / step, 2.0 * half_by_uu / (step * step)
 
 
-@stage
+@inner
 def dot(row: Array, kind: int, x: Array) -> float:
     """Scalar product of vector number `kind` of a row with x."""
     total = 0.0
@@ -98,7 +95,7 @@ def dot(row: Array, kind: int, x: Array) -> float:
     return total
 
 
-@stage
+@inner
 def form(row: Array, kind: int, x: Array, y: Array) -> float:
     """x^T A y, with A matrix number `kind` of a row."""
     n, total = len(x), 0.0
@@ -108,7 +105,7 @@ def form(row: Array, kind: int, x: Array, y: Array) -> float:
     return total
 
 
-@stage
+@inner
 def follow(rows: Array, signals: Array, l_rate: float, l_acceleration: float, eta: Array, eta_rate: Array, eta_acceleration: Array) -> None:
     """To `signals`: those of the table's vectors and symmetric matrices (equation 4.1)."""
     for kind in range(t.VECTORS):
@@ -126,7 +123,7 @@ def follow(rows: Array, signals: Array, l_rate: float, l_acceleration: float, et
         s[ACCELERATION] += 0.5 * l_rate * l_rate * form(rows[2], kind, eta, eta)
 
 
-def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
+def kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
     """Write dy/dt of a state to `rate`; the first four arguments are addresses, and the last makes no difference here.
 
     Returns:
@@ -204,10 +201,3 @@ def _right_hand_side(parameters: int, workspace: int, state: int, rate: int, wit
     y_rate.work[DISSIPATED] = p.base_damping * base_rate * base_rate + p.beam_damping * lost
     y_rate.work[BY_DRIVE] = facts[TORQUE] * q1_rate + tool
     return 1
-
-
-@cache
-def kernel() -> int:
-    """Address of the equations of motion, compiled or loaded from the disk at the first call."""
-    compiled_kernel: Any = numba.cfunc(types.int64(*[types.uintp] * 5), cache=True, **KERNEL)(_right_hand_side)
-    return int(compiled_kernel.address)

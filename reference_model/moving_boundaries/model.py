@@ -1,22 +1,33 @@
 """The model of one scene: shapes, equations, integration and observables under one roof."""
 
+from collections.abc import Callable
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale, pace
 from quickreturn.reference_model.integrate import Equations, dop853
 from quickreturn.reference_model.integration import Integration
-from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.motion.equations import evaluate
 from quickreturn.reference_model.moving_boundaries import tables as t
-from quickreturn.reference_model.moving_boundaries.equations import Parameters, Workspace, kernel
+from quickreturn.reference_model.moving_boundaries.equations import MovingBoundariesParameters, MovingBoundariesWorkspace, kernel
 from quickreturn.reference_model.moving_boundaries.observables import observables
+from quickreturn.reference_model.native.memory import Placed
+from quickreturn.reference_model.native.objects import Entry
 from quickreturn.reference_model.periodic import eigenvalues
 from quickreturn.reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
+
+
+def _equations() -> Callable[..., int]:
+    return kernel
+
+
+#: The equations of motion.
+KERNEL: Final = Entry(_equations, 5 * "i")
 
 
 class MovingBoundariesModel:
@@ -40,8 +51,8 @@ class MovingBoundariesModel:
         self.made_before, self.shapes = self._shapes.seconds, 0 if scene.follower.is_rigid else modes
         known = {**constants(scene), "EI": scene.follower.bending_stiffness}
         inertia, moment = follower_inertia(scene)
-        self.parameters = Parameters(
-            **{name: known[name] for name in Parameters._fields if name in known},
+        self.parameters = MovingBoundariesParameters(
+            **{name: known[name] for name in MovingBoundariesParameters._fields if name in known},
             n=self.shapes,
             inertia=inertia,
             moment=moment,
@@ -50,7 +61,7 @@ class MovingBoundariesModel:
             coefficients=self._shapes.coefficients,
         )
         rows, signals = np.zeros((3, self.parameters.coefficients.shape[2])), np.zeros((t.VECTORS + t.MATRICES, 4))
-        self.workspace = Workspace(rows, signals, np.zeros(4), np.zeros(2))
+        self.workspace = MovingBoundariesWorkspace(rows, signals, np.zeros(4), np.zeros(2))
         self._at = Placed(self.parameters), Placed(self.workspace)
 
     def straight_state(self, crank_angle: float, crank_speed: float) -> Array:
@@ -75,7 +86,7 @@ class MovingBoundariesModel:
 
     def rate(self, y: Array) -> Array:
         """dy/dt of a state that can move; the workspace holds forces and signals afterwards."""
-        rate = np.empty_like(y)
+        rate = np.empty(len(y))
         self._evaluate(y, rate)
         return rate
 
@@ -84,14 +95,15 @@ class MovingBoundariesModel:
         return self._evaluate(y, np.empty_like(y))
 
     def _evaluate(self, y: Array, rate: Array) -> bool:
-        equations = self.equations
-        return bool(evaluate(equations.function, equations.parameters, equations.workspace, y, rate))
+        p, w = self._at
+        y = np.ascontiguousarray(y, dtype=float)
+        return KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0) == 1
 
     @property
     def equations(self) -> Equations:
         """The equations of motion as the integrator takes them."""
         p, w = self._at
-        return Equations(kernel(), p.address, w.address, self.workspace.watched)
+        return Equations(KERNEL.address, p.address, w.address, self.workspace.watched)
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""

@@ -26,8 +26,8 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         mechanism: the scene.
         shapes: of its beam.
         states: shape (k, 2 n + 4).
-        signals: the equations' `Workspace.signals` of each state, shape (k, *its shape there).
-        facts: their `Workspace.facts`, shape (k, 4).
+        signals: the equations' `MovingBoundariesWorkspace.signals` of each state, shape (k, *its shape there).
+        facts: their `MovingBoundariesWorkspace.facts`, shape (k, 4).
     """
     state = State.of(states, slider=False)
     q1, q1_rate = state.q[:, 0], state.u[:, 0]

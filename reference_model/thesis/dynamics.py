@@ -9,25 +9,25 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
-from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
+from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
 from quickreturn.reference_model.tip_force import share_of_force
 
-share = stage(share_of_force)
+share = inner(share_of_force)
 
 
-@stage
+@inner
 def assemble(
-    p: Parameters,
+    p: ThesisParameters,
     c: Slider,
     k: Contact,
     q1: float,
     q1_rate: float,
     eta: NDArray[np.float64],
     eta_rate: NDArray[np.float64],
-    w: Workspace,
+    w: ThesisWorkspace,
 ) -> None:
     """To `M` and `Q`: mass matrix and force (applied minus inertia) for (q1, q2, eta), without the constraint (equations 4.1 to 4.13)."""
     _push_tip(p, q1, c.q2, w)
@@ -50,8 +50,8 @@ def assemble(
             w.M[b, a] = w.M[a, b]
 
 
-@stage
-def gravity_in_b(p: Parameters, q2: float) -> tuple[float, float]:
+@inner
+def gravity_in_b(p: ThesisParameters, q2: float) -> tuple[float, float]:
     """Gravity in frame B, m/s^2."""
     if not p.has_gravity:
         return 0.0, 0.0
@@ -59,15 +59,15 @@ def gravity_in_b(p: Parameters, q2: float) -> tuple[float, float]:
     return cosine * p.gravity_1 + sine * p.gravity_2, -sine * p.gravity_1 + cosine * p.gravity_2
 
 
-@stage
+@inner
 def _add_beam(
-    p: Parameters,
+    p: ThesisParameters,
     q2_rate: float,
     gravity_1: float,
     gravity_2: float,
     eta: NDArray[np.float64],
     eta_rate: NDArray[np.float64],
-    w: Workspace,
+    w: ThesisWorkspace,
 ) -> None:
     """Inertia, gravity, damping and elasticity of the beam (lower triangle of M), equations 4.2 to 4.6."""
     t, n = p.tables, p.n
@@ -106,8 +106,10 @@ def _add_beam(
                 w.M[i + 2, j + 2] += scaled * w.f[point, j]
 
 
-@stage
-def _add_tip(p: Parameters, q2_rate: float, gravity_1: float, gravity_2: float, eta_rate: NDArray[np.float64], w: Workspace) -> None:
+@inner
+def _add_tip(
+    p: ThesisParameters, q2_rate: float, gravity_1: float, gravity_2: float, eta_rate: NDArray[np.float64], w: ThesisWorkspace
+) -> None:
     """Rigid body at the follower's end: its centre and its rotation, equations 4.7 to 4.9."""
     t, n, m, J, e = p.tables, p.n, p.tip_mass, p.tip_inertia, p.tip_offset
     end = len(t.edges) - 1
@@ -133,8 +135,8 @@ def _add_tip(p: Parameters, q2_rate: float, gravity_1: float, gravity_2: float, 
             w.M[i + 2, j + 2] += m * product + J * rotation_i * rotation_j
 
 
-@stage
-def _push_tip(p: Parameters, q1: float, q2: float, w: Workspace) -> None:
+@inner
+def _push_tip(p: ThesisParameters, q1: float, q2: float, w: ThesisWorkspace) -> None:
     """To `tool`: generalised forces of the force on the tip, at x = L (equation 4.14)."""
     n, end = p.n, len(p.tables.edges) - 1
     acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(q1, p.force_begin, p.force_span, p.force_ramp)
@@ -146,8 +148,8 @@ def _push_tip(p: Parameters, q1: float, q2: float, w: Workspace) -> None:
         w.tool[i + 2] = p.tables.end_phi[i] * F2 - w.f_edges[end, i] * F1
 
 
-@stage
-def _end_fields(p: Parameters, eta_rate: NDArray[np.float64], w: Workspace) -> tuple[float, float, float, float, float]:
+@inner
+def _end_fields(p: ThesisParameters, eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> tuple[float, float, float, float, float]:
     """W', its rate, W, its rate and the rate of F at x = L."""
     t = p.tables
     end = len(t.edges) - 1
@@ -159,8 +161,10 @@ def _end_fields(p: Parameters, eta_rate: NDArray[np.float64], w: Workspace) -> t
     return w.end[0], slope_rate, w.end[1], W_rate, F_rate
 
 
-@stage
-def _add_crank_and_base(p: Parameters, c: Slider, q2_rate: float, q1_rate: float, gravity_1: float, gravity_2: float, w: Workspace) -> None:
+@inner
+def _add_crank_and_base(
+    p: ThesisParameters, c: Slider, q2_rate: float, q1_rate: float, gravity_1: float, gravity_2: float, w: ThesisWorkspace
+) -> None:
     """Crank with the slider's mass, its drive, and the base block, equations 4.10 and 4.11."""
     w.M[0, 0] += p.crank_inertia
     w.M[1, 1] += p.base_inertia
@@ -169,7 +173,7 @@ def _add_crank_and_base(p: Parameters, c: Slider, q2_rate: float, q1_rate: float
 
 
 @inlined
-def project(p: Parameters, k: Contact, w: Workspace) -> bool:
+def project(p: ThesisParameters, k: Contact, w: ThesisWorkspace) -> bool:
     """To `acceleration`: those of (q1, q2, eta) by projection (equations 5.1 to 5.4); False for an indefinite projected mass matrix."""
     n = p.n
     first = 0 if p.crank_is_free else 1
@@ -193,13 +197,13 @@ def project(p: Parameters, k: Contact, w: Workspace) -> bool:
     return True
 
 
-@stage
+@inner
 def _full_index(free: int) -> int:
     """Index among (q1, q2, eta) of a speed with the given index among (q1, eta)."""
     return 0 if free == 0 else free + 1
 
 
-@stage
+@inner
 def factorize(A: NDArray[np.float64], size: int) -> bool:
     """Cholesky's factor in place of the lower triangle of A; False if A is not positive definite."""
     for i in range(size):
@@ -216,7 +220,7 @@ def factorize(A: NDArray[np.float64], size: int) -> bool:
     return True
 
 
-@stage
+@inner
 def substitute(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> None:
     """Solve L L^T x = b in place of b, with the factor L that `factorize` wrote into A."""
     for i in range(size):
@@ -231,8 +235,8 @@ def substitute(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> Non
         b[i] = total / A[i, i]
 
 
-@stage
-def reactions(p: Parameters, c: Slider, k: Contact, w: Workspace) -> tuple[float, float]:
+@inner
+def reactions(p: ThesisParameters, c: Slider, k: Contact, w: ThesisWorkspace) -> tuple[float, float]:
     """Slider force (N, normal on the follower, equation 6.1) and torque of the drive (N m, equation 6.2) after `project`."""
     row_1, row_2 = -w.Q[0], -w.Q[1]
     for a in range(p.n + 2):
@@ -244,8 +248,8 @@ def reactions(p: Parameters, c: Slider, k: Contact, w: Workspace) -> tuple[float
     return multiplier * k.normal, drive
 
 
-@stage
-def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray[np.float64], w: Workspace) -> float:
+@inner
+def dissipation(p: ThesisParameters, q1_rate: float, q2_rate: float, eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> float:
     """Power that all dampings dissipate, W, equation 4.12."""
     power = p.crank_damping * q1_rate**2 + p.base_damping * q2_rate**2
     if p.beam_damping > 0.0:
@@ -257,7 +261,7 @@ def dissipation(p: Parameters, q1_rate: float, q2_rate: float, eta_rate: NDArray
 
 
 @inlined
-def evaluate(p: Parameters, w: Workspace, y: State) -> tuple[bool, Slider, Contact]:
+def evaluate(p: ThesisParameters, w: ThesisWorkspace, y: State) -> tuple[bool, Slider, Contact]:
     """To `w`: closed loop, equations and accelerations of the state y. Returns whether the state is possible, its slider, its contact."""
     q1, eta, q1_rate, eta_rate = y.q[0], y.eta, y.u[0], y.eta_rate
     none = Contact(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.compiled_state import state_of
-from quickreturn.reference_model.machine.compilation import compiled, inlined, stage
+from quickreturn.reference_model.native.compilation import compiled, inlined, inner
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line
 from quickreturn.reference_model.thesis.observables import observe
-from quickreturn.reference_model.thesis.parameters import Parameters, Workspace, parameters_at, workspace_at
+from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace, parameters_at, workspace_at
 
 Array = NDArray[np.float64]
 
-base_motion = stage(motion_of_base)
+base_motion = inner(motion_of_base)
 
 
 @compiled
@@ -84,15 +84,15 @@ def base_right_hand_side(parameters: int, workspace: int, y: Array, rate: Array,
 
 
 @inlined
-def _to_rate(w: Workspace, state: State, rate: State) -> None:
+def _to_rate(w: ThesisWorkspace, state: State, rate: State) -> None:
     """To `rate`: the speeds, and the accelerations found."""
     rate.q[0], rate.u[0] = state.u[0], w.acceleration[0]
     for i in range(len(state.eta)):
         rate.eta[i], rate.eta_rate[i] = state.eta_rate[i], w.acceleration[i + 2]
 
 
-@stage
-def _no_slider(p: Parameters, angle: float, rate: float) -> tuple[Slider, Contact]:
+@inner
+def _no_slider(p: ThesisParameters, angle: float, rate: float) -> tuple[Slider, Contact]:
     """A slider without force at mid-length, in place of the missing one, for the base's angle (rad) and its rate (rad/s)."""
     c = Slider(True, 0.5 * p.L, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, angle, 1.0, 0.0)
     return c, Contact(True, rate, 0.0, 1.0, 0.0, 1.0, 0.0)

@@ -6,14 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.machine.compilation import inlined, stage
-from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
-from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, Tables, cumulate, find_cell, partial_weights
+from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
+from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, ThesisTables, cumulate, find_cell, partial_weights
 
 CLOSURE_STEPS = 30  # Newton steps for the slider's place, at most; four suffice where the loop closes
 
 
-@stage
+@inner
 def foreshortening(slope: float, exact: bool) -> tuple[float, float, float]:
     """g(W') and its first two derivatives, equation 2.2 (exact) or 2.3 (second order)."""
     if exact:
@@ -22,7 +22,7 @@ def foreshortening(slope: float, exact: bool) -> tuple[float, float, float]:
     return 0.5 * slope * slope, slope, 1.0
 
 
-@stage
+@inner
 def tangent_angle(slope: float, exact: bool) -> tuple[float, float, float]:
     """Angle theta(W') of the tangent relative to the base tangent and its first two derivatives, equation 2.4."""
     if exact:
@@ -31,8 +31,8 @@ def tangent_angle(slope: float, exact: bool) -> tuple[float, float, float]:
     return slope, 1.0, 0.0
 
 
-@stage
-def centre_line(t: Tables, exact: bool, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: Workspace) -> bool:
+@inner
+def centre_line(t: ThesisTables, exact: bool, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> bool:
     """To `w`: W, W', their rates, F, f_i, the rate of F, and H at all points of a mesh (equations 2.1 to 2.8).
 
     False if the slope |W'| reaches 1 somewhere: no centre line has that slope.
@@ -66,8 +66,8 @@ def centre_line(t: Tables, exact: bool, eta: NDArray[np.float64], eta_rate: NDAr
     return True
 
 
-@stage
-def _cumulate_shapes(t: Tables, w: Workspace) -> None:
+@inner
+def _cumulate_shapes(t: ThesisTables, w: ThesisWorkspace) -> None:
     """To `f` and `f_edges`: f_i(x) = int_0^x g'(W') phi_i' (equation 2.6) at all points and edges."""
     n = t.phi.shape[1]
     for i in range(n):
@@ -108,8 +108,8 @@ class Slider(NamedTuple):
     a2: float  # crank direction a1 along b2
 
 
-@stage
-def _shapes_at(p: Parameters, x: float, values: NDArray[np.float64]) -> None:
+@inner
+def _shapes_at(p: ThesisParameters, x: float, values: NDArray[np.float64]) -> None:
     """To `values`: phi_i and three derivatives at x, shape (4, n); beyond the follower's ends by the polynomials of the cell there."""
     cell = find_cell(p.shape_edges, x)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
@@ -127,8 +127,8 @@ def _shapes_at(p: Parameters, x: float, values: NDArray[np.float64]) -> None:
         values[3, i] = v3 / length**3
 
 
-@stage
-def place_at(p: Parameters, s: float, eta: NDArray[np.float64], w: Workspace) -> tuple[float, float, float, float]:
+@inner
+def place_at(p: ThesisParameters, s: float, eta: NDArray[np.float64], w: ThesisWorkspace) -> tuple[float, float, float, float]:
     """Place (x, W) of arc length s in frame B, and slope W' and g there (needs `centre_line` in `w` first)."""
     cell = find_cell(p.shape_edges, s)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
@@ -152,8 +152,8 @@ def place_at(p: Parameters, s: float, eta: NDArray[np.float64], w: Workspace) ->
     return s - F, W, slope, g
 
 
-@stage
-def _locate(p: Parameters, eta: NDArray[np.float64], distance: float, w: Workspace) -> float:
+@inner
+def _locate(p: ThesisParameters, eta: NDArray[np.float64], distance: float, w: ThesisWorkspace) -> float:
     """Arc length s at which the centre line passes at `distance` from P (equation 3.2), or nan if there is none near."""
     s = distance
     for step in range(CLOSURE_STEPS):
@@ -174,7 +174,7 @@ def _locate(p: Parameters, eta: NDArray[np.float64], distance: float, w: Workspa
 
 
 @inlined
-def place_slider(p: Parameters, q1: float, eta: NDArray[np.float64], w: Workspace) -> Slider:
+def place_slider(p: ThesisParameters, q1: float, eta: NDArray[np.float64], w: ThesisWorkspace) -> Slider:
     """Close the loop (equations 1.1 and 3.1 to 3.4): slider place, base angle, fields there (needs `centre_line` in `w` first)."""
     v1 = p.LA * math.cos(q1) - p.d  # P to C in frame N
     v2 = p.LA * math.sin(q1)
@@ -186,8 +186,8 @@ def place_slider(p: Parameters, q1: float, eta: NDArray[np.float64], w: Workspac
     return slider_at(p, s, q1, q2, eta, w)
 
 
-@stage
-def slider_at(p: Parameters, s: float, q1: float, q2: float, eta: NDArray[np.float64], w: Workspace) -> Slider:
+@inner
+def slider_at(p: ThesisParameters, s: float, q1: float, q2: float, eta: NDArray[np.float64], w: ThesisWorkspace) -> Slider:
     """All fields at the slider's arc length s for given crank and base angle; fills `w.at_s`, `w.f_s` and `w.f_s_slope`."""
     edges = p.tables.edges
     cell = find_cell(edges, s)
@@ -228,8 +228,8 @@ class Contact(NamedTuple):
     d0: float  # bias of the slider's angular acceleration, 1/s^2 (only with rotary inertia)
 
 
-@stage
-def normal_row(p: Parameters, c: Slider, w: Workspace, row: NDArray[np.float64]) -> None:
+@inner
+def normal_row(p: ThesisParameters, c: Slider, w: ThesisWorkspace, row: NDArray[np.float64]) -> None:
     """To `row`: coefficients of the speeds (q1, q2, eta) in n times the velocity loop (equation 3.6): n . (LA a2, -p_perp, -p_i)."""
     n1, n2 = -c.slope, c.t1
     row[0] = p.LA * (n2 * c.a1 - n1 * c.a2)
@@ -248,8 +248,8 @@ class FieldRates(NamedTuple):
     curvature: float  # 1/(m s)
 
 
-@stage
-def field_rates(p: Parameters, eta_rate: NDArray[np.float64], w: Workspace) -> FieldRates:
+@inner
+def field_rates(p: ThesisParameters, eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> FieldRates:
     """Rates of W, F, W', F' and W'' at the slider (needs `slider_at` first)."""
     W = F = slope = F_slope = curvature = 0.0
     for i in range(p.n):
@@ -261,16 +261,18 @@ def field_rates(p: Parameters, eta_rate: NDArray[np.float64], w: Workspace) -> F
     return FieldRates(W, F, slope, F_slope, curvature)
 
 
-@stage
-def sliding_speed(p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float) -> float:
+@inner
+def sliding_speed(p: ThesisParameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float) -> float:
     """Rate of the slider's arc length, m/s: velocity of the crank tip relative to the follower, times t / |t|^2 (equation 3.5)."""
     along_1 = -p.LA * c.a2 * q1_rate + c.W * q2_rate + r.F
     along_2 = p.LA * c.a1 * q1_rate - c.x * q2_rate - r.W
     return (c.t1 * along_1 + c.slope * along_2) / (c.t1 * c.t1 + c.slope * c.slope)
 
 
-@stage
-def loop_bias(p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float, s_rate: float, w: Workspace) -> tuple[float, float]:
+@inner
+def loop_bias(
+    p: ThesisParameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: float, s_rate: float, w: ThesisWorkspace
+) -> tuple[float, float]:
     """Bias of the loop's second derivative: its terms without accelerations of the speeds, in frame B (equation 3.7).
 
     That is -LA q1dot^2 a1 - a0 - 2 q2dot sdot t_perp - 2 sdot tdot - sdot^2 t_x.
@@ -282,9 +284,9 @@ def loop_bias(p: Parameters, c: Slider, r: FieldRates, q1_rate: float, q2_rate: 
     return b1, b2
 
 
-@stage
+@inner
 def constraint_row(
-    p: Parameters, c: Slider, q1_rate: float, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: Workspace
+    p: ThesisParameters, c: Slider, q1_rate: float, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: ThesisWorkspace
 ) -> Contact:
     """Project the velocity loop and its derivative on the normal at the slider; fills `w.C` and, with rotary inertia, `w.D`."""
     square = c.t1 * c.t1 + c.slope * c.slope
@@ -313,8 +315,8 @@ def constraint_row(
     return Contact(True, q2_rate, s_rate, B0, (c.t1 * b2 - c.slope * b1) / B0, math.sqrt(square), d0)
 
 
-@stage
-def _h_at_slider(p: Parameters, c: Slider, w: Workspace) -> float:
+@inner
+def _h_at_slider(p: ThesisParameters, c: Slider, w: ThesisWorkspace) -> float:
     """H(s) = int_0^s g''(W') (dW'/dt)^2 (equation 2.8); `w.integrand` still holds the integrand."""
     cell = find_cell(p.tables.edges, c.s)
     H = w.H_edges[cell]

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import ROW, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
 from quickreturn.reference_model.integration import Integration
-from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.model import ObservationFailed
+from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side

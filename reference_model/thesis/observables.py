@@ -7,19 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import PLACES
-from quickreturn.reference_model.machine.compilation import inlined, stage
+from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.thesis.dynamics import gravity_in_b
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
-from quickreturn.reference_model.thesis.parameters import Parameters, Workspace
+from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
 from quickreturn.reference_model.thesis.tables import find_cell
 from quickreturn.reference_model.tip_force import share_of_force
 
-share = stage(share_of_force)
+share = inner(share_of_force)
 
 
 @inlined
-def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: State, force: float, drive: float, row: Any) -> None:
+def observe(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, y: State, force: float, drive: float, row: Any) -> None:
     """Fill a row of `reference_model.columns.ROW`.
 
     Args:
@@ -62,8 +62,8 @@ def observe(p: Parameters, place: Slider, k: Contact, w: Workspace, y: State, fo
     )
 
 
-@stage
-def curvature_of_shape(p: Parameters, i: int, x: float) -> float:
+@inner
+def curvature_of_shape(p: ThesisParameters, i: int, x: float) -> float:
     """phi_i'' at x, for the strains (equation 6.8)."""
     cell = find_cell(p.shape_edges, x)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
@@ -74,8 +74,8 @@ def curvature_of_shape(p: Parameters, i: int, x: float) -> float:
     return value / length**2
 
 
-@stage
-def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> float:
+@inner
+def tip_acceleration(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64]) -> float:
     """Absolute acceleration of x = L along the beam's normal there (equation 6.3)."""
     t, end = p.tables, len(p.tables.edges) - 1
     x, W = p.L - w.F_edges[end], w.end[1]
@@ -93,8 +93,8 @@ def tip_acceleration(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[
     return -math.sin(angle) * a1 + math.cos(angle) * a2
 
 
-@stage
-def bearing_forces(p: Parameters, place: Slider, k: Contact, w: Workspace, y: State, force: float, row: Any) -> None:
+@inner
+def bearing_forces(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, y: State, force: float, row: Any) -> None:
     """To the row: forces of the ground on base and crank in frame N, by Newton's law for follower and crank (equations 6.9 to 6.11)."""
     cosine, sine = math.cos(place.q2), math.sin(place.q2)
     F1, F2 = _slider_on_follower(p, place, k, w, force)
@@ -110,7 +110,7 @@ def bearing_forces(p: Parameters, place: Slider, k: Contact, w: Workspace, y: St
 
 
 @inlined
-def _slider_on_follower(p: Parameters, place: Slider, k: Contact, w: Workspace, force: float) -> tuple[float, float]:
+def _slider_on_follower(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, force: float) -> tuple[float, float]:
     """The slider's force on the follower in frame B, N: along n, and with rotary inertia along t (equation 6.9)."""
     along = 0.0
     if p.slider_inertia > 0.0:
@@ -121,7 +121,7 @@ def _slider_on_follower(p: Parameters, place: Slider, k: Contact, w: Workspace, 
 
 
 @inlined
-def _turning_of_slider(p: Parameters, k: Contact, w: Workspace) -> float:
+def _turning_of_slider(p: ThesisParameters, k: Contact, w: ThesisWorkspace) -> float:
     """Angular acceleration of the slider, rad/s^2 (equation 3.9); 0 without rotary inertia."""
     turning = 0.0
     if p.slider_inertia > 0.0:
@@ -131,8 +131,8 @@ def _turning_of_slider(p: Parameters, k: Contact, w: Workspace) -> float:
     return turning
 
 
-@stage
-def end_moments(p: Parameters, place: Slider, k: Contact, w: Workspace, eta_rate: NDArray[np.float64], row: Any) -> None:
+@inner
+def end_moments(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64], row: Any) -> None:
     """To the row: bending moments that base block and tip body require (equations 6.12 and 6.13), without a torque on the base."""
     q2_acceleration, damped = w.acceleration[1], 0.0
     for point in range(len(p.tables.x)):
@@ -145,8 +145,8 @@ def end_moments(p: Parameters, place: Slider, k: Contact, w: Workspace, eta_rate
     row.moment_tip = -p.tip_inertia * (q2_acceleration + turning) - p.tip_mass * lever
 
 
-@stage
-def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> tuple[float, float]:
+@inner
+def _rate_of_momentum(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64]) -> tuple[float, float]:
     """Rate of momentum of beam and tip body in frame B, N: integrals of (4.3) and (4.8), with the accelerations and without gravity."""
     t, n, q2_acceleration = p.tables, p.n, w.acceleration[1]
     total_1 = total_2 = 0.0
@@ -163,8 +163,10 @@ def _rate_of_momentum(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray
     return total_1 + p.tip_mass * a1, total_2 + p.tip_mass * a2
 
 
-@stage
-def _tip_body(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.float64]) -> tuple[float, float, float, float, float]:
+@inner
+def _tip_body(
+    p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64]
+) -> tuple[float, float, float, float, float]:
     """The tip body in frame B (equations 4.7 and 4.8, with the accelerations and without gravity).
 
     Returns:
@@ -190,8 +192,8 @@ def _tip_body(p: Parameters, k: Contact, w: Workspace, eta_rate: NDArray[np.floa
     return ec, es, a1, a2, turning
 
 
-@stage
-def energies(p: Parameters, place: Slider, k: Contact, w: Workspace, y: State, row: Any) -> None:
+@inner
+def energies(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, y: State, row: Any) -> None:
     """To the row: kinetic, strain and gravity energy, dissipated energy and drive work (equations 6.4 to 6.6)."""
     n = p.n
     kinetic = strain = 0.0

@@ -8,19 +8,19 @@ import numpy as np
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
-from quickreturn.reference_model.machine.memory import Cube, Matrix, Vector
-from quickreturn.reference_model.machine.pointers import reader, tuple_type
 from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.native.memory import Cube, Matrix, Vector
+from quickreturn.reference_model.native.pointers import reader, tuple_type
 from quickreturn.reference_model.rigid import deflection_scale
 from quickreturn.reference_model.shapes import ShapeSet
-from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, Tables, build_tables
+from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, ThesisTables, build_tables
 
 
 class UnsuitableShapes(ValueError):
     """The shapes cannot describe a part of the scene; the text is a clause that says why."""
 
 
-class Parameters(NamedTuple):
+class ThesisParameters(NamedTuple):
     """Constants of the equations (thesis/DERIVATION.md, section 1), SI; read-only in compiled code."""
 
     d: float  # m, pivot distance
@@ -53,7 +53,7 @@ class Parameters(NamedTuple):
     n: int  # number of shapes
     thickness: float  # m
     gauges: Vector  # (3,) m
-    tables: Tables
+    tables: ThesisTables
     shape_edges: Vector
     shape_coefficients: Cube  # (cells, degree + 1, n)
     shape_places: Matrix  # (PLACES, n) phi at the interior places whose deflection is shown
@@ -65,7 +65,7 @@ class Parameters(NamedTuple):
     deflection_scale: float  # m, see `rigid.deflection_scale`
 
 
-def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, cells: int) -> Parameters:
+def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, cells: int) -> ThesisParameters:
     """Parameters of the equations for a scene.
 
     Args:
@@ -85,8 +85,8 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     tables = build_tables(shapes, cells)
     EI = 0.0 if follower.is_rigid else follower.bending_stiffness
     places = follower.length * np.arange(1, PLACES + 1) / (PLACES + 1)
-    return Parameters(
-        **{name: value for name, value in of_scene.items() if name in Parameters._fields},
+    return ThesisParameters(
+        **{name: value for name, value in of_scene.items() if name in ThesisParameters._fields},
         crank_is_free=scene.crank_is_free,
         EI=EI,
         has_gravity=scene.has_gravity,
@@ -103,7 +103,7 @@ def build_parameters(scene: Scene, shapes: ShapeSet, *, exact_geometry: bool, ce
     )
 
 
-class Workspace(NamedTuple):
+class ThesisWorkspace(NamedTuple):
     """Scratch arrays of one evaluation of the equations (N points, m cells, n shapes); an evaluation reads nothing of the previous one."""
 
     slope: Vector  # (N,) W'
@@ -136,13 +136,13 @@ class Workspace(NamedTuple):
     acceleration: Vector  # (n + 2,) q1, q2, eta
 
 
-PARAMETERS_TYPE: Final = tuple_type(Parameters, tables=TABLES_TYPE)
-WORKSPACE_TYPE: Final = tuple_type(Workspace)
+PARAMETERS_TYPE: Final = tuple_type(ThesisParameters, tables=TABLES_TYPE)
+WORKSPACE_TYPE: Final = tuple_type(ThesisWorkspace)
 parameters_at = reader(PARAMETERS_TYPE)
 workspace_at = reader(WORKSPACE_TYPE)
 
 
-def build_workspace(tables: Tables) -> Workspace:
+def build_workspace(tables: ThesisTables) -> ThesisWorkspace:
     """Scratch arrays for a mesh of points and its shapes."""
     N, n, m = len(tables.x), tables.phi.shape[1], len(tables.edges) - 1
     sizes: tuple[tuple[str, tuple[int, ...]], ...] = (
@@ -159,9 +159,9 @@ def build_workspace(tables: Tables) -> Workspace:
         ("reduced", (n + 1, n + 1)),
         ("rhs", (n + 1,)),
     )
-    return Workspace(**{name: np.zeros(size) for names, size in sizes for name in names.split()})
+    return ThesisWorkspace(**{name: np.zeros(size) for names, size in sizes for name in names.split()})
 
 
-def state_size(parameters: Parameters) -> int:
+def state_size(parameters: ThesisParameters) -> int:
     """Length of the state vector (q1, eta, q1dot, etadot, dissipated energy, drive work)."""
     return 2 * parameters.n + 4

@@ -12,9 +12,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.machine.compilation import stage
-from quickreturn.reference_model.machine.memory import Matrix, Vector
-from quickreturn.reference_model.machine.pointers import tuple_type
+from quickreturn.reference_model.native.compilation import inner
+from quickreturn.reference_model.native.memory import Matrix, Vector
+from quickreturn.reference_model.native.pointers import tuple_type
 from quickreturn.reference_model.shapes import ShapeSet
 
 POINTS = 6  # Gauss points of a cell
@@ -29,7 +29,7 @@ PARTIAL = np.linalg.inv(np.vander(UNIT_POINTS, increasing=True)).T / np.arange(1
 TO_POINTS = np.array([[sum(PARTIAL[j, k] * u ** (k + 1) for k in range(POINTS)) for j in range(POINTS)] for u in UNIT_POINTS])
 
 
-class Tables(NamedTuple):
+class ThesisTables(NamedTuple):
     """Shapes at the points of a mesh (m = number of cells, N = m POINTS points, n shapes; equation 1.2); arrays only, for compiled code."""
 
     edges: Vector  # (m + 1,) m
@@ -42,17 +42,17 @@ class Tables(NamedTuple):
     end_dphi: Vector  # (n,)
 
 
-TABLES_TYPE: Final = tuple_type(Tables)
+TABLES_TYPE: Final = tuple_type(ThesisTables)
 
 
-def build_tables(shapes: ShapeSet, cells: int) -> Tables:
+def build_tables(shapes: ShapeSet, cells: int) -> ThesisTables:
     """Tables of `shapes` on `cells` cells of equal length, or on the shapes' own cells if `cells` is 0."""
     edges = np.linspace(0.0, shapes.edges[-1], cells + 1) if cells else shapes.edges
     lengths = np.diff(edges)
     x = (edges[:-1, None] + UNIT_POINTS * lengths[:, None]).ravel()
     weights = (UNIT_WEIGHTS * lengths[:, None]).ravel()
     end = edges[-1:]
-    return Tables(
+    return ThesisTables(
         edges,
         x,
         weights,
@@ -64,7 +64,7 @@ def build_tables(shapes: ShapeSet, cells: int) -> Tables:
     )
 
 
-@stage
+@inner
 def partial_weights(u: float, length: float, out: NDArray[np.float64]) -> None:
     """To `out`: weights of a cell's points for the fraction u (0 to 1) of a cell of the given length (m), shape (3, POINTS).
 
@@ -81,7 +81,7 @@ def partial_weights(u: float, length: float, out: NDArray[np.float64]) -> None:
         out[0, j], out[1, j], out[2, j] = integral * length, value, slope / length
 
 
-@stage
+@inner
 def find_cell(edges: NDArray[np.float64], x: float) -> int:
     """Index of the cell that holds x; the first or last one if x lies outside."""
     cell = 0
@@ -90,7 +90,7 @@ def find_cell(edges: NDArray[np.float64], x: float) -> int:
     return cell
 
 
-@stage
+@inner
 def cumulate(
     edges: NDArray[np.float64], integrand: NDArray[np.float64], at_points: NDArray[np.float64], at_edges: NDArray[np.float64]
 ) -> None:

@@ -26,7 +26,7 @@ OUTCOMES: Final = (HOLDS, IN_PART, NOT, CANNOT_FOLLOW, UNCHECKABLE)
 #: Ratios to the converged frequency within which a frequency counts as "accurate".
 ACCURATE: Final = (0.97, 1.05)
 #: An effect counts as the same in both halves if it differs between them by less than this part of itself.
-ALIKE: Final = 0.1
+SAME_EFFECT: Final = 0.1
 #: Another element helps if it reduces the error below this part of the previous one.
 FALLS: Final = 0.5
 #: A mode has a pattern of signs if it shows the pattern at this share of the crank angles.

@@ -74,12 +74,11 @@ def main() -> None:
         x = model.input(0.0, model.state(state.q, state.v), model.values(constants(scene)))
         code, interpreter, out = model._rates, model._rates.interpreter, np.empty_like(y)
         p, w = hand._at
-        from quickreturn.reference_model.model import KERNEL
-        from quickreturn.reference_model.motion.equations import evaluate
+        from quickreturn.reference_model.entries import KERNEL
 
-        equations = KERNEL.address
+        arguments = p.address, w.address, y.ctypes.data, out.ctypes.data, 0
         hand_time, code_time, interpreted = fastest([
-            lambda: evaluate(equations, p.address, w.address, y, out),  # noqa: B023
+            lambda: KERNEL(*arguments),  # noqa: B023
             lambda: code._call(*code._at),  # noqa: B023
             lambda: interpreter(x),  # noqa: B023
         ])  # fmt: skip

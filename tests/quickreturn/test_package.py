@@ -336,7 +336,7 @@ def test_without_an_estimate_the_table_is_the_same_and_nothing_is_claimed(place:
 
 
 def test_code_that_is_not_kept_is_said(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("quickreturn.reference_model.machine.machine_code.warning_if_not_kept", lambda: "compiled code cannot be kept here")
+    monkeypatch.setattr("quickreturn.reference_model.native.cache_folder.warning_if_not_kept", lambda: "compiled code cannot be kept here")
     with pytest.warns(UserWarning, match="cannot be kept"):
         qr.simulate("small.toml", "fake")
     monkeypatch.undo()

@@ -59,8 +59,8 @@ LANES: Mapping[str, Callable[..., Any]] = {
 }
 SOURCE = Source(
     modules=(plane, fields, loop, inertia, observe, equations),
-    no_equations=frozenset({"_factor", "_substitute", "kernel", "evaluate", "_observe_states", "observations"}),
-    stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "cache", "parameters_at", "workspace_at"), plain)
+    no_equations=frozenset({"_factor", "_substitute", "observe_states"}),
+    stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "cache", "parameters_at", "workspace_at"), plain)
     | {"state_at": lambda array, n, m: Parts.of(array)}
     | LANES,
     entry=dict,
@@ -100,7 +100,7 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     """All that the equations say, and what the slider's feedback adds."""
     p = state.model.parameters
     rate, rows, w = np.empty_like(y), np.zeros(1, ROW), workspace(p)
-    if functions["_kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, Parts.of(y), rows[0]):
+    if functions["kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, Parts.of(y), rows[0]):
         raise ValueError("the state cannot be")
     found = by_hand(state.model, w, rate, {name: values[0] for name, values in recorded_columns(rows, joint=True).items()})
     return found | {"feedback": rate[p.speeds] - w.facts.s_rate}
@@ -143,7 +143,7 @@ def _of_unobserved(state: State) -> Check:
     p, rate, expected = state.model.parameters, np.empty_like(state.y), state.expected["powers"][1]
 
     def ask(functions: Functions) -> Mapping[str, Any]:
-        functions["_kernel"](p, workspace(p), state.y, rate, 0)
+        functions["kernel"](p, workspace(p), state.y, rate, 0)
         return {"power": rate[2 * p.speeds + 2]}
 
     return Check(ask, {"power": (expected, TOLERANCE * abs(expected))})

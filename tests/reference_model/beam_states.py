@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.joint import Rollers
 from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, Mechanism, PrescribedSpeed, Slider, SpinUp, Tip
-from quickreturn.reference_model.model import KERNEL, BeamModel
-from quickreturn.reference_model.motion.equations import evaluate
+from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
 from tests.engines.scenes import INCH, run_24
@@ -60,7 +60,7 @@ def rates(model: BeamModel, y: Array) -> Array:
     """dy/dt by the compiled equations; fills the workspace."""
     rate = np.zeros_like(y)
     p, w = model._at
-    assert evaluate(KERNEL.address, p.address, w.address, y, rate)
+    assert KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0)
     return rate
 
 

@@ -22,7 +22,7 @@ from quickreturn.derive.system import column
 from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.layout import Tables, Workspace, state_size
+from quickreturn.reference_model.motion.layout import BeamTables, BeamWorkspace, state_size
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, ROLLERS, SliderConstraint
 from quickreturn.witness.description import UNITS, Follower, constants, follower, quick_return
@@ -322,7 +322,7 @@ def _carrier(scene: FollowerAlone) -> Mechanism:
     return replace(run_24(), base=scene.base, follower=scene.follower, tip=scene.tip, gravity=scene.gravity)
 
 
-def _alone(scene: FollowerAlone, tables: Tables, shapes: int) -> tuple[System, Follower]:
+def _alone(scene: FollowerAlone, tables: BeamTables, shapes: int) -> tuple[System, Follower]:
     """The follower alone: its base turns as prescribed (DERIVATION.md, equation 11.1), and the points stay where they are."""
     system = System("follower alone")
     p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
@@ -364,7 +364,7 @@ def _lever(system: System, arm: Follower, q: ca.SX) -> ca.SX:
     return turned(arm.angle, 0, 1).T @ way
 
 
-def _cell_at(tables: Tables, s: float) -> int:
+def _cell_at(tables: BeamTables, s: float) -> int:
     interval = min(max(int((s - tables.low) / tables.step), 0), len(tables.slider_cell) - 1)
     return int(tables.slider_cell[interval])
 
@@ -377,7 +377,7 @@ def of_free_speeds(G: Array, bias: Array, given: list[int], free: list[int]) -> 
     return B, rest
 
 
-def by_hand(model: BeamModel, w: Workspace, rate: Array, shown: Mapping[str, Any]) -> Values:
+def by_hand(model: BeamModel, w: BeamWorkspace, rate: Array, shown: Mapping[str, Any]) -> Values:
     """What the hand-derived model says of the state that filled a workspace last, by the names of `DerivedBeam.expected`.
 
     Args:

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, recorded_columns
 from quickreturn.reference_model.compiled_state import state_of
-from quickreturn.reference_model.machine.compilation import compiled
-from quickreturn.reference_model.machine.memory import Placed
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
+from quickreturn.reference_model.native.compilation import compiled
+from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
 from quickreturn.reference_model.thesis import equations as thesis_equations
 from quickreturn.reference_model.thesis import kinematics
 from quickreturn.reference_model.thesis.dynamics import evaluate
 from quickreturn.reference_model.thesis.parameters import (
-    Parameters,
-    Workspace,
+    ThesisParameters,
+    ThesisWorkspace,
     build_parameters,
     build_workspace,
     parameters_at,
@@ -52,7 +52,7 @@ def _evaluate(parameters: int, workspace: int, y: Array) -> tuple[bool, kinemati
 
 
 def _by_address(function: Callable[..., Any]) -> Callable[..., Any]:
-    def call(p: Parameters, w: Workspace, *arrays: Array) -> Any:
+    def call(p: ThesisParameters, w: ThesisWorkspace, *arrays: Array) -> Any:
         at = Placed(p), Placed(w)
         return function(at[0].address, at[1].address, *arrays)
 
@@ -107,13 +107,13 @@ def mechanism_of(parameters: Mapping[str, float]) -> Mechanism:
         raise ValueError("draw a case whose crank can turn") from error
 
 
-def build(parameters: Mapping[str, float], *, elements: int = 1, exact: bool = False, cells: int = 0) -> tuple[Parameters, ShapeSet]:
+def build(parameters: Mapping[str, float], *, elements: int = 1, exact: bool = False, cells: int = 0) -> tuple[ThesisParameters, ShapeSet]:
     """Parameters of the equations with Hermite elements, and their shapes."""
     shapes = hermite_elements(parameters["length"], elements)
     return build_parameters(mechanism_of(parameters), shapes, exact_geometry=exact, cells=cells), shapes
 
 
-def state_vector(p: Parameters, crank: Mapping[str, float], eta: Array, eta_rate: Array) -> Array:
+def state_vector(p: ThesisParameters, crank: Mapping[str, float], eta: Array, eta_rate: Array) -> Array:
     y = np.zeros(state_size(p))
     y[0], y[p.n + 1] = crank["crank_angle"], crank["crank_speed"]
     y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2] = eta, eta_rate
@@ -126,7 +126,7 @@ def flexible(state: Mapping[str, float]) -> tuple[Array, Array]:
     return value, np.array([state["tip_deflection_rate"], state["tip_slope_rate"]])
 
 
-def computed(equations: Equations, p: Parameters, y: Array) -> Values:
+def computed(equations: Equations, p: ThesisParameters, y: Array) -> Values:
     """What the thesis' model says about the state `y`.
 
     Raises:

@@ -11,7 +11,7 @@ from numba import types
 from numpy.polynomial.polynomial import polyval
 
 from quickreturn.reference_model import dop853, integrate
-from quickreturn.reference_model.machine.pointers import numbers_at
+from quickreturn.reference_model.native.pointers import numbers_at
 from quickreturn.reference_model.splines import spline_coefficients
 
 

@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, ImpossibleMechanism, SpinUp, Tip
-from quickreturn.reference_model.model import KERNEL, BeamModel
-from quickreturn.reference_model.motion.equations import evaluate
+from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.shapes import hermite_elements
 from quickreturn.reference_model.spin_up import base_motion
@@ -107,7 +107,7 @@ def test_accelerations_and_torque_balance_in_every_virtual_displacement() -> Non
     y[0], y[1 : n + 1], y[n + 3 : 2 * n + 3] = t, eta, eta_rate
     rate = np.empty_like(y)
     p, w = model._at
-    assert evaluate(KERNEL.address, p.address, w.address, y, rate)
+    assert KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0)
     eta_acceleration = rate[n + 3 : 2 * n + 3]
     theta, theta_rate, _ = base_motion(scene.spin_up.speed, scene.spin_up.time, t)
 

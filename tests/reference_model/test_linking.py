@@ -12,8 +12,8 @@ import numba
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.machine import linking, objects
-from quickreturn.reference_model.machine.compilation import FASTMATH
+from quickreturn.reference_model.native import linking, objects
+from quickreturn.reference_model.native.compilation import FASTMATH
 from tests.package_copy import copied_package
 
 #: Prints what engines make of a vibrating start, to the last bit. The models' code is compiled in several ways.

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from quickreturn.reference_model.imported_modules import modules_in, names_imported
-from quickreturn.reference_model.machine.machine_code import compiled_sources
+from quickreturn.reference_model.native.cache_folder import compiled_sources
 from tests.package_copy import copied_package
 
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
@@ -31,10 +31,10 @@ assert any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nbi"))
 """
 TELLS = """
 import os
-from quickreturn.reference_model.machine import machine_code
-print(os.environ["NUMBA_CACHE_DIR"], machine_code.warning_if_not_kept(), sep="|")
+from quickreturn.reference_model.native import cache_folder
+print(os.environ["NUMBA_CACHE_DIR"], cache_folder.warning_if_not_kept(), sep="|")
 """
-DECORATORS = "quickreturn.reference_model.machine.compilation"
+DECORATORS = "quickreturn.reference_model.native.compilation"
 SMALL = f"from {DECORATORS} import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
 
 
@@ -110,7 +110,7 @@ HASHES = """
 import json, sys
 from pathlib import Path
 from quickreturn.reference_model.imported_modules import text_of
-from quickreturn.reference_model.machine.machine_code import source_hash
+from quickreturn.reference_model.native.cache_folder import source_hash
 print(source_hash())
 for file, before, after, _ in json.loads(sys.argv[1]):
     text = Path(file).read_text()

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.reference_model.integrate import LOOP
-from quickreturn.reference_model.machine import objects
-from quickreturn.reference_model.machine.objects import Entry
-from quickreturn.reference_model.model import KERNEL, OBSERVATIONS, BeamModel
+from quickreturn.reference_model.entries import KERNEL, LOOP, OBSERVATIONS
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.native import objects
+from quickreturn.reference_model.native.objects import Entry
 from tests.engines.scenes import run_24
 
 #: A few steps of run 24 by objects, then a function that the compiler makes, with an exception; prints what was imported.
@@ -46,7 +46,7 @@ def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Entry:
     """The integrator's loop, its object where a test may damage it."""
     shutil.copy(LOOP._path, tmp_path)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    return Entry(LOOP._home, LOOP._arguments)
+    return Entry(LOOP._source, LOOP._arguments)
 
 
 def test_a_run_needs_no_compiler_and_leaves_it_unharmed() -> None:

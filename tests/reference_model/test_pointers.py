@@ -6,9 +6,9 @@ import numba
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.machine.compilation import compiled
-from quickreturn.reference_model.machine.memory import ComplexVector, Cube, Matrix, Placed, Vector
-from quickreturn.reference_model.machine.pointers import reader, tuple_type
+from quickreturn.reference_model.native.compilation import compiled
+from quickreturn.reference_model.native.memory import ComplexVector, Cube, Matrix, Placed, Vector
+from quickreturn.reference_model.native.pointers import reader, tuple_type
 
 FACTS = np.dtype((np.record, [("whole", np.int64), ("part", np.float64)]))
 

@@ -11,7 +11,7 @@ from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.beam.tables import slider_range, span_tables
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.layout import ShapeRow, Tables
+from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import INCH, run_24
@@ -122,14 +122,14 @@ def test_signs_do_not_jump(mechanism: Mechanism) -> None:
         assert np.all(np.sum(before * after, axis=0) > 0.9 * np.sum(before**2, axis=0))
 
 
-def rows_at(t: Tables, s: Array) -> Array:
+def rows_at(t: BeamTables, s: Array) -> Array:
     interval = np.clip(((s - t.low) / t.step).astype(int), 0, len(t.coefficients) - 1)
     ds = (s - t.low - interval * t.step)[:, None]
     c = t.coefficients[interval]
     return ((c[:, 0] * ds + c[:, 1]) * ds + c[:, 2]) * ds + c[:, 3]
 
 
-def table_error(t: Tables, family: ModeFamily, s: Array, modes: int) -> list[float]:
+def table_error(t: BeamTables, family: ModeFamily, s: Array, modes: int) -> list[float]:
     """Largest error of psi and its two derivatives on both spans, relative to the largest value."""
     rows, places, worst = rows_at(t, s), 2 * t.cell_size, []
     kept = np.concatenate([np.arange(t.gauss_points + 1), t.cell_size + np.arange(t.gauss_points + 1)])
@@ -176,9 +176,9 @@ def test_rows_of_tables_hold_what_they_name(name: str) -> None:
         x = begin[:, None] + row.length[:, None] * np.append(t.u, 1.0)
         places = (np.arange(t.cells)[:, None] * t.cell_size + np.arange(t.gauss_points + 1)).ravel()
         psi, psi_s = model._shapes(s, x.ravel())
-        close(row.shape[:, places].T, psi, within)
+        close(row.psi_i[:, places].T, psi, within)
         if t.moves:
-            close(row.shape_s[:, places].T, psi_s, within)
+            close(row.psi_i_s[:, places].T, psi_s, within)
         inner = begin[:, None] + row.length[:, None] * 0.5 * (gauss + 1.0)
         angles = model._shapes(s, inner.ravel())[0].reshape(t.cells, 24, n).transpose(1, 0, 2).reshape(24, -1)
         series = np.polynomial.legendre.legder(np.polynomial.legendre.legfit(gauss, angles, 23))

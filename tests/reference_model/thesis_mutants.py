@@ -10,7 +10,7 @@ from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis import dynamics, equations, kinematics, observables
-from quickreturn.reference_model.thesis.parameters import Parameters, build_parameters
+from quickreturn.reference_model.thesis.parameters import ThesisParameters, build_parameters
 from tests.reference_model.mutation import Hunt, Source, plain
 from tests.reference_model.oracle_scene import (
     Array,
@@ -40,7 +40,7 @@ SOURCE = Source(
             "_no_slider",
         }
     ),
-    stand_ins=dict.fromkeys(("compiled", "inlined", "stage", "parameters_at", "workspace_at"), plain)
+    stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "parameters_at", "workspace_at"), plain)
     | {"state_of": lambda y, n: State.of(y, slider=False)},
     entry=lambda defined: Equations(
         lambda p, w, y: defined["evaluate"](p, w, State.of(y, slider=False)),
@@ -62,7 +62,7 @@ EQUIVALENT = {
 class Check:
     """One state with all optional parts on, and what the computer's derivation says about it."""
 
-    parameters: Parameters
+    parameters: ThesisParameters
     shapes: ShapeSet
     state: Array
     expected: Values

@@ -15,7 +15,7 @@ from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.results.differences import Summary, differences, summary_of
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.thesis.axes import axis_comparisons, fits_worse
-from quickreturn.reports.thesis.conclusions import ACCURATE, ALIKE, CANNOT_FOLLOW, HOLDS, IN_PART, NOT, OUTCOMES, Conclusion
+from quickreturn.reports.thesis.conclusions import ACCURATE, CANNOT_FOLLOW, HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion
 from quickreturn.reports.thesis.data import ThesisData
 from quickreturn.reports.thesis.effects import effect_facts, symmetric_effects_differ
 from quickreturn.reports.thesis.raw_extremes import Excess, counted_excess
@@ -93,7 +93,7 @@ def _stiffness(ratios: Mapping[str, Sequence[float]]) -> str:
     """How stiff the single cubic is in both halves."""
     pre, post = (float(np.median(ratios[half])) for half in HALVES)
     stiff = "stiff" if pre - 1.0 + post - 1.0 > 0.0 else "soft"
-    alike = " alike" if abs(post - pre) < ALIKE * abs(pre - 1.0) else ""
+    alike = " alike" if abs(post - pre) < SAME_EFFECT * abs(pre - 1.0) else ""
     return (
         f"Its one cubic is too {stiff} before and after the return{alike} ({number(pre, '.2f')} and {number(post, '.2f')} times the"
         f" converged frequency, medians of {len(ratios['pre'])} and {len(ratios['post'])} runs that resolve it)"

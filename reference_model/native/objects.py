@@ -8,10 +8,9 @@ import ctypes
 import hashlib
 import os
 import secrets
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import cache, cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,7 +18,7 @@ import llvmlite
 import llvmlite.binding as llvm
 import numpy as np
 
-from quickreturn.reference_model.machine import machine_code
+from quickreturn.reference_model.native import cache_folder
 
 _ARGUMENTS: Final[dict[str, Any]] = {"i": ctypes.c_int64, "f": ctypes.c_double}
 #: An entry in the table of symbols of an object (ELF, 64 bit); one in section 0 is defined elsewhere.
@@ -32,12 +31,15 @@ class Entry:
     """A compiled function of numbers, and of arrays by their addresses, that returns a whole number.
 
     Args:
-        home: "module:function"; the function returns the compiled one, a `numba.cfunc`.
+        source: imports the function to compile, and with it the compiler, and returns it; the object is called as this is.
         arguments: a letter for each argument: "i" for a whole number or an address, "f" for a number.
+        beside: a context in which the function is compiled.
     """
 
-    def __init__(self, home: str, arguments: str) -> None:
-        self._home, self._arguments = home, arguments
+    def __init__(
+        self, source: Callable[[], Callable[..., int]], arguments: str, beside: Callable[[], AbstractContextManager[Any]] = nullcontext
+    ) -> None:
+        self._source, self._arguments, self._beside = source, arguments, beside
 
     @cached_property
     def address(self) -> int:
@@ -56,8 +58,10 @@ class Entry:
 
     def compiled(self) -> int:
         """Its address, from the compiler; where that has compiled it just now, the object is kept."""
-        module, _, name = self._home.partition(":")
-        function = getattr(import_module(module), name)()
+        from quickreturn.reference_model.native.compilation import entry
+
+        with self._beside():
+            function = entry(self._source(), self._arguments)
         with suppress(AttributeError, RuntimeError, OSError):  # another numba, code from its cache, or a full disk: nothing is kept
             code, written = function._library._get_compiled_object(), self._path.with_suffix(f".{secrets.token_hex(4)}.part")
             written.write_bytes(f"{hashlib.sha256(code).hexdigest()} {function.native_name}\n".encode() + code)
@@ -66,13 +70,13 @@ class Entry:
 
     @property
     def _path(self) -> Path:
-        return Path(os.environ[machine_code.VARIABLE]) / f"{self._home.rpartition(':')[2]}-{_made_for()}.object"
+        return Path(os.environ[cache_folder.VARIABLE]) / f"{self._source.__module__}.{self._source.__name__}-{_made_for()}.object"
 
 
 @cache
 def _made_for() -> str:
     """A hash of the sources, of LLVM's version and of the processor."""
-    made_for = machine_code.source_hash(), llvmlite.__version__, llvm.get_default_triple(), llvm.get_host_cpu_name()
+    made_for = cache_folder.source_hash(), llvmlite.__version__, llvm.get_default_triple(), llvm.get_host_cpu_name()
     return hashlib.sha256(" ".join((*made_for, llvm.get_host_cpu_features().flatten())).encode()).hexdigest()[:16]
 
 

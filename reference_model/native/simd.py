@@ -6,7 +6,7 @@ import llvmlite.ir as ir
 from numba import types
 from numba.extending import models, register_model
 
-from quickreturn.reference_model.machine.pointers import MEMBERS, intrinsic
+from quickreturn.reference_model.native.pointers import MEMBERS, intrinsic
 
 _VECTOR = ir.VectorType(ir.DoubleType(), 4)
 _FAST = ("reassoc", "contract", "nsz", "arcp")

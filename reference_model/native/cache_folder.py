@@ -24,7 +24,7 @@ _PACKAGE: Final = Path(__file__).resolve().parents[1]
 _OURS: Final = "quickreturn-"
 _TEMPORARY: Final = "-temporary-"
 #: Imports of a module whose functions are compiled: of the compiler, or of this package's decorators for it.
-_COMPILES: Final = re.compile(rb"^(?:from|import) (?:numba\b|quickreturn\.reference_model\.machine\.compilation\b)", re.MULTILINE)
+_COMPILES: Final = re.compile(rb"^(?:from|import) (?:numba\b|quickreturn\.reference_model\.native\.compilation\b)", re.MULTILINE)
 
 
 def choose_cache_folder() -> None:

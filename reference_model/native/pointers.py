@@ -13,7 +13,7 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
 from numba.np.arrayobj import make_array, populate_array
 
-from quickreturn.reference_model.machine.memory import annotations_of
+from quickreturn.reference_model.native.memory import annotations_of
 
 intrinsic: Any = extending.intrinsic  # its type hints count the compiler's own argument
 
