@@ -261,10 +261,6 @@ class BeamModel:
         squares = np.sort(np.abs(self._frozen_squares(crank_angle)))
         return np.asarray(np.sqrt(squares[:count]) / (2.0 * np.pi), dtype=np.float64)
 
-    def growth_rates(self, crank_angle: float) -> Array:
-        """Growth rates (1/s) of the vibrations of `natural_frequencies`, one per pair of roots: zero where the constraint does no work."""
-        return np.asarray(np.abs(np.real(np.sqrt(-self._frozen_squares(crank_angle).astype(complex)))), dtype=np.float64)
-
     def mass_matrix(self) -> Array:
         """Mass matrix of the state evaluated last, shape (free speeds, free speeds)."""
         lower = self.workspace.M[self.parameters.first :, self.parameters.first :]

@@ -150,18 +150,6 @@ def _by_slow_modes(whole: PoincareMap, guess: Array) -> _Begin:
     return _Begin(found.state, found.cycle.passage.duration, jacobian, found.steps, slow.cycles, slow.calls)
 
 
-def floquet_multipliers(model: BeamModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> NDArray[np.complex128]:
-    """All 2 n + 1 multipliers (2 n with prescribed speed) of the whole model, largest modulus first; each costs a cycle.
-
-    Raises:
-        NoPeriodicOrbit: the state is not one of a cycle.
-    """
-    try:
-        return eigenvalues(_jacobian(_Cycle.of(PoincareMap(model, integration), orbit.state, orbit.period)))
-    except CycleBroken as broken:
-        raise NoPeriodicOrbit(str(broken)) from broken
-
-
 def largest_multiplier(model: BeamModel, orbit: PeriodicOrbit, integration: float = 1e-9) -> complex:
     """The largest multiplier of the slow quantities, by derivatives of the whole model along their eigenvector (equation 10.14).
 

@@ -132,7 +132,7 @@ def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48
     s, q2, alpha = motion.slider_position, motion.follower_angle, motion.follower_acceleration
     across = np.cos(q2) * mechanism.gravity[1] - np.sin(q2) * mechanism.gravity[0]
     at_tip = tip.mass * (across - (L + tip.center_of_mass) * alpha)
-    tool = _tool_across(mechanism, q1, q2)
+    tool = tool_across(mechanism, q1, q2)
     deflection = force * s**2 * (3.0 * L - s) / 6.0
     deflection += rhoA * L**4 * (across / 8.0 - 11.0 * L * alpha / 120.0)
     deflection += (at_tip + tool) * L**3 / 3.0 + (at_tip * tip.center_of_mass - tip.inertia * alpha) * L**2 / 2.0
@@ -154,7 +154,7 @@ def rigid_kinetostatics(
     q1, q2 = np.asarray(crank_angle, dtype=float), motion.follower_angle
     inertia += slider.inertia  # the slider turns with the follower
     about_P = inertia * motion.follower_acceleration + pivot_torque(mechanism.base, motion.follower_speed)
-    about_P -= moment * (np.cos(q2) * g2 - np.sin(q2) * g1) + mechanism.follower.length * _tool_across(mechanism, q1, q2)
+    about_P -= moment * (np.cos(q2) * g2 - np.sin(q2) * g1) + mechanism.follower.length * tool_across(mechanism, q1, q2)
     force = about_P / motion.slider_position
     damping = getattr(crank.drive, "damping", 0.0)
     about_O = mechanism.crank_inertia * np.asarray(crank_acceleration) + damping * np.asarray(crank_speed)
@@ -163,49 +163,7 @@ def rigid_kinetostatics(
     return force, about_O + force * crank.length * np.cos(q1 - q2)
 
 
-def rigid_bearing_forces(
-    mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
-) -> tuple[Array, Array]:
-    """Forces (N) of the ground on the follower's base at P and on the crank at O for a given motion, equation 9.10.
-
-    Arguments as of `rigid_motion`.
-
-    Returns:
-        Two arrays of shape (2, *that of the crank angle): components along n1 and n2.
-    """
-    motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
-    force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]
-    q1, gravity = np.asarray(crank_angle, dtype=float), complex(*mechanism.gravity)
-    along, arm = np.exp(1j * motion.follower_angle), np.exp(1j * q1)
-    mass = mechanism.follower.mass + mechanism.tip_body.mass
-    tool = tip_force(mechanism.tip_body, q1)
-    swing = 1j * motion.follower_acceleration - motion.follower_speed**2
-    at_pivot = (follower_inertia(mechanism)[1] * swing - 1j * force) * along - mass * gravity - (tool[0] + 1j * tool[1])
-    swing = 1j * np.asarray(crank_acceleration) - np.square(crank_speed)
-    at_crank = mechanism.crank_moment * swing * arm + 1j * force * along - mechanism.crank_mass * gravity
-    return np.array([at_pivot.real, at_pivot.imag]), np.array([at_crank.real, at_crank.imag])
-
-
-def rigid_bending_moment(
-    mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
-) -> Array:
-    """Bending moment (N m) at the arc length `place` (m) for a given motion, from the loads outboard of it, equation 9.11.
-
-    The other arguments are as of `rigid_motion`.
-    """
-    motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
-    force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]
-    beam, tip, q1 = mechanism.follower, mechanism.tip_body, np.asarray(crank_angle, dtype=float)
-    q2, alpha, beyond = motion.follower_angle, motion.follower_acceleration, beam.length - place
-    across = np.cos(q2) * mechanism.gravity[1] - np.sin(q2) * mechanism.gravity[0]
-    moment = 0.5 * beam.mass_per_length * beyond**2 * (across - (2.0 * beam.length + place) / 3.0 * alpha)
-    moment += tip.mass * (across - (beam.length + tip.center_of_mass) * alpha) * (beyond + tip.center_of_mass) - tip.inertia * alpha
-    moment += _tool_across(mechanism, q1, q2) * beyond
-    inboard = force * (motion.slider_position - place) - mechanism.slider.inertia * alpha
-    return np.asarray(moment + np.where(place < motion.slider_position, inboard, 0.0))
-
-
-def _tool_across(mechanism: Mechanism, crank_angle: Array, follower_angle: Array) -> Array:
+def tool_across(mechanism: Mechanism, crank_angle: Array, follower_angle: Array) -> Array:
     """Force on the tip along the follower's normal, N."""
     force = tip_force(mechanism.tip_body, crank_angle)
     return np.asarray(np.cos(follower_angle) * force[1] - np.sin(follower_angle) * force[0])

@@ -15,7 +15,6 @@ from quickreturn.reference_model.moving_boundaries.equations import MovingBounda
 from quickreturn.reference_model.moving_boundaries.observables import observables
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.native.objects import Entry
-from quickreturn.reference_model.periodic import eigenvalues
 from quickreturn.reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
 from quickreturn.reference_model.state import State
 
@@ -109,23 +108,6 @@ class MovingBoundariesModel:
         """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
         scales, rate = self._scales(y, tolerance), pace(self.scene, self.shapes)
         return dop853(self.equations, y, output_step, intervals, scales, self._shapes.reach, rate, first_step)
-
-    def multipliers(self, crank_speed: float, tolerance: float = 1e-9) -> NDArray[np.complex128]:
-        """Eigenvalues of the monodromy matrix of a turn (equation 5.4), largest modulus first, shape (2 n,).
-
-        Args:
-            crank_speed: rad/s.
-            tolerance: of the integration.
-        """
-        straight = self.straight_state(np.pi, crank_speed)
-        places = State.of(np.arange(len(straight)), slider=False)
-        free = np.concatenate([places.eta, places.eta_rate])
-        scales = self._scales(straight, tolerance)
-        sizes, starts = scales[free] / tolerance, np.tile(straight, (1 + len(free), 1))
-        starts[1:, free] = np.diag(sizes)
-        turn, rate = 2.0 * np.pi / abs(crank_speed), pace(self.scene, self.shapes)
-        ends = np.array([dop853(self.equations, y, turn, 1, scales, np.inf, rate).states[-1, free] for y in starts])
-        return eigenvalues((ends[1:] - ends[0]).T / sizes[:, None])
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, 2 n + 4), each of shape (k,), by the names in `reference_model.columns`."""

@@ -17,6 +17,7 @@ from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.rigid import crank_pace
+from tests.reference_model.multipliers import linear_multipliers
 
 COLUMNS = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 
@@ -68,7 +69,7 @@ def stability_table(mechanism: Mechanism, speeds: Sequence[float], modes: int = 
     }
     rows = []
     for speed in speeds:
-        row = {"speed": speed} | {name: float(np.abs(model.multipliers(speed, 1e-8)[0])) for name, model in models.items()}
+        row = {"speed": speed} | {name: float(np.abs(linear_multipliers(model, speed, 1e-8)[0])) for name, model in models.items()}
         rows.append(row | ({"reference": _exact(at_speed(mechanism, speed))} if exact else {}))
     return pd.DataFrame(rows)
 

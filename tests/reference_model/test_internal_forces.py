@@ -10,11 +10,12 @@ import pytest
 from quickreturn.reference_model.columns import BENDING, MOMENTS, PLACES
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.rigid import rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip_force import tip_force
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, run
+from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 from tests.reference_model.thesis_runs import rigid
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(12)

@@ -19,6 +19,7 @@ from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array, balance, run
 from tests.reference_model.moving_support import monodromy
+from tests.reference_model.multipliers import linear_multipliers
 
 SPEED = 10.0 / 0.60176535  # rad/s, of run 24
 UNDAMPED: dict[str, Any] = {"base": {"damping": 0.0}, "follower": {"damping": 0.0}}
@@ -276,17 +277,19 @@ def test_determinant_of_the_monodromy_matrix_is_liouvilles() -> None:
         base = row[t.BASE * n :][:n]
         trace += float(model.parameters.beam_damping * np.trace(drag) + model.parameters.base_damping * base @ base) / len(angles)
     expected = math.exp(-trace * 2.0 * math.pi / SPEED)
-    assert np.prod(model.multipliers(SPEED)).real == pytest.approx(expected, rel=1e-6)
+    assert np.prod(linear_multipliers(model, SPEED)).real == pytest.approx(expected, rel=1e-6)
 
 
 def test_elements_on_a_moving_spring_have_the_same_multipliers() -> None:
     """Another formulation of the same beam: elements that stay, and a spring at the support, whose softness is most of what differs."""
     scene = turning(**UNDAMPED)
-    largest = MovingBoundariesModel(scene, 4, False).multipliers(66.0)[0]
+    largest = linear_multipliers(MovingBoundariesModel(scene, 4, False), 66.0)[0]
     assert abs(largest) == pytest.approx(np.max(np.abs(np.linalg.eigvals(monodromy(scene, 66.0, foreshortening=False)))), abs=2e-3)
     assert abs(largest) > 1.09
     others = np.linalg.eigvals(monodromy(scene, 66.0, foreshortening=True))
     # all have the modulus 1, so that their order is that of rounding; two modes are as good as the spring, two others feel the truncation
-    missed = np.sort([np.min(np.abs(others - multiplier)) for multiplier in MovingBoundariesModel(scene, 4, True).multipliers(66.0)])
+    missed = np.sort(
+        [np.min(np.abs(others - multiplier)) for multiplier in linear_multipliers(MovingBoundariesModel(scene, 4, True), 66.0)]
+    )
     assert np.all(missed[:4] < 2e-3)
     assert np.all(missed < 3e-2)

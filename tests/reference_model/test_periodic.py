@@ -13,11 +13,11 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.periodic import (
     NoPeriodicOrbit,
     PeriodicOrbit,
-    floquet_multipliers,
     largest_multiplier,
     periodic_orbit,
 )
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
+from tests.reference_model.multipliers import floquet_multipliers
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,8 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.engines.trajectory import OPTIONAL, REQUIRED
 from quickreturn.reference_model.columns import MOMENTS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.rigid import RigidMotion, rigid_bearing_forces, rigid_bending_moment, rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.rigid import RigidMotion, rigid_kinetostatics, rigid_motion
+from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 
 ENGINES = ("thesis", "reference", "exudyn", "mujoco")
 STIFFER = {"thesis": 1.13, "reference": 1.0, "exudyn": 1.002, "mujoco": 0.997}  # first mode over the reference's

@@ -16,8 +16,8 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.periodic import floquet_multipliers
 from quickreturn.reference_model.scene_values import changed
+from tests.reference_model.multipliers import floquet_multipliers
 
 RPM = math.pi / 30.0
 NAMES = ("peak.tip_acceleration", "rms.strain_2", "min.slider_force", "peak.stress", "peak.crank_force", "multiplier", "turn.drive_work")

@@ -1,0 +1,52 @@
+"""Loads on the rigid mechanism in closed form (reference_model/DERIVATION.md, section 9): a witness of the models' internal forces."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.rigid import follower_inertia, rigid_kinetostatics, rigid_motion, tool_across
+from quickreturn.reference_model.tip_force import tip_force
+
+Array = NDArray[np.float64]
+
+
+def rigid_bearing_forces(
+    mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
+) -> tuple[Array, Array]:
+    """Forces (N) of the ground on the follower's base at P and on the crank at O for a given motion, equation 9.10.
+
+    Arguments as of `rigid_motion`.
+
+    Returns:
+        Two arrays of shape (2, *that of the crank angle): components along n1 and n2.
+    """
+    motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
+    force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]
+    q1, gravity = np.asarray(crank_angle, dtype=float), complex(*mechanism.gravity)
+    along, arm = np.exp(1j * motion.follower_angle), np.exp(1j * q1)
+    mass = mechanism.follower.mass + mechanism.tip_body.mass
+    tool = tip_force(mechanism.tip_body, q1)
+    swing = 1j * motion.follower_acceleration - motion.follower_speed**2
+    at_pivot = (follower_inertia(mechanism)[1] * swing - 1j * force) * along - mass * gravity - (tool[0] + 1j * tool[1])
+    swing = 1j * np.asarray(crank_acceleration) - np.square(crank_speed)
+    at_crank = mechanism.crank_moment * swing * arm + 1j * force * along - mechanism.crank_mass * gravity
+    return np.array([at_pivot.real, at_pivot.imag]), np.array([at_crank.real, at_crank.imag])
+
+
+def rigid_bending_moment(
+    mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
+) -> Array:
+    """Bending moment (N m) at the arc length `place` (m) for a given motion, from the loads outboard of it, equation 9.11.
+
+    The other arguments are as of `rigid_motion`.
+    """
+    motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
+    force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]
+    beam, tip, q1 = mechanism.follower, mechanism.tip_body, np.asarray(crank_angle, dtype=float)
+    q2, alpha, beyond = motion.follower_angle, motion.follower_acceleration, beam.length - place
+    across = np.cos(q2) * mechanism.gravity[1] - np.sin(q2) * mechanism.gravity[0]
+    moment = 0.5 * beam.mass_per_length * beyond**2 * (across - (2.0 * beam.length + place) / 3.0 * alpha)
+    moment += tip.mass * (across - (beam.length + tip.center_of_mass) * alpha) * (beyond + tip.center_of_mass) - tip.inertia * alpha
+    moment += tool_across(mechanism, q1, q2) * beyond
+    inboard = force * (motion.slider_position - place) - mechanism.slider.inertia * alpha
+    return np.asarray(moment + np.where(place < motion.slider_position, inboard, 0.0))
