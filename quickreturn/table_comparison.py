@@ -66,8 +66,8 @@ class TableComparison(Shown):
             return f"{self.name} could not be judged: {silent or self.run.remark or self.result.with_tables.reason}"
         others = " and ".join(dict.fromkeys(check.other for check in self.missed or self.rows))
         if not self.missed:
-            silent = agreement(self.rows)["says_nothing"]
-            told = f"; {silent} of them say nothing, for more is claimed than {SAYS_NOTHING}" if silent else ""
+            count = agreement(self.rows)["says_nothing"]
+            told = f"; {count} of them say nothing, for more is claimed than {SAYS_NOTHING}" if count else ""
             return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons{told}"
         return f"{self.name} departs from {others} by more than is claimed in {len(self.missed)} of {len(self.rows)} comparisons"
 
