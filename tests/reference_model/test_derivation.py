@@ -11,6 +11,8 @@ PACKAGE = Path(reference_model.__file__).parent
 #: Models with a document of their own: their files cite that one, all others the main one.
 OWN = (PACKAGE / "thesis", PACKAGE / "moving_boundaries")
 ENGINES = Path(engines.__file__).parent
+#: Closed forms of a document that tests alone use.
+IN_TESTS = {PACKAGE: "rigid_loads.py", PACKAGE / "moving_boundaries": "multipliers.py"}
 NUMBER = r"(\d+)\.(\d+)"
 CITATION = re.compile(rf"(thesis,\s+)?[Ee]quations?\s+((?:{NUMBER}(?:,\s+|\s+and\s+|\s+to\s+)?)+)")
 Equation = tuple[int, int]
@@ -39,9 +41,11 @@ def numbered(text: str) -> list[Equation]:
 
 def files(folder: Path) -> list[Path]:
     """Those that cite the folder's document."""
+    in_tests = [Path(__file__).with_name(IN_TESTS[folder])] if folder in IN_TESTS else []
     if folder in OWN:
-        return sorted(folder.rglob("*.py"))
-    return [path for path in sorted([*PACKAGE.rglob("*.py"), *ENGINES.rglob("*.py")]) if not set(OWN) & set(path.parents)]
+        return [*sorted(folder.rglob("*.py")), *in_tests]
+    product = sorted([*PACKAGE.rglob("*.py"), *ENGINES.rglob("*.py")])
+    return [path for path in product if not set(OWN) & set(path.parents)] + in_tests
 
 
 def everything_cited(folder: Path) -> set[Equation]:
