@@ -131,7 +131,7 @@ def _worker_for(job: Job[Any], preload: Sequence[str]) -> "_Worker":
     while _may_share(job) and _waiting:
         with _LOCK:
             worker = _waiting.pop() if _waiting else None
-        if worker is not None and worker.alive():
+        if worker is not None and worker.takes_another():
             return worker
         if worker is not None:
             worker.end()
@@ -172,13 +172,13 @@ class _Worker:
                 self._process.kill()
                 return self._ended(failure="stopped" if time.monotonic() < deadline else f"{STOPPED} of {limits.seconds:g} s")
 
-    def alive(self) -> bool:
-        """Whether the process can take another job."""
-        return self._guarded and not connection.wait([self._process.sentinel], 0.0)
+    def takes_another(self) -> bool:
+        """Whether the process can take another job; the pipe of orders is ready once the process is dead, the sentinel some time later."""
+        return self._guarded and not connection.wait([self._process.sentinel, self._orders], 0.0)
 
     def end(self) -> None:
         """End the process and close its pipes."""
-        if self.alive() or not self._guarded:
+        if not self._guarded or not connection.wait([self._process.sentinel], 0.0):
             self._process.kill()
         self._process.close()
 

@@ -181,9 +181,11 @@ def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
     first = next(outcomes).value
     assert next(outcomes).completed
     assert next(outcomes).value == first
-    process = isolated(brief("one", PID), preload=PRELOAD).value
+    process, server = isolated(brief("one", f"{PID}, __import__('os').getppid()"), preload=PRELOAD).value
+    os.kill(server, signal.SIGSTOP)  # it does not report the death before the next job comes
     os.kill(process, signal.SIGKILL)
     assert gone(process)
+    threading.Timer(0.3, os.kill, (server, signal.SIGCONT)).start()
     assert isolated(brief("two", "7"), preload=PRELOAD).value == 7
     end_waiting()
 
