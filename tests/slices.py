@@ -37,7 +37,6 @@ LONGEST = (
     "test_page_in_a_browser",
     "test_documents",
     "test_plots",
-    "test_processes",
     "test_command_line",
     "test_compare",
     "test_conformance",
