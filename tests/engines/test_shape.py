@@ -41,7 +41,7 @@ def test_engines_draw_the_same_line() -> None:
     mechanism = run_24()
     lines = {}
     for name in ("reference", "mujoco", "exudyn"):
-        result = simulate(engine(name), mechanism, standard_start(mechanism), 0.4, 1e-3)
+        result = simulate(engine(name), mechanism, standard_start(mechanism), 0.4, 1e-3, accuracy=1e-2 if name == "exudyn" else None)
         lines[name] = shape(result.trajectory), result.error_estimates["tip_deflection"]
     ours, own = lines.pop("reference")
     for name, (line, estimate) in lines.items():

@@ -76,7 +76,7 @@ def test_the_work_of_the_force_is_accounted_for(name: str) -> None:
 
 def test_engines_agree_about_a_force_within_what_they_claim() -> None:
     mechanism = run_24(tip={**CUTTING, "force": (-1.0, 0.5)})
-    runs = {name: run(name, mechanism) for name in ("reference", "mujoco", "exudyn")}
+    runs = {name: run(name, mechanism, accuracy=1e-2 if name == "exudyn" else None) for name in ("reference", "mujoco", "exudyn")}
     ours = runs["reference"]
     for name in ("mujoco", "exudyn"):
         for column, estimate in runs[name].error_estimates.items():
