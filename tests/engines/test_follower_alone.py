@@ -25,7 +25,7 @@ DURATION, STEP = 1.2, 0.01
 
 
 def run(name: str, **settings: str) -> FollowerTrajectory:
-    trajectory = simulate_scene(engine(name), SCENE, DURATION, STEP, settings).trajectory
+    trajectory = simulate_scene(engine(name), SCENE, DURATION, STEP, settings, estimate=False).trajectory
     assert isinstance(trajectory, FollowerTrajectory)
     return trajectory
 

@@ -28,7 +28,7 @@ CASE = load_case("thesis-24")
 @pytest.fixture(scope="module")
 def trajectory() -> Trajectory:
     """Half a second of run 24: more than one turn."""
-    return simulate_scene(engine("reference"), CASE.scene, 0.5, 1e-3, {"modes": "3", "tolerance": "1e-6"}).trajectory
+    return simulate_scene(engine("reference"), CASE.scene, 0.5, 1e-3, {"modes": "3", "tolerance": "1e-6"}, estimate=False).trajectory
 
 
 def test_the_drawn_follower_passes_through_the_slider_and_ends_at_the_tip(trajectory: Trajectory) -> None:
@@ -114,7 +114,7 @@ def test_a_picture_names_its_parts_and_the_crank_angle() -> None:
 def test_a_case_without_a_crank_can_be_drawn() -> None:
     case = load_case("spin-up")
     assert not isinstance(case.scene, Mechanism)
-    found = simulate_scene(engine("reference"), case.scene, 1.0, 0.05, {"modes": "3", "tolerance": "1e-6"}).trajectory
+    found = simulate_scene(engine("reference"), case.scene, 1.0, 0.05, {"modes": "3", "tolerance": "1e-6"}, estimate=False).trajectory
     assert Image.open(io.BytesIO(moving(case, {"reference": found}, ".webp"))).size == (720, 390)
 
 

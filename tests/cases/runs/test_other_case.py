@@ -24,7 +24,7 @@ ALL = ("thesis-15", "thesis-17", "thesis-22", "thesis-24", "hard-ei-x10", "hard-
 @functools.cache
 def columns_of_case(name: str, by: str = "reference") -> dict[str, np.ndarray]:
     case = load_case(name)
-    return simulate_scene(engine(by), case.scene, 2.2, 1e-3, {}, None).trajectory.columns
+    return simulate_scene(engine(by), case.scene, 2.2, 1e-3, estimate=False).trajectory.columns
 
 
 @functools.cache
@@ -91,7 +91,7 @@ def test_one_wrong_column_makes_no_other_case(column: str, factor: float) -> Non
 def test_a_scene_with_another_value_is_told_as_that_and_no_column_is_explained() -> None:
     case = load_case("thesis-24")
     crank = dataclasses.replace(case.mechanism.crank, length=1.15 * case.mechanism.crank.length)
-    mine = simulate_scene(engine("reference"), dataclasses.replace(case.mechanism, crank=crank), 2.2, 1e-3, {}, None)
+    mine = simulate_scene(engine("reference"), dataclasses.replace(case.mechanism, crank=crank), 2.2, 1e-3, estimate=False)
     told = explanations(recorded_run(table_of(mine.trajectory.columns), case), right(case), case)
     assert list(told) == [WHOLE]
     assert "the slider comes as near as 0.3404 m to P in it, 0.3556 m in thesis-24" in told[WHOLE]
@@ -104,7 +104,7 @@ def test_another_stiffness_is_led_on_to_a_calibration(factor: float) -> None:
     case = load_case("thesis-24")
     stiffness = case.mechanism.follower.bending_stiffness
     scene = changed(case.mechanism, {"follower.bending_stiffness": factor * stiffness})
-    mine = simulate_scene(engine("reference"), scene, 2.2, 1e-3, {}, None)
+    mine = simulate_scene(engine("reference"), scene, 2.2, 1e-3, estimate=False)
     told = explanations(recorded_run(table_of(mine.trajectory.columns), case), right(case), case)[WHOLE]
     assert "`quickreturn calibrate thesis-24 table --free follower.bending_stiffness` fits it" in told
     value = float(told.split("a bending stiffness of about ")[1].split()[0])
