@@ -15,13 +15,13 @@ from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.keys import PATHS, si_value, unit_given
-from quickreturn.cases.loads.peak import Peak, peak_of
 from quickreturn.cases.loads.resonance import resonance
+from quickreturn.cases.measures.catalogue import ARGUMENT, MEASURES, Measure, SettledMotion
+from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs import endings
-from quickreturn.cases.runs.request import PeriodicOrbit
+from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.cases.runs.stability import UNSTABLE
 from quickreturn.cases.sweep.grid import OF_START
-from quickreturn.cases.sweep.measures import ARGUMENT
 from quickreturn.cases.units import in_si
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
@@ -61,8 +61,10 @@ class _Kept(Protocol):
 SPEED: Final = "crank.prescribed_speed"
 #: Measure by default.
 USUAL: Final = "peak.tip_acceleration"
-#: Name of a measure -> column; the measure is its largest magnitude in a turn.
-PEAKS: Final[Mapping[str, str]] = {f"peak.{name}": name for name in OBSERVED}
+#: Sizes that follow from the columns of a turn, by name.
+OF_CURVE: Final[Mapping[str, Measure]] = {
+    name: each for name, each in MEASURES.items() if each.size and each.columns and {*each.columns} <= {"time", *OBSERVED}
+}
 #: Relative tolerance of the integration: derivatives come from small differences of cycles, and this bounds their error to 1e-3.
 INTEGRATION: Final = 1e-10
 #: Rows of a cycle; a spline finds the peak between them.
@@ -204,8 +206,8 @@ def range_of(key: str, text: str, option: str) -> Range:
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
     """The scene for each value of the varied quantity; arguments and errors as for `resonance_curve`, as far as known beforehand."""
     for name in measures:
-        if name not in PEAKS:
-            raise CaseError(ARGUMENT, name, None, "is unknown", nearest_or_all(name, tuple(PEAKS)))
+        if name not in OF_CURVE:
+            raise CaseError(ARGUMENT, name, None, "is unknown", nearest_or_all(name, tuple(OF_CURVE)))
     held = {} if speed is None else {SPEED: speed}
 
     def scene_at(value: float) -> Mechanism:
@@ -266,7 +268,7 @@ def resonance_curve(
     """The curve of a case's periodic motion.
 
     The crank turns at `speed` (prescribed, rad/s; None: as its own drive says) unless that varies. Modes are chosen for the `accuracy`
-    (relative; None: that of `reference`). `measures` are names of `PEAKS`; with `claims` the error of every point is estimated. What was
+    (relative; None: that of `reference`). `measures` are names of `OF_CURVE`; with `claims` the error of every point is estimated. What was
     computed before comes from `pieces`.
 
     Raises:
@@ -294,10 +296,10 @@ def resonance_curve(
         value_errors = np.full(len(some), math.nan)
         for at, point in enumerate(some):
             progress.tell(phase=f"measuring point {begin + at + 1} of {len(points)}")
-            peaks = _peaks_of(family, point.point, point.parameter, measures)
-            values[at] = [each.value for each in peaks]
+            found = _numbers_of(family, point.point, point.parameter, measures)
+            values[at] = [each.value for each in found]
             if finer is not None:
-                errors[at], value_errors[at] = _claims(point, peaks, finer, measures, factor)
+                errors[at], value_errors[at] = _claims(point, found, finer, measures, factor)
         return _Measured(values, errors, value_errors)
 
     parts = [kept(_Measured, partial(measured, begin)) for begin in range(0, len(points), PIECE)]
@@ -377,22 +379,23 @@ def _begin(family: CycleFamily, varied: Range) -> BranchPoint:
     raise EngineFailure(0.0, f"no periodic motion was found within the range ({reasons[0]})", "try another range")
 
 
-def _peaks_of(family: CycleFamily, point: Array, value: float, measures: Sequence[str]) -> list[Peak]:
+def _numbers_of(family: CycleFamily, point: Array, value: float, measures: Sequence[str]) -> list[Number]:
     """Each measure of a motion, and its uncertainty from the spacing of rows."""
-    columns = family.columns(point, value, ROWS)
-    return [peak_of(columns[PEAKS[name]], columns, lambda _: None) for name in measures]
+    run = Run(engine="reference", estimate_of="total", cycle=family.columns(point, value, ROWS))
+    motion = SettledMotion(family.scene_at(value), run)
+    return [MEASURES[name].of(motion) for name in measures]
 
 
 def _claims(
-    point: BranchPoint, peaks: Sequence[Peak], finer: CycleFamily, measures: Sequence[str], factor: float
+    point: BranchPoint, found: Sequence[Number], finer: CycleFamily, measures: Sequence[str], factor: float
 ) -> tuple[list[float], float]:
     """Claims on measures and place: the difference to the finer family's point (equation 10.13) over `factor`; nan where there is none."""
     try:
         there, parameter = finer.nearest(point)
-        others = _peaks_of(finer, there, parameter, measures)
+        others = _numbers_of(finer, there, parameter, measures)
     except (CycleBroken, NotConverged):
-        return [math.nan] * len(peaks), math.nan
-    errors = [abs(other.value - peak.value) / factor + peak.uncertainty for peak, other in zip(peaks, others, strict=True)]
+        return [math.nan] * len(found), math.nan
+    errors = [abs(other.value - one.value) / factor + one.uncertainty for one, other in zip(found, others, strict=True)]
     return errors, abs(parameter - point.parameter) / factor
 
 

@@ -8,11 +8,11 @@ from typing import Any, Final
 
 from quickreturn.cases.loads.resonance import Resonance
 from quickreturn.cases.loads.stress import ArmStress, Factor
+from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.measures.cycle import Measure as CycleMeasure
 from quickreturn.cases.resonance_curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.solving import Frequencies
-from quickreturn.cases.sweep.measures import MEASURES
 from quickreturn.cases.uncertainty.fit import FittedParameter
 from quickreturn.cases.uncertainty.propagation import Quantile, Share
 from quickreturn.engines.accurate import Assessment

@@ -11,6 +11,7 @@ from quickreturn.cases.errors import as_written, nearest_or_all
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Shown
@@ -103,6 +104,20 @@ class CrossValidation(Shown):
 
         rows = [(result.case.name, *row) for result in self.results for row in numbers_of_case(loads_of_case(result))]
         return pd.DataFrame([{"case": case, "engine": engine} | vars(number) for case, engine, number in rows])
+
+    @property
+    def numbers(self) -> "pd.DataFrame":
+        """Every measure of the catalogue: a row for each case, engine and measure (`qr.measures()`), in SI units; nan where unavailable."""
+        import pandas as pd
+
+        rows = [
+            {"case": result.case.name, "engine": engine, "measure": name}
+            | {"value": found.value, "error": found.error, "unit": MEASURES[name].unit}
+            for result in self.results
+            for engine, run in result.runs.items()
+            for name, found in numbers(result.case.mechanism, run).items()
+        ]
+        return pd.DataFrame(rows)
 
     def cycle(self, case: str, engine: str) -> "pd.DataFrame":
         """The last cycle of an engine on a case, from the slider's farthest place to the next. LookupError: there is none."""

@@ -10,11 +10,10 @@ from quickreturn.accuracy import checked
 from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.keys import PATHS, si_value
-from quickreturn.cases.resonance_curve import PEAKS, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
+from quickreturn.cases.resonance_curve import OF_CURVE, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, one_case
-from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.sweeping import ERROR
 from quickreturn.table_files import dataset_file, table_file
 
@@ -99,8 +98,8 @@ class Resonance(Shown):
     def _unit(self, name: str) -> str:
         """Unit of a column of `frame`."""
         name = name.removesuffix(ERROR)
-        if name in PEAKS:
-            return COLUMNS[PEAKS[name]].unit
+        if name in OF_CURVE:
+            return OF_CURVE[name].unit
         return PATHS[name].unit if name in PATHS else "1" if name.startswith("multiplier") else ""
 
     def _parts(self) -> Iterator[Cell]:
@@ -151,7 +150,7 @@ def resonance(
         key: key of the varied quantity, as in a case file.
         range: range of its values, such as "60 rpm .. 300 rpm".
         speed: prescribed speed of the crank if another quantity varies, such as "165 rpm"; None: the case's own drive.
-        measures: one name or several, "peak.COLUMN"; the curve's peaks are those of the first.
+        measures: one name or several, such as "peak.tip_acceleration"; the curve's peaks are those of the first.
         accuracy: relative error of the model whose curve is followed; None: the default of `reference`.
         claims: whether the error of every point is estimated, which takes a third of the time or more.
         quiet: whether messages on standard error are left out while code is compiled.

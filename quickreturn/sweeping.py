@@ -12,8 +12,8 @@ from quickreturn.cases.case import Case, parse_case
 from quickreturn.cases.errors import Argument, CaseError, as_written, texts_given
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.keys import si_text, unit_given
+from quickreturn.cases.measures.catalogue import MEASURES, Measure, measure
 from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
-from quickreturn.cases.sweep.measures import MEASURES, Measure, measure
 from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import Path, Study, study
 from quickreturn.cases.units import shown_unit

@@ -3,7 +3,9 @@
 import math
 from typing import Final
 
+from quickreturn.cases.case import Case
 from quickreturn.cases.loads import UNITS
+from quickreturn.cases.measures.catalogue import MEASURES, SHOWN, numbers
 from quickreturn.cases.runs.comparison import REFERENCE, SAYS_NOTHING, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows
@@ -11,22 +13,28 @@ from quickreturn.reports.results.loads import CaseLoads, leading_loads, stress_t
 from quickreturn.reports.words import TIED, cost, quantity
 
 #: Largest number of departures that the text shows for a pair of engines.
-SHOWN: Final = 5
+LISTED: Final = 5
 #: Word -> kind of the differences that are shown for an engine that is not judged.
 _OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude": "amplitude", "extremes": "extreme"}
 
 #: Names of forces and torques in the text.
 FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_force": "at the slider", "crank_torque": "torque of the drive"}
 
+#: Measure that the terminal shows -> its heading there.
+_MEASURED: Final = {
+    name: f"{shown.head.replace('₁', '1')} {MEASURES[name].unit.replace('^', '')}".removesuffix(" 1")
+    for name, shown in SHOWN.items()
+    if shown.in_terminal
+}
 _HEADS: Final = (
-    "engine", "status", "start", "cycles", "solve s", "estimate", "class", "f1 pre Hz", "f1 post Hz", "peak accel. m/s2", "peak strain 2",
+    "engine", "status", "start", "cycles", "solve s", "estimate", "class", *_MEASURED.values(), "peak accel. m/s2", "peak strain 2",
 )  # fmt: skip
 
 
 def parts_of(result: CaseResult) -> list[Cell]:
     """Rows of the engines and recorded tables, their remarks, the loads on the parts, and the verdict."""
     whole = result.with_tables
-    rows = [_row(run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
+    rows = [_row(result.case, run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
     remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
     verdict = [f"  {line}" for line in _verdict(whole)]
     loads = [f"  {line}" for line in _load_lines(leading_loads(result))]
@@ -41,9 +49,9 @@ def _verdict(result: CaseResult) -> list[str]:
         total = sum((check.engine, check.other) == (engine, other) for check in result.checks)
         lines.append(f"{engine} and {other} disagree by more than they claim, in {len(checks)} of {total} comparisons:")
         worst = sorted(checks, key=lambda check: -abs(check.difference) / check.tolerance if check.tolerance else -math.inf)
-        lines += [f"  {line}" for check in worst[:SHOWN] for line in (_departure(check), *(f"  {part}" for part in check.why))]
-        if len(checks) > SHOWN:
-            lines.append(f"  and {len(checks) - SHOWN} more, which `departures` and --json list")
+        lines += [f"  {line}" for check in worst[:LISTED] for line in (_departure(check), *(f"  {part}" for part in check.why))]
+        if len(checks) > LISTED:
+            lines.append(f"  and {len(checks) - LISTED} more, which `departures` and --json list")
     if result.passed is None:
         lines.append(f"not judged: {result.reason}")
     departing = {check.engine for check in result.missed}
@@ -85,10 +93,11 @@ def _departure(check: Difference) -> str:
     )
 
 
-def _row(run: Run, accuracy_class: str | None) -> tuple[str, ...]:
+def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
     def number(value: float | None, form: str) -> str:
-        return "-" if value is None else format(value, form)
+        return "-" if value is None or math.isnan(value) else format(value, form)
 
+    measured = numbers(case.mechanism, run, _MEASURED)
     forms = {"tip_acceleration": ".2f", "strain_2": ".3e"}
     peaks = [number(run.peak(name) if run.usable and name in run.cycle else None, form) for name, form in forms.items()]
     return (
@@ -99,7 +108,6 @@ def _row(run: Run, accuracy_class: str | None) -> tuple[str, ...]:
         "-" if run.solve_seconds is None else cost(run.solve_seconds),
         number(run.error_estimate, ".1e"),
         accuracy_class or "-",
-        number(run.consensus_frequency("pre"), ".3f"),
-        number(run.consensus_frequency("post"), ".3f"),
+        *(number(measured[name].value if measured else None, SHOWN[name].in_terminal) for name in _MEASURED),
         *peaks,
     )

@@ -55,6 +55,11 @@ def _without_exponent(text: str) -> str:
     return f"{digits.removesuffix('1')}{of_ten}" if digits in ("1", "+1", "-1") else f"{digits}·{of_ten}"
 
 
+def typeset(unit: str) -> str:
+    """An SI unit as the page writes it: m/s² for m/s^2."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+
+
 def within_turn(degrees: float) -> float:
     """A crank angle within one turn, from 0 to 360 degrees: 451 is 91."""
     return degrees if 0.0 <= degrees <= 360.0 else degrees % 360.0

@@ -14,3 +14,10 @@ def copied_package(folder: Path, *inner: str) -> Path:
     for name in inner:
         shutil.copytree(ROOT / name, package / name, ignore=shutil.ignore_patterns("__pycache__"))
     return package
+
+
+def whole_package(folder: Path) -> Path:
+    """The folder `quickreturn` with all its packages, made inside `folder`."""
+    package = folder / "quickreturn"
+    shutil.copytree(ROOT / "quickreturn", package, ignore=shutil.ignore_patterns("__pycache__"))
+    return package

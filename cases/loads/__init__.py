@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.loads.peak import ErrorAt, Peak, of_column, of_vector
+from quickreturn.cases.loads.peak import ErrorAt, of_column, of_vector
 from quickreturn.cases.loads.resonance import Resonance, resonance, shift_of_motion
 from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
+from quickreturn.cases.measures.number import Number
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 if TYPE_CHECKING:
     from quickreturn.cases.runs.request import Run
 
-__all__ = ["ErrorAt", "Factor", "Loads", "Peak", "Resonance", "loads_of", "loads_of_run", "resonance", "shift_of_motion"]
+__all__ = ["ErrorAt", "Factor", "Loads", "Resonance", "loads_of", "loads_of_run", "resonance", "shift_of_motion"]
 
 Array = NDArray[np.float64]
 
@@ -30,12 +31,12 @@ class Loads:
     stress: ArmStress | None  # along the arm
     modulus: float  # of the arm's material, Pa; infinite for a rigid one
     # of each quantity in `UNITS`: forces in the bearings P and O and at the slider, the drive's torque, the tip's deflection
-    peaks: Mapping[str, Peak | None]
+    peaks: Mapping[str, Number | None]
     yield_factor: Factor | None  # yield strength over the largest stress
     fatigue_factor: Factor | None  # fatigue strength over the stress amplitude
 
     @property
-    def strain(self) -> Peak | None:
+    def strain(self) -> Number | None:
         """Largest surface strain along the arm."""
         return None if self.stress is None else self.stress.largest.times(1.0 / self.modulus)
 

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.loads.arm import ALONG, KnownMoments, between, interpolated, known_moments, left_out, missing
-from quickreturn.cases.loads.peak import ErrorAt, Peak, peak_of
+from quickreturn.cases.loads.peak import ErrorAt, peak_of
 from quickreturn.cases.measures.extremes import extremes
+from quickreturn.cases.measures.number import Number
 from quickreturn.reference_model.mechanism import Follower, Scene
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
@@ -69,8 +70,9 @@ class Factor:
 class ArmStress:
     """Bending stress at the surface of the arm, Pa."""
 
-    largest: Peak  # magnitude
-    amplitude: Peak  # half the range in a cycle, at the place where that is largest; its crank angle is that of the extreme farther from 0
+    largest: Number  # magnitude
+    # half the range in a cycle, at the place where that is largest; its crank angle is that of the extreme farther from 0
+    amplitude: Number
     mean: float  # mean of the extremes at that place
     places: Array  # arc lengths from P, m, shape (places,)
     lowest: Array  # least stress at each place over the rows, shape (places,); positive where W'' > 0
@@ -104,12 +106,12 @@ def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Ar
     return ArmStress(largest.times(unit), amplitude.times(unit), unit * mean, known.places, unit * low, unit * high)
 
 
-def safety(strength: float | None, stress: Peak) -> Factor | None:
+def safety(strength: float | None, stress: Number) -> Factor | None:
     """Strength over stress; None where the strength is not known, or nothing is stressed."""
     if strength is None or stress.value == 0.0:
         return None
     factor = strength / stress.value
-    if stress.error is None:
+    if math.isnan(stress.error):
         return Factor(factor, None, None, None)
     error = stress.error / stress.value
     return Factor(factor, factor / (1.0 + error), factor / (1.0 - error) if error < 1.0 else math.inf, error)
@@ -139,7 +141,7 @@ class _Field:
         return float(abs(before - 2.0 * middle + after)) / 8.0
 
 
-def _largest(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> Peak:
+def _largest(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> Number:
     """The largest moment: at the slider, where the moment has its corner, or at one of the places."""
     sizes, known = np.abs(field.moments), field.known
     row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
@@ -149,19 +151,19 @@ def _largest(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> Pea
         if at_slider.value >= peak.value:
             place = float(np.interp(at_slider.time, columns["time"], known.slider))
             peak, beyond = replace(at_slider, place=place), 0.0
-    return replace(peak, uncertainty=peak.uncertainty + beyond + float((sizes + field.open).max() - sizes.max()))
+    return replace(peak, measurement=peak.measurement + beyond + float((sizes + field.open).max() - sizes.max()))
 
 
-def _amplitude(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> tuple[Peak, float]:
+def _amplitude(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> tuple[Number, float]:
     """Half the range of the moment where that is largest, and the mean of its extremes there."""
     time, at = columns["time"], int(np.ptp(field.moments, axis=0).argmax())
     low, high = extremes(time, field.series(at), time[0], time[-1])
     larger, beyond = _peak_at(field, at, columns, claim), field.beyond(int(np.abs(field.moments[:, at]).argmax()), at)
     left_open = (low.uncertainty + high.uncertainty) / 2.0 + float(field.open[:, at].max()) + beyond
-    return replace(larger, value=(high.value - low.value) / 2.0, uncertainty=left_open), (high.value + low.value) / 2.0
+    return replace(larger, value=(high.value - low.value) / 2.0, measurement=left_open), (high.value + low.value) / 2.0
 
 
-def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: ErrorAt) -> Peak:
+def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: ErrorAt) -> Number:
     place = float(field.known.places[at])
     return peak_of(field.series(at), columns, _Nearest(place / field.known.spacing, claim, columns), place)
 

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.measures.consensus import Consensus, consensus
-from quickreturn.cases.measures.extremes import Extreme, extremes, low_pass
+from quickreturn.cases.measures.extremes import extremes, low_pass
 from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.measures.half_cycle import ChannelHalf, channel_half, half_cycle
+from quickreturn.cases.measures.number import Number
 from quickreturn.cases.measures.second_mode import agreeing, second_mode_frequency
 from quickreturn.cases.measures.time_scale import TimeScale
 from quickreturn.reference_model.witnesses import Witness, Witnesses
@@ -117,7 +118,7 @@ def measure_cycle(
     return CycleMeasures(tuple(measures), tuple(consensuses))
 
 
-def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[Extreme, Extreme]]:
+def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[Number, Number]]:
     """Least and greatest value of any column in each half of a cycle; arguments and errors as of `measure_cycle`."""
     filtered, boundaries = low_pass(time, values) if measured else values, _boundaries(time, crank_angle)
     return {half: extremes(time, filtered, *boundaries[at : at + 2]) for at, half in enumerate(HALVES)}

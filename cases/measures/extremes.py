@@ -1,11 +1,10 @@
 """Least and greatest value of a channel in a half cycle."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
+from quickreturn.cases.measures.number import Number
 from quickreturn.reference_model.splines import CubicSpline
 
 Array = NDArray[np.float64]
@@ -37,17 +36,8 @@ def low_pass(time: Array, signal: Array) -> Array:
     return np.asarray(periodic(time))
 
 
-@dataclass(frozen=True)
-class Extreme:
-    """A least or greatest value, its uncertainty from the spacing of samples, and the time when it is reached (s)."""
-
-    value: float
-    uncertainty: float
-    time: float
-
-
-def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extreme, Extreme]:
-    """Minimum and maximum of the cubic spline through a signal between two instants (s), both included.
+def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Number, Number]:
+    """Minimum and maximum of the cubic spline through a signal between two instants (s), both included, without an engine's estimate.
 
     The spline is evaluated between the samples and at the ends: if a half begins on a steep flank, the nearest samples of two engines
     differ by a good percent of the peak.
@@ -64,10 +54,10 @@ def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Extr
     instants = np.concatenate([np.clip([start, end], time[0], time[-1]), inside])
     values, left_out = curve(instants), _left_out(time, signal)
 
-    def extreme(at: int) -> Extreme:
+    def extreme(at: int) -> Number:
         before = int(np.searchsorted(time, instants[at]))
         near = left_out[max(before - 2, 0) : before + 2]
-        return Extreme(float(values[at]), CORNER * float(near.max()), float(instants[at]))
+        return Number(float(values[at]), measurement=CORNER * float(near.max()), time=float(instants[at]))
 
     return extreme(int(values.argmin())), extreme(int(values.argmax()))
 

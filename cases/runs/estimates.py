@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import CycleMeasures, Measure
+from quickreturn.cases.measures.of_turn import OF_TURN, OfTurn, rms_over_time
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.marching import channels_of
@@ -38,6 +39,8 @@ Array = NDArray[np.float64]
 ASIDE: Final = 0.25
 #: Key of the time of a turn among the estimates of changes.
 TIME: Final = "time"
+#: Key of the estimate of a number of `OF_TURN`.
+NUMBER: Final = "number"
 
 VIBRATION: Final = ("first_mode_frequency", "first_mode_amplitude")
 #: Column whose difference stands for that of the motion.
@@ -83,6 +86,7 @@ class MeasuredCycle:
     signals: Mapping[tuple[str, str], Array]  # half, column -> values at even crank angles, shape (cycles, GRID / 2)
     rms: Mapping[str, float]  # column -> root mean square over time, mean of the cycles
     change: Mapping[str, float]  # column, `TIME` among them -> change in a cycle, mean of the cycles
+    numbers: Mapping[str, float]  # measure of `OF_TURN` whose columns are there -> number, mean of the cycles
 
     @classmethod
     def of(cls, cycles: Sequence[Columns], measures: CycleMeasures) -> "MeasuredCycle":
@@ -93,7 +97,9 @@ class MeasuredCycle:
         signals = {(half, name): values[:, part] for half, part in halves.items() for name, values in columns.items()}
         rms = {name: float(np.mean([rms_over_time(cycle["time"], cycle[name]) for cycle in cycles])) for name in columns}
         change = {name: float(np.mean([cycle[name][-1] - cycle[name][0] for cycle in cycles])) for name in (TIME, *columns)}
-        return cls(measures, signals, rms, change)
+        given = [each for each in OF_TURN if all({*each.columns} <= cycle.keys() for cycle in cycles)]
+        numbers = {each.name: float(np.mean([each.of(cycle) for cycle in cycles])) for each in given}
+        return cls(measures, signals, rms, change, numbers)
 
 
 def with_estimates(
@@ -139,16 +145,11 @@ def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Seq
     return float(weights @ estimates / weights.sum())
 
 
-def rms_over_time(time: Array, values: Array) -> float:
-    """Root mean square of a signal over time, both of shape (n,)."""
-    return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0]))
-
-
 def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:
     """Column -> "rms" and "change" -> estimate of the error of its root mean square and of its change in a turn, in its unit.
 
-    For `TIME` there is the change alone. A change is as good as twice the relative difference of the tip's deflection at best, because work
-    is of second order in the motion.
+    Measure of `OF_TURN` -> `NUMBER` -> estimate of its error. For `TIME` there is the change alone. A change is as good as twice the
+    relative difference of the tip's deflection at best, because work is of second order in the motion.
     """
     if not compared:
         return {}
@@ -162,7 +163,14 @@ def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dic
             "change": _total(compared, name, _change_apart) + at_least,
             "rms": _total(compared, name, _difference_of_rms) + ASIDE * _total(compared, name, _rms_apart),
         }
-    return estimates
+    return estimates | {each.name: {NUMBER: _of_number(compared, each)} for each in OF_TURN if each.name in delivered.numbers}
+
+
+def _of_number(compared: Sequence[Compared[MeasuredCycle]], measure: OfTurn) -> float:
+    """Estimate of the error of a number; at least its size times `ASIDE` of the largest relative difference of its columns."""
+    rms, value = compared[0].run.rms, compared[0].run.numbers[measure.name]
+    apart = [_total(compared, name, _rms_apart) / rms[name] for name in measure.columns if rms.get(name, 0.0) > 0.0]
+    return _total(compared, measure.name, _number_apart) + ASIDE * max(apart, default=0.0) * abs(value)
 
 
 def _total(compared: Sequence[Compared[MeasuredCycle]], name: str, apart: Callable[[MeasuredCycle, MeasuredCycle, str], float]) -> float:
@@ -172,6 +180,10 @@ def _total(compared: Sequence[Compared[MeasuredCycle]], name: str, apart: Callab
 
 def _change_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
     return abs(one.change[name] - other.change[name])
+
+
+def _number_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
+    return abs(one.numbers[name] - other.numbers[name])
 
 
 def _difference_of_rms(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:

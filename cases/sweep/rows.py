@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.measures.catalogue import SettledMotion, measure
 from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
@@ -22,7 +23,6 @@ from quickreturn.cases.runs.orbit import compared_orbits, orbit_of, periodic_sta
 from quickreturn.cases.runs.request import PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.stability import NOT_CONVERGED, multiplier_of, nearly_one
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.measures import SettledMotion, measure
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.error_parts import Compared
@@ -106,8 +106,9 @@ def row(scenes: Sequence[Mechanism | Impossible], asked: MeasureRequest) -> Row:
         point = _Point(scene, asked)
         near = point.settle(near)
         if point.motion is not None:
-            numbers[place] = [each.of(point.motion) for each in measures]
-            point.doubt(*(each.says_nothing(*found) for each, found in zip(measures, numbers[place].tolist(), strict=True)))
+            found = [each.of(point.motion) for each in measures]
+            numbers[place] = [(each.value, each.error) for each in found]
+            point.doubt(*(each.says_nothing(one.value, one.error) for each, one in zip(measures, found, strict=True)))
         endings.append((point.status, point.sentence))
     return Row(numbers[:, :, 0], numbers[:, :, 1], tuple(status for status, _ in endings), tuple(sentence for _, sentence in endings))
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, job
-from quickreturn.cases.sweep.measures import measure
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 
 #: Direction in which the points of a row are computed: as given, backwards, or both.

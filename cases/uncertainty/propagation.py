@@ -20,10 +20,10 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.sweep.grid import job
-from quickreturn.cases.sweep.measures import measure
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import computed, joined
 from quickreturn.cases.uncertainty.parameters import Distribution, Parameter, changes, distribution

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.cases.loads import loads_of_run, resonance
+from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.commands import console
 from quickreturn.reference_model.errors import ExitCode
@@ -48,7 +49,14 @@ def as_document(results: Sequence["CaseResult"], notices: Sequence[str]) -> dict
                 "notes": list(result.case.notes),
                 "engines": [
                     _as_document(run)
-                    | {"accuracy_class": result.accuracy_class(name), "loads": loads_document(loads_of_run(result.case.mechanism, run))}
+                    | {
+                        "accuracy_class": result.accuracy_class(name),
+                        "loads": loads_document(loads_of_run(result.case.mechanism, run)),
+                        "numbers": {
+                            measure: {"value": found.value, "error": found.error, "unit": MEASURES[measure].unit}
+                            for measure, found in numbers(result.case.mechanism, run).items()
+                        },
+                    }
                     for name, run in result.runs.items()
                 ],
                 "resonance": _resonance(result.case.mechanism),

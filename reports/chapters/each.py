@@ -1,16 +1,13 @@
 """Run by run: the numbers of each case, and its notes, failures and departures; the script draws the curves."""
 
-from typing import Any
-
-from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.catalogue import MEASURES, SHOWN
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.differences import outward
-from quickreturn.reports.results.runs import mean_crank_speed
-from quickreturn.reports.tables.cells import UNRESOLVABLE, status_cell
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.tables.cells import measure_cells, measure_column, status_cell
+from quickreturn.reports.tables.table import Column, ColumnList, Table
 from quickreturn.reports.words import HALF, QUANTITY, channel_name, cost, counted, percent
 
 
@@ -51,13 +48,11 @@ def case_table(result: CaseResult) -> Table:
     columns: ColumnList = (
         "engine",
         "status",
-        Column("pre_frequency", "f₁ pre", "Hz", ".2f"),
-        Column("post_frequency", "f₁ post", "Hz", ".2f"),
+        *(measure_column(name) for name in SHOWN if MEASURES[name].vibration),
         Column("peak_tip_acceleration", "tip acc.", "m/s²", ".1f", group="peak"),
         *(Column(f"peak_{name}", channel_name(name), "10⁻⁶", ".0f", group="peak") for name in CHANNELS[1:]),
         Column("peak_slider_force", "slider force", "N", ".2f", group="peak"),
-        Column("crank_speed", "mean", "rad/s", ".3f", group="crank speed"),
-        Column("crank_speed_variation", "max − min", "%", ".1f", group="crank speed"),
+        *(measure_column(name) for name in SHOWN if not MEASURES[name].vibration),
         Column("cycles", form="d"),
         Column("solve_seconds", "solve", "s", ".2f", words=cost),
     )
@@ -68,14 +63,6 @@ def case_table(result: CaseResult) -> Table:
         columns,
     )
     for run in result.runs.values():
-        cells: dict[str, Any] = {}
-        if run.usable:
-            cells = {f"peak_{column}": run.peak(column) for column in (*CHANNELS, "slider_force")}
-            for half in HALVES:
-                value = run.consensus_frequency(half)
-                open_cell = Cell(None, UNRESOLVABLE, "no channel resolves the first mode", "open")
-                cells[f"{half}_frequency"] = open_cell if value is None else value
-            speed, mean = run.cycle["crank_speed"], abs(mean_crank_speed(run))
-            cells |= {"crank_speed": mean, "crank_speed_variation": float(speed.max() - speed.min()) / mean}
-        table.add(run, status=status_cell(run), **cells)
+        peaks = {f"peak_{column}": run.peak(column) for column in (*CHANNELS, "slider_force") if run.usable}
+        table.add(run, status=status_cell(run), **peaks, **measure_cells(result.case, run))
     return table

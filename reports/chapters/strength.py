@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from quickreturn.cases.loads import Loads
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.loads import NAMES, CaseLoads, Number, from_p, numbers_of_case
+from quickreturn.reports.results.loads import NAMES, CaseLoads, Load, from_p, numbers_of_case
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import TIED, degrees, number, off_by, quantity, size, span
@@ -107,7 +107,7 @@ def strength_table(cases: Sequence[CaseLoads]) -> Table:
     return table
 
 
-def _off(load: Number) -> str:
+def _off(load: Load) -> str:
     """The error in words; of a safety factor its interval, which is not even about the value."""
     if load.lowest is not None:
         return f"{load.lowest:.3g} or more" if load.highest is None else span(load.lowest, load.highest, ".3g")

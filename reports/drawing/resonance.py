@@ -2,9 +2,8 @@
 
 from matplotlib.figure import Figure
 
-from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve
+from quickreturn.cases.resonance_curve import OF_CURVE, ResonanceCurve
 from quickreturn.cases.units import shown_unit
-from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, Drawing, logarithmic, look, new_figure, tidy
 from quickreturn.reports.looks import looks
@@ -29,7 +28,7 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, mark: float | None = 
     panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
     shown = curve.values / curve.range.size
     for axes, (name, found) in zip(panels, curve.measures.items(), strict=True):
-        unit, size = shown_unit(COLUMNS[PEAKS[name]].unit)
+        unit, size = shown_unit(OF_CURVE[name].unit)
         heights = found / size
         for part, unstable in curve.stretches():
             kind = "unstable" if unstable else "stable"

@@ -16,10 +16,10 @@ from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.stability import NOT_CONVERGED, UNSTABLE
 from quickreturn.cases.sweep.grid import Axis
-from quickreturn.cases.sweep.measures import MEASURES
 from quickreturn.cases.sweep.rows import LEFT, OPEN
 from quickreturn.cases.sweep.study import Study
 from quickreturn.cases.units import shown_unit

@@ -1,12 +1,14 @@
 """The sentences and figures of the first screen: how the engines agree, or what the user's own machine bears."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from markupsafe import Markup
 
-from quickreturn.cases.loads import Loads, Peak
+from quickreturn.cases.loads import Loads
+from quickreturn.cases.measures.number import Number
 from quickreturn.reports.page.answer import Answer, Contest, Cubic
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.results.loads import CaseLoads, from_p
@@ -223,15 +225,15 @@ def _given(strength: float | None) -> str:
     return f"{number(1e-6 * strength, '.4g')} MPa"
 
 
-def _largest(loads: Loads) -> Peak:
+def _largest(loads: Loads) -> Number:
     assert loads.stress is not None
     return loads.stress.largest
 
 
-def _angle(peak: Peak) -> str:
+def _angle(peak: Number) -> str:
     assert peak.crank_angle is not None
     return degrees(peak.crank_angle)
 
 
-def _error(peak: Peak) -> str:
-    return "; the engine gives no error" if peak.error is None else f"; {off_by(peak.error, peak.value)}"
+def _error(peak: Number) -> str:
+    return "; the engine gives no error" if math.isnan(peak.error) else f"; {off_by(peak.error, peak.value)}"

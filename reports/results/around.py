@@ -13,9 +13,8 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.loads import resonance
-from quickreturn.cases.resonance_curve import PEAKS, ResonanceCurve, ResonancePeak, SpecialPoint, job_around
+from quickreturn.cases.resonance_curve import OF_CURVE, ResonanceCurve, ResonancePeak, SpecialPoint, job_around
 from quickreturn.engines.base import Refusal
-from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.rigid import mean_crank_speed
 
 
@@ -81,7 +80,7 @@ class Around:
     def lines(self) -> list[str]:
         """The machine's own motion, and the nearest peak and special point, as lines for a terminal."""
         curve, name = self.solved_curve, next(iter(self.solved_curve.measures))
-        rpm, unit = curve.range.size, COLUMNS[PEAKS[name]].unit
+        rpm, unit = curve.range.size, OF_CURVE[name].unit
         low, high = sorted((curve.range.low, curve.range.high))
         drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
         lines = [f"the machine runs at {self.pace / rpm:.5g} rpm{drive}"]

@@ -7,7 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import UNITS, Factor, Loads, Peak, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.loads import UNITS, Factor, Loads, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.reports.words import TIED, degrees, number, off_by, percent, quantity, size
 
@@ -34,7 +35,7 @@ NAMES: Final = {
 
 
 @dataclass(frozen=True)
-class Number:
+class Load:
     """A load; fields that are unknown, or that it does not have, are None."""
 
     quantity: str  # key of `NAMES`
@@ -136,7 +137,7 @@ def verdict(loads: Loads) -> str:
     return f"{begin}: the safety factor is {values}{below}."
 
 
-def from_p(peak: Peak) -> str:
+def from_p(peak: Number) -> str:
     """The place of a peak along the arm: "375 mm from P"."""
     assert peak.place is not None
     return f"{number(1e3 * peak.place, '.0f')} mm from P"
@@ -150,46 +151,46 @@ def stress_text(loads: Loads, length: float) -> str:
         where.append(f"{from_p(largest_stress)} ({100.0 * largest_stress.place / length:.0f} % of the arm)")
     if largest_stress.crank_angle is not None:
         where.append(f"crank at {degrees(largest_stress.crank_angle)}")
-    error = "" if largest_stress.error is None else f" ({off_by(largest_stress.error, largest_stress.value)})"
+    error = "" if math.isnan(largest_stress.error) else f" ({off_by(largest_stress.error, largest_stress.value)})"
     text = f"largest stress {quantity(largest_stress.value, 'MPa')}{error}, {', '.join(where)}"
     return f"{text}. {verdict_text.removesuffix('.')}" if (verdict_text := verdict(loads)) else text
 
 
-def numbers(loads: Loads) -> Iterator[Number]:
+def numbers(loads: Loads) -> Iterator[Load]:
     """All numbers of an engine's loads."""
     if loads.stress is not None:
         yield _peak("stress", loads.stress.largest, "Pa")
         if loads.strain is not None:
             yield _peak("strain", loads.strain, "1")
         yield _peak("stress_amplitude", loads.stress.amplitude, "Pa")
-        yield Number("stress_mean", loads.stress.mean, "Pa", place=loads.stress.amplitude.place)
+        yield Load("stress_mean", loads.stress.mean, "Pa", place=loads.stress.amplitude.place)
     factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
     yield from (_factor(name, factor) for name, factor in factors.items() if factor is not None)
     yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)
 
 
 def loads_document(loads: Loads | None) -> dict[str, dict[str, Any]]:
-    """Quantity -> the other fields of its `Number`, for a JSON document; empty without loads."""
+    """Quantity -> the other fields of its `Load`, for a JSON document; empty without loads."""
     documents = [vars(each) for each in numbers(loads)] if loads is not None else []
     return {one["quantity"]: {key: value for key, value in one.items() if key != "quantity"} for one in documents}
 
 
-def numbers_of_case(case: CaseLoads) -> Iterator[tuple[str, Number]]:
+def numbers_of_case(case: CaseLoads) -> Iterator[tuple[str, Load]]:
     """All numbers of a case, each with its engine, or with "" where it needs none."""
     for engine, loads in case.loads.items():
         yield from ((engine, each) for each in numbers(loads))
     if case.resonance is not None:
-        yield "", Number("mean_first_frequency", case.resonance.first_mode, "Hz", case.shift_of_motion)
-        yield "", Number("frequency_ratio", case.resonance.ratio, "1", case.shift_of_motion / case.resonance.crank)
+        yield "", Load("mean_first_frequency", case.resonance.first_mode, "Hz", case.shift_of_motion)
+        yield "", Load("frequency_ratio", case.resonance.ratio, "1", case.shift_of_motion / case.resonance.crank)
 
 
-def _factor(name: str, factor: Factor) -> Number:
+def _factor(name: str, factor: Factor) -> Load:
     if factor.lowest is None or factor.highest is None:
-        return Number(name, factor.value, "1")
+        return Load(name, factor.value, "1")
     if math.isinf(factor.highest):
-        return Number(name, factor.value, "1", lowest=factor.lowest)
-    return Number(name, factor.value, "1", factor.highest - factor.value, lowest=factor.lowest, highest=factor.highest)
+        return Load(name, factor.value, "1", lowest=factor.lowest)
+    return Load(name, factor.value, "1", factor.highest - factor.value, lowest=factor.lowest, highest=factor.highest)
 
 
-def _peak(name: str, peak: Peak, unit: str) -> Number:
-    return Number(name, peak.value, unit, peak.error, peak.place, peak.crank_angle)
+def _peak(name: str, peak: Number, unit: str) -> Load:
+    return Load(name, peak.value, unit, None if math.isnan(peak.error) else peak.error, peak.place, peak.crank_angle)

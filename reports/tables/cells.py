@@ -1,13 +1,16 @@
 """Columns and cells that tables of several chapters share."""
 
+import math
 from typing import Any, Final
 
+from quickreturn.cases.case import Case
+from quickreturn.cases.measures.catalogue import MEASURES, SHOWN, numbers
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.results.differences import outward
 from quickreturn.reports.tables.table import Cell, Column
-from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name
+from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, typeset
 
 CASE: Final = Column("case", "run", words=case_label)
 QUANTITY_COLUMN: Final = Column("quantity", words=QUANTITY.__getitem__)
@@ -28,6 +31,22 @@ COMPARISON: Final = (
 )
 #: The text of a number that cannot be measured.
 UNRESOLVABLE: Final = "n. r."
+
+
+def measure_column(name: str) -> Column:
+    """The column of a measure that the tables of a run show."""
+    shown = SHOWN[name]
+    unit = shown.unit or typeset(MEASURES[name].unit)
+    return Column(shown.key or name.replace(".", "_"), shown.head, unit, shown.form, group=shown.group)
+
+
+def measure_cells(case: Case, run: Run) -> dict[str, Cell]:
+    """The cells of all these measures; empty of a run without a usable cycle."""
+    cells = {}
+    for name, found in numbers(case.mechanism, run, SHOWN).items():
+        why = "no channel resolves the first mode" if MEASURES[name].vibration else "it cannot be measured"
+        cells[measure_column(name).key] = Cell(None, UNRESOLVABLE, why, "open") if math.isnan(found.value) else Cell(found.value)
+    return cells
 
 
 def compared(result: CaseResult, check: Difference) -> dict[str, Any]:

@@ -15,7 +15,7 @@ def made_up_loads() -> CaseLoads:
     found = loads_of_case(reported_result("example"))
     loads = found.loads["reference"]
     assert loads.stress is not None
-    known = {"value": 12.346e6, "place": 0.375, "crank_angle": 5.65, "uncertainty": 0.0, "estimate": 0.12346e6}
+    known = {"value": 12.346e6, "place": 0.375, "crank_angle": 5.65, "measurement": 0.0, "estimate": 0.12346e6}
     largest = dataclasses.replace(loads.stress.largest, **known)  # type: ignore[arg-type]
     amplitude = dataclasses.replace(loads.stress.amplitude, value=8e6, place=0.4)
     stress = dataclasses.replace(loads.stress, largest=largest, amplitude=amplitude, mean=-0.02e6)

@@ -4,7 +4,8 @@ import itertools
 import math
 from typing import Final
 
-from quickreturn.cases.loads import Peak, loads_of
+from quickreturn.cases.loads import loads_of
+from quickreturn.cases.measures.number import Number
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.start import standard_start
@@ -23,7 +24,7 @@ def machines(count: int) -> list[Scene]:
     return list(itertools.islice(heavy_ends(SEED), count))
 
 
-def largest_stress(scene: Scene, engine: str, accuracy: float | None) -> Peak:
+def largest_stress(scene: Scene, engine: str, accuracy: float | None) -> Number:
     """In the first turn from the standard start."""
     mechanism = scene.mechanism
     step = 2.0 * math.pi / crank_pace(mechanism) / ROWS

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.loads import Peak, loads_of
+from quickreturn.cases.loads import loads_of
+from quickreturn.cases.measures.number import Number
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism
@@ -28,7 +29,7 @@ def few() -> list[Scene]:
     return machines(3)
 
 
-def stress_with_rows(scene: Mechanism, step: float, duration: float) -> Peak:
+def stress_with_rows(scene: Mechanism, step: float, duration: float) -> Number:
     engine = ReferenceEngine()
     settings = engine.settings_for(1e-3, scene)
     columns = engine.prepare(scene, standard_start(scene), settings).advance(duration, step).columns

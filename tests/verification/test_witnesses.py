@@ -17,8 +17,8 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.library import library_case
 from quickreturn.cases.loads import loads_of
+from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.runs.orbit import Curve, Orbit, PeriodicStart, find_orbit
-from quickreturn.cases.sweep.measures import MEASURES
 from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.exudyn.settings import ExudynSettings
@@ -145,6 +145,10 @@ def plain(name: str, turn: Columns) -> tuple[float, float]:
         largest = float(np.hypot(turn[f"{column}_x"], turn[f"{column}_y"]).max())
         return largest, largest
     values = turn[column]
+    mean_speed = float(np.ptp(turn["crank_angle"])) / float(np.ptp(time))
+    if kind in ("mean", "variation"):
+        found = mean_speed if kind == "mean" else float(np.ptp(values)) / mean_speed
+        return found, found
     size = float(np.abs(values).max())
     if kind == "turn":
         return float(values[-1] - values[0]), abs(float(values[-1] - values[0]))

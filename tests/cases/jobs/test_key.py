@@ -101,7 +101,7 @@ def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
 #: Function of a stored job -> some of the modules that it uses, and some that it does not.
 USES = {
     "sweep.grid.measured_row": (
-        "document copies units reading sweep.measures loads.stress runs.steady_state",
+        "document copies units reading measures.catalogue loads.stress runs.steady_state",
         "sweep.study runs.comparison",
     ),
     "judging.matrix.trial": ("variation judging.evidence", "runs.differences"),

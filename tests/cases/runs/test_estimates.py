@@ -6,7 +6,7 @@ import pytest
 from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import CycleMeasures, Measure
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.estimates import EstimatedMeasure, MeasuredCycle, mean_estimate, with_estimates
+from quickreturn.cases.runs.estimates import EstimatedMeasure, MeasuredCycle, mean_estimate, turn_estimates, with_estimates
 from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
 
 GRID = 360  # crank angles in a half
@@ -41,7 +41,7 @@ def cycle(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS, tilt: float 
     """A cycle whose signals are higher by `tilt` at the end of each half and lower by as much at its beginning."""
     signal = np.sin(np.linspace(0.0, np.pi, GRID)) + np.linspace(-tilt, tilt, GRID)
     signals = {(half, channel): signal[None] for half in ("pre", "post") for channel in CHANNELS}
-    return MeasuredCycle(measures(error, resolved), signals, rms={}, change={})
+    return MeasuredCycle(measures(error, resolved), signals, rms={}, change={}, numbers={})
 
 
 def test_parts_are_differences_over_the_factor_less_one_and_add_up() -> None:
@@ -80,6 +80,22 @@ def test_what_one_run_does_not_resolve_has_no_estimate() -> None:
             assert (measure.first_mode_frequency_estimate is not None) == (measure.channel == "strain_2")
             assert measure.minimum_estimate is not None
         assert [consensus.first_mode_frequency_estimate for consensus in found[1]] == pytest.approx([0.1, 0.1])
+
+
+def test_numbers_of_a_turn_are_compared_themselves_and_are_no_better_than_their_columns() -> None:
+    """A crank whose speed varies by 2 % in the delivered turn and by 3 % in one with four times the error."""
+
+    def turn(variation: float) -> MeasuredCycle:
+        columns = {"time": ANGLES / 10.0, "crank_angle": np.pi + ANGLES, "crank_speed": 10.0 + 5.0 * variation * np.cos(ANGLES)}
+        return MeasuredCycle.of([columns], measures())
+
+    delivered, other = turn(0.02), turn(0.03)
+    assert delivered.numbers == pytest.approx({"mean.crank_speed": 10.0, "variation.crank_speed": 0.02})
+    (found,) = turn_estimates([Compared(delivered, other, 4.0)])["variation.crank_speed"].values()
+    of_column = 5.0 * 0.01 / np.sqrt(2.0) / 10.0  # RMS difference of the speeds over their RMS
+    assert found == pytest.approx((0.01 + 0.25 * of_column * 0.02) / 3.0, rel=1e-3)
+    by_accident = turn_estimates([Compared(delivered, turn(-0.02), 4.0)])["variation.crank_speed"]["number"]
+    assert by_accident == pytest.approx(0.25 * 4.0 * of_column * 0.02 / 3.0, rel=1e-3)
 
 
 def test_without_pairs_there_are_no_estimates() -> None:

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
+from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion, measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import DIRECT, STANDARD, Run, RunRequest
 from quickreturn.cases.runs.stability import NOT_CONVERGED, UNCOMPARED, Multiplier
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
 from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
+from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.measures import MEASURES, SettledMotion, measure
 from quickreturn.cases.sweep.rows import LEFT, MeasureRequest, row
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
@@ -33,7 +33,7 @@ def test_a_point_is_what_run_finds() -> None:
     scene = at(120.0)
     found = row([at(110.0), scene], MeasureRequest(measures=NAMES))
     run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference"))
-    of_run = np.array([measure(name).of(SettledMotion(scene, run)) for name in NAMES])
+    of_run = np.array([(each.value, each.error) for each in numbers(scene, run, NAMES).values()])
     assert found.statuses == (Ending.SETTLED, Ending.SETTLED)
     apart = np.abs(found.values[1] - of_run[:, 0])
     # `run` claims nothing of its multiplier, which is no better than the point's
@@ -68,7 +68,7 @@ def test_frequencies_are_those_of_run() -> None:
     scene, names = at(120.0), ("pre.frequency", "post.frequency", "pre.amplitude.strain_2")
     found = row([scene], MeasureRequest(measures=names, claims=False))
     run = steady_state(RunRequest(mechanism=scene, duration=2.0, engine="reference", estimated=False))
-    assert found.values[0] == pytest.approx([measure(name).of(SettledMotion(scene, run))[0] for name in names], rel=2e-3)
+    assert found.values[0] == pytest.approx([each.value for each in numbers(scene, run, names).values()], rel=2e-3)
 
 
 def test_what_cannot_be_settled_has_a_status_and_the_row_goes_on() -> None:

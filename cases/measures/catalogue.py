@@ -1,9 +1,12 @@
-"""Measures of a settled motion: names, units, meanings, and the error of each number."""
+"""The catalogue of measures of a settled motion: name, unit, meaning, witness, and the number with its error.
+
+`run` with its JSON document and the page's tables, `sweep`, and the resonance curve take their measures from here.
+"""
 
 import difflib
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Final
@@ -12,28 +15,23 @@ import numpy as np
 
 from quickreturn.cases.errors import Argument, CaseError, as_written
 from quickreturn.cases.loads import Claimed
-from quickreturn.cases.loads.peak import Peak, of_column, of_vector
-from quickreturn.cases.loads.stress import arm_stress
+from quickreturn.cases.loads.peak import of_vector
+from quickreturn.cases.loads.stress import ArmStress, arm_stress
 from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
+from quickreturn.cases.measures.number import NO_NUMBER, Number
+from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, Shown, rms_over_time
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.estimates import TIME, or_nan, rms_over_time
+from quickreturn.cases.runs.estimates import NUMBER, TIME, or_nan
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.engines.accurate import Assessment
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.witnesses import Witness
 
-#: Value and its error, in the measure's unit; nan where unavailable.
-Measured = tuple[float, float]
-NOTHING: Final[Measured] = (math.nan, math.nan)
-
 ARGUMENT: Final = Argument("measures", "--measure")
 
 _TESTS: Final = "tests/verification/test_witnesses.py::test_"
-_NUMPY: Final = partial(
-    Witness, "plain numpy on rows of 0.1 ms of `mujoco`", test=f"{_TESTS}plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn"
-)
 _GAUGES: Final = partial(
     Witness, "strain gauges of `mujoco` at the place", test=f"{_TESTS}gauges_of_a_link_chain_confirm_the_stress_along_the_arm"
 )
@@ -60,26 +58,46 @@ class SettledMotion:
 
     mechanism: Mechanism
     run: Run
+    _extremes: dict[str, tuple[Number, Number]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def claim(self) -> Claimed:
         """Error of a column at a crank angle, by the engine's own estimate."""
         return Claimed(self.run)
 
+    @cached_property
+    def stress(self) -> ArmStress | None:
+        """Bending stress along the arm."""
+        return arm_stress(self.mechanism, self.run.cycle, self.claim)
+
+    def extremes(self, column: str) -> tuple[Number, Number]:
+        """Least and greatest value of a column that the engine gives."""
+        if column not in self._extremes:
+            cycle = self.run.cycle
+            low, high = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])
+            self._extremes[column] = self._claimed(column, low), self._claimed(column, high)
+        return self._extremes[column]
+
+    def _claimed(self, column: str, extreme: Number) -> Number:
+        assert extreme.time is not None
+        angle = float(np.interp(extreme.time, self.run.cycle["time"], self.run.cycle["crank_angle"]))
+        return replace(extreme, estimate=self.claim(column, angle), crank_angle=angle % (2.0 * math.pi))
+
 
 @dataclass(frozen=True)
 class Measure:
-    """A number that a study may ask for."""
+    """A number of a settled motion."""
 
     name: str  # as asked for
     unit: str  # SI
     meaning: str  # in words
-    of: Callable[[SettledMotion], Measured]  # computes it
+    of: Callable[[SettledMotion], Number]  # computes it; `NO_NUMBER` where the motion has none
     witness: Witness  # confirms it
     columns: tuple[str, ...] = ()  # columns of the cycle that it needs
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
     multipliers: bool = False  # whether it needs the multiplier of the whole model, which takes some more turns
     size: bool = False  # whether it is a size: an error as large as `SAYS_NOTHING` of it leaves nothing of the number
+    shown: Shown | None = None  # how the tables of a run show it; None: not at all
 
     def says_nothing(self, value: float, error: float) -> str:
         """Why a number with its error says nothing (a clause); "" if it says something, or if the error is unknown."""
@@ -99,62 +117,63 @@ def measure(name: str) -> Measure:
 
 def of_columns(name: str, unit: str) -> Iterator[Measure]:
     """The measures of a column of the trajectory."""
-    kinds: tuple[tuple[str, str, Callable[[str, SettledMotion], Measured]], ...] = (
+    kinds: tuple[tuple[str, str, Callable[[str, SettledMotion], Number]], ...] = (
         ("peak", f"largest magnitude of {name} in a turn", _peak),
         ("min", f"least value of {name} in a turn", partial(_extreme, 0)),
         ("max", f"greatest value of {name} in a turn", partial(_extreme, 1)),
         ("rms", f"root mean square of {name} over a turn", _rms),
     )
     # run 24's tip body is light: the moment at the tip is 3e-4 of that in the arm, and differs more in its own size
-    witness = _NUMPY(3e-3 if name == "moment_tip" else 5e-4)
+    witness = PLAIN(3e-3 if name == "moment_tip" else 5e-4)
     for kind, meaning, of in kinds:
         yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), witness, (name,), size=kind in ("peak", "rms"))
 
 
-def _where_given(column: str, of: Callable[[str, SettledMotion], Measured], motion: SettledMotion) -> Measured:
-    """A measure of a column; `NOTHING` if the engine does not deliver it."""
-    return of(column, motion) if column in motion.run.cycle else NOTHING
+def _where_given(column: str, of: Callable[[str, SettledMotion], Number], motion: SettledMotion) -> Number:
+    """A measure of a column; `NO_NUMBER` if the engine does not deliver it."""
+    return of(column, motion) if column in motion.run.cycle else NO_NUMBER
 
 
-def _of_peak(peak: Peak | None) -> Measured:
-    return NOTHING if peak is None else (peak.value, or_nan(peak.error))
+def _peak(column: str, motion: SettledMotion) -> Number:
+    largest = max(motion.extremes(column), key=lambda extreme: abs(extreme.value))
+    return replace(largest, value=abs(largest.value))
 
 
-def _peak(name: str, motion: SettledMotion) -> Measured:
-    return _of_peak(of_column(name, motion.run.cycle, motion.claim))
-
-
-def _bearing(name: str, motion: SettledMotion) -> Measured:
-    return _of_peak(of_vector(name, motion.run.cycle, motion.claim))
-
-
-def _stress(what: str, motion: SettledMotion) -> Measured:
-    stress = arm_stress(motion.mechanism, motion.run.cycle, motion.claim)
-    return _of_peak(None if stress is None else getattr(stress, what))
-
-
-def _extreme(which: int, column: str, motion: SettledMotion) -> Measured:
+def _extreme(which: int, column: str, motion: SettledMotion) -> Number:
     """The least (0) or greatest (1) value."""
-    cycle = motion.run.cycle
-    extreme = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])[which]
-    crank_angle = float(np.interp(extreme.time, cycle["time"], cycle["crank_angle"]))
-    return extreme.value, or_nan(motion.claim(column, crank_angle)) + extreme.uncertainty
+    return motion.extremes(column)[which]
 
 
-def _rms(column: str, motion: SettledMotion) -> Measured:
+def _bearing(name: str, motion: SettledMotion) -> Number:
+    return of_vector(name, motion.run.cycle, motion.claim) or NO_NUMBER
+
+
+def _stress(what: str, motion: SettledMotion) -> Number:
+    number: Number = getattr(motion.stress, what, NO_NUMBER)
+    return number
+
+
+def _rms(column: str, motion: SettledMotion) -> Number:
     value = rms_over_time(motion.run.cycle["time"], motion.run.cycle[column])
-    return value, _of_turn(motion, column, "rms") + _left(motion) * value
+    return Number(value, _estimate(motion, column, "rms"), settling=_left(motion) * value)
 
 
-def _per_turn(column: str, motion: SettledMotion) -> Measured:
+def _per_turn(column: str, motion: SettledMotion) -> Number:
     """Change of a column in a turn."""
     values = motion.run.cycle[column]
-    return float(values[-1] - values[0]), _of_turn(motion, column, "change") + _left(motion) * float(np.ptp(values))
+    return Number(float(values[-1] - values[0]), _estimate(motion, column, "change"), settling=_left(motion) * float(np.ptp(values)))
 
 
-def _of_turn(motion: SettledMotion, column: str, what: str) -> float:
-    """The engine's estimate of the error of a column's root mean square or change in a turn; nan if it has none."""
-    return motion.run.turn_estimates.get(column, {}).get(what, math.nan)
+def _of_turn(declared: OfTurn, motion: SettledMotion) -> Number:
+    if not {*declared.columns} <= motion.run.cycle.keys():
+        return NO_NUMBER
+    value = declared.of(motion.run.cycle)
+    return Number(value, _estimate(motion, declared.name, NUMBER), settling=_left(motion) * abs(value))
+
+
+def _estimate(motion: SettledMotion, name: str, what: str) -> float | None:
+    """The engine's estimate of the error of a number over a turn (`Run.turn_estimates`); None if it has none."""
+    return motion.run.turn_estimates.get(name, {}).get(what)
 
 
 def _left(motion: SettledMotion) -> float:
@@ -163,37 +182,36 @@ def _left(motion: SettledMotion) -> float:
     return part * (motion.run.settling_error or 0.0)
 
 
-def _consensus(half: str, motion: SettledMotion) -> Measured:
+def _consensus(half: str, motion: SettledMotion) -> Number:
     consensus = motion.run.consensus_of(half)
     if consensus is None or consensus.first_mode_frequency is None:
-        return NOTHING
-    return consensus.first_mode_frequency, or_nan(consensus.first_mode_frequency_estimate) + FITTED * or_nan(consensus.uncertainty)
+        return NO_NUMBER
+    return Number(consensus.first_mode_frequency, consensus.first_mode_frequency_estimate, FITTED * or_nan(consensus.uncertainty))
 
 
-def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) -> Measured:
+def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) -> Number:
     measure = motion.run.measure(half, channel)
     if measure is None or (value := measure.number(quantity)) is None:
-        return NOTHING
-    return value, or_nan(measure.estimate(quantity)) + FITTED * or_nan(measure.number(f"{quantity}_uncertainty"))
+        return NO_NUMBER
+    return Number(value, measure.estimate(quantity), FITTED * or_nan(measure.number(f"{quantity}_uncertainty")))
 
 
-def _multiplier(number: Callable[[PeriodicOrbit], tuple[float, float | None]], motion: SettledMotion) -> Measured:
+def _multiplier(number: Callable[[PeriodicOrbit], tuple[float, float | None]], motion: SettledMotion) -> Number:
     orbit = motion.run.periodic_orbit
     if orbit is None:
-        return NOTHING
-    value, error = number(orbit)
-    return value, or_nan(error)
+        return NO_NUMBER
+    return Number(*number(orbit))
 
 
-def _period(motion: SettledMotion) -> Measured:
+def _period(motion: SettledMotion) -> Number:
     time = motion.run.cycle["time"]
     value = float(time[-1] - time[0])
     left = _left(motion) if motion.mechanism.crank_is_free else ROUND_OFF
-    return value, _of_turn(motion, TIME, "change") + left * value
+    return Number(value, _estimate(motion, TIME, "change"), settling=left * value)
 
 
-def _solve_seconds(motion: SettledMotion) -> Measured:
-    return motion.run.solve_seconds or math.nan, math.nan
+def _solve_seconds(motion: SettledMotion) -> Number:
+    return Number(motion.run.solve_seconds or math.nan)
 
 
 def _declared() -> Iterator[Measure]:
@@ -206,7 +224,7 @@ def _declared() -> Iterator[Measure]:
             "N",
             f"largest force of the bearing {where}",
             partial(_bearing, name),
-            _NUMPY(5e-4),
+            PLAIN(5e-4),
             (f"{name}_x", f"{name}_y"),
             size=True,
         )
@@ -217,7 +235,8 @@ def _declared() -> Iterator[Measure]:
         yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), _GAUGES(5e-4), tuple(COLUMNS), size=True)
     for half in HALVES:
         meaning = f"frequency of the first mode, {half}-return, over all channels"
-        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), FREQUENCY, CHANNELS, True)
+        shown = Shown(f"f₁ {half}", ".2f", in_terminal=".3f")
+        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), FREQUENCY, CHANNELS, True, shown=shown)
         for channel in CHANNELS:
             for what, unit, words, witness in (
                 ("frequency", "Hz", "frequency", FREQUENCY),
@@ -232,12 +251,15 @@ def _declared() -> Iterator[Measure]:
         ("multiplier.imag", "imaginary part of that multiplier", lambda orbit: (orbit.multipliers[0][1], orbit.multiplier_distance)),
     ):
         yield Measure(name, "1", meaning, partial(_multiplier, number), _MARCHES(5e-5), multipliers=True)
-    yield Measure("period", "s", "time of a turn", _period, _NUMPY(2e-5))
+    yield Measure("period", "s", "time of a turn", _period, PLAIN(2e-5))
     for name, meaning in (
         ("drive_work", "work of the drive, and of a force on the tip, in a turn"),
         ("dissipated_energy", "energy dissipated in a turn"),
     ):
-        yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), _NUMPY(2e-5), (name,))
+        yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), PLAIN(2e-5), (name,))
+    for one in OF_TURN:
+        of = partial(_of_turn, one)
+        yield Measure(one.name, one.unit, one.meaning, of, one.witness, one.columns, size=one.size, shown=one.shown)
     yield Measure(
         "solve_seconds",
         "s",
@@ -249,6 +271,16 @@ def _declared() -> Iterator[Measure]:
 
 #: Name -> measure, in the order in which they are listed.
 MEASURES: Final[Mapping[str, Measure]] = MappingProxyType({each.name: each for each in _declared()})
+
+
+#: The measures that the tables of a run show.
+SHOWN: Final = {name: each.shown for name, each in MEASURES.items() if each.shown is not None}
+
+
+def numbers(mechanism: Mechanism, run: Run, names: Iterable[str] = MEASURES) -> dict[str, Number]:
+    """Some numbers of a run by the names of their measures; empty if it has no usable cycle."""
+    motion = SettledMotion(mechanism, run)
+    return {name: MEASURES[name].of(motion) for name in names} if run.usable else {}
 
 
 def listed() -> list[Measure]:

@@ -1,0 +1,71 @@
+"""A number with its claimed errors, and whether it agrees with another one."""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Final, Literal
+
+from quickreturn.engines.error_parts import ErrorPart
+
+Verdict = Literal["agrees", "disagrees", "says nothing"]
+VERDICTS: Final[tuple[Verdict, ...]] = ("agrees", "disagrees", "says nothing")
+#: Largest tolerance, over the scale, of a comparison that says something where it is kept; a larger one of a frequency would hide what
+#: the thesis found, frequencies that are some percent too high.
+TELLING: Final = 0.1
+TELLING_OF_FREQUENCIES: Final = 0.02
+SAYS_NOTHING: Final = f"{TELLING:.0%} of the number, of a frequency {TELLING_OF_FREQUENCIES:.0%}".replace("%", " %")
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number, its claimed errors, and where it is reached; all in SI units.
+
+    Attributes:
+        value: the number; nan where there is none.
+        estimate: the engine's estimate of its error; None if it has none.
+        measurement: uncertainty of the measurement: one standard deviation of a frequency or amplitude; of an extreme that from the spacing
+            of rows and places.
+        settling: what is left to the steady state.
+        parts: parts of the estimate, with the runs that show them.
+        time: when it is reached, s; None where that means nothing, or is not known, as in the next two.
+        crank_angle: likewise, rad, from 0 to a turn.
+        place: arc length from P at which it is reached, m.
+    """
+
+    value: float = math.nan
+    estimate: float | None = None
+    measurement: float = 0.0
+    settling: float = 0.0
+    parts: tuple[ErrorPart, ...] = field(default=(), compare=False)
+    time: float | None = None
+    crank_angle: float | None = None
+    place: float | None = None
+
+    @property
+    def uncertainty(self) -> float:
+        """Error of the measurement, and what is left to the steady state."""
+        return self.measurement + self.settling
+
+    @property
+    def error(self) -> float:
+        """The total claimed error; nan if it is not known."""
+        return math.nan if self.estimate is None else self.estimate + self.uncertainty
+
+    def times(self, factor: float) -> "Number":
+        """The number times a factor: in another unit, or of a quantity proportional to it."""
+        names = ("value", "estimate", "measurement", "settling")
+        numbers = {name: factor * number for name in names if (number := getattr(self, name)) is not None}
+        return replace(self, **numbers, parts=tuple(replace(part, difference=factor * part.difference) for part in self.parts))
+
+    def within(self, other: "Number") -> bool:
+        """Whether the difference from another number is within both claims; False for nan."""
+        return abs(self.value - other.value) <= self.error + other.error
+
+    def agrees(self, other: "Number", scale: float, telling: float = TELLING) -> Verdict:
+        """Whether two numbers agree; a tolerance beyond `telling` of the scale would hide any mistake."""
+        if not self.within(other):
+            return "disagrees"
+        return "agrees" if self.error + other.error <= telling * scale else "says nothing"
+
+
+#: Where there is no number.
+NO_NUMBER: Final = Number()
