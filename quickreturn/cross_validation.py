@@ -12,7 +12,8 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
-from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
+from quickreturn.cases.runs.campaign import cross_validate
+from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Shown
 from quickreturn.catalogue import AnyCase, loaded

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from quickreturn.accuracy import checked
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.comparison import SAYS_NOTHING, CaseResult, Difference, agreement, hold_against_engines
+from quickreturn.cases.runs.campaign import hold_against_engines
+from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
 from quickreturn.cases.runs.differences import column_differences, explanations
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows, Shown

@@ -6,7 +6,8 @@ from typing import Final
 from quickreturn.cases.case import Case
 from quickreturn.cases.loads import UNITS
 from quickreturn.cases.measures.catalogue import MEASURES, SHOWN, numbers
-from quickreturn.cases.runs.comparison import REFERENCE, SAYS_NOTHING, CaseResult, Difference, Kind, agreement, not_judged
+from quickreturn.cases.measures.number import SAYS_NOTHING
+from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, stress_text
@@ -89,7 +90,7 @@ def _load_lines(case: CaseLoads) -> list[str]:
 def _departure(check: Difference) -> str:
     return (
         f"{check.quantity}, {check.half}-return, {check.channel or 'all channels'}: {check.mine.value:.5g} and {check.its.value:.5g} differ"
-        f" by {abs(check.difference):.2g}, claimed are {check.mine.width:.2g} by {check.engine} and {check.its.width:.2g} by {check.other}"
+        f" by {abs(check.difference):.2g}, claimed are {check.mine.error:.2g} by {check.engine} and {check.its.error:.2g} by {check.other}"
     )
 
 

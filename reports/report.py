@@ -18,9 +18,10 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import judge_scenes
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.campaign import Work
-from quickreturn.cases.runs.comparison import SAYS_NOTHING, CaseResult, agreement, cross_validate
+from quickreturn.cases.runs.campaign import Work, cross_validate
+from quickreturn.cases.runs.comparison import CaseResult, agreement
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.runs.steady_state import steady_state

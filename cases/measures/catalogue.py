@@ -79,7 +79,6 @@ class SettledMotion:
         return self._extremes[column]
 
     def _claimed(self, column: str, extreme: Number) -> Number:
-        assert extreme.time is not None
         angle = float(np.interp(extreme.time, self.run.cycle["time"], self.run.cycle["crank_angle"]))
         return replace(extreme, estimate=self.claim(column, angle), crank_angle=angle % (2.0 * math.pi))
 

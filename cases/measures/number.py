@@ -26,9 +26,9 @@ class Number:
             of rows and places.
         settling: what is left to the steady state.
         parts: parts of the estimate, with the runs that show them.
-        time: when it is reached, s; None where that means nothing, or is not known, as in the next two.
-        crank_angle: likewise, rad, from 0 to a turn.
-        place: arc length from P at which it is reached, m.
+        time: when it is reached, s; nan where that means nothing.
+        crank_angle: where it is reached, rad, from 0 to a turn; None where that means nothing.
+        place: arc length from P at which it is reached, m; likewise.
     """
 
     value: float = math.nan
@@ -36,7 +36,7 @@ class Number:
     measurement: float = 0.0
     settling: float = 0.0
     parts: tuple[ErrorPart, ...] = field(default=(), compare=False)
-    time: float | None = None
+    time: float = math.nan
     crank_angle: float | None = None
     place: float | None = None
 

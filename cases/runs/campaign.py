@@ -1,16 +1,22 @@
-"""Computes many runs: their starts, their order, and the outcome of those whose process died."""
+"""Computes many runs: their starts, their order, and the outcome of those whose process died; and compares them, case by case."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeVar
 
+from quickreturn.cases.case import Case
+from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.orbit import begins_in_orbit, orbits
-from quickreturn.cases.runs.request import Run, RunRequest
+from quickreturn.cases.runs.recorded import recorded_run
+from quickreturn.cases.runs.request import LARGEST_PERIOD_RATIO, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.engines.registry import engine
+from quickreturn.engines.registry import MAIN, engine
+from quickreturn.reference_model.rigid import crank_pace
 
 #: Engines whose runs come first, the slowest before the others, so that no core waits for one of them at the end.
 _SLOWEST: Final = ("exudyn", "mujoco", "reference")
@@ -53,6 +59,78 @@ def carry_out(
     of_runs = zip(order, [*outcomes[:first], *outcomes[first + len(other_jobs) :]], strict=True)
     runs = {name: outcome.value or _without(usable[name], Ending.FAILED, outcome.explanation) for name, outcome in of_runs}
     return {name: runs.get(name) or _without(requests[name], Ending.UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
+
+
+def cross_validate(
+    cases: Sequence[Case],
+    workshop: Workshop,
+    engines: Sequence[str] = MAIN,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
+    tables: Mapping[str, Sequence[RecordedTable]] | None = None,
+    other_work: Work | None = None,
+) -> list[CaseResult]:
+    """Bring every engine to its steady state on every case and compare.
+
+    Args:
+        cases: what to run.
+        workshop: where the runs are computed.
+        engines: names of engines.
+        accuracy: error of the tip deflection asked of every engine; None: each engine's default.
+        settings: engine -> setting -> value as text.
+        tables: case -> its recorded tables.
+        other_work: further runs and jobs that are computed with them and stored.
+
+    Raises:
+        CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
+        ValueError: two of the cases or of the engines have the same name.
+        UnknownEngine: there is no engine of a name.
+    """
+    recorded = {case.name: {table.name: recorded_run(table, case) for table in (tables or {}).get(case.name, ())} for case in cases}
+    requests = {(case.name, name): _request(case, name, accuracy, settings) for case in cases for name in engines}
+    if len(requests) < len(cases) * len(engines):
+        raise ValueError("two cases or two engines have one name")
+    other = other_work or Work()
+    runs = carry_out({**other.requests, **requests}, workshop, "engines on cases", other.jobs)
+    return [compare(case, {name: runs[case.name, name] for name in engines}, recorded[case.name]) for case in cases]
+
+
+def hold_against_engines(
+    case: Case,
+    tables: Sequence[RecordedTable],
+    workshop: Workshop,
+    engines: Sequence[str] = MAIN,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, str]] | None = None,
+) -> list[CaseResult]:
+    """Compare recorded tables with engines in the state that the tables show (`cases.runs.recorded`), but no engines with each other.
+
+    Arguments and errors are those of `cross_validate`.
+
+    Returns:
+        One result for the steady state and one for each turn on the way to it that a table shows.
+    """
+    groups: dict[int | None, dict[str, Run]] = {}
+    for table in tables:
+        run = recorded_run(table, case)
+        groups.setdefault(run.turn, {})[table.name] = run
+    requests = {}
+    for turn, group in groups.items():
+        end = LARGEST_PERIOD_RATIO * max(float(run.cycle["time"][-1]) for run in group.values())
+        for name in engines:
+            request = _request(case, name, accuracy, settings)
+            state = "steady state" if turn is None else f"turn {turn}"
+            requests[case.name, name, state] = request if turn is None else replace(request, turn=turn, duration=end)
+    runs = iter(carry_out(requests, workshop, "engines on the case").values())
+    results = [compare(case, {name: next(runs) for name in engines}, group) for group in groups.values()]
+    return [replace(result, checks=()) for result in results]
+
+
+def _request(case: Case, name: str, accuracy: float | None, settings: Mapping[str, Mapping[str, str]] | None) -> RunRequest:
+    texts = dict((settings or {}).get(name, {}))
+    if not crank_pace(case.mechanism):
+        raise CaseError(case.name, "[crank]", None, "the crank stands still: there is no cycle", "give it a torque or a speed")
+    return RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name, accuracy=accuracy, settings=texts)
 
 
 def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:

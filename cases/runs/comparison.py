@@ -14,20 +14,13 @@ from itertools import product
 from typing import Any, Final, Literal
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.cycle import HALVES, consensus_of, extremes_by_half
+from quickreturn.cases.measures.number import SAYS_NOTHING, TELLING, TELLING_OF_FREQUENCIES, VERDICTS, Number, Verdict
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate, or_nan
-from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import LARGEST_PERIOD_RATIO, NOTHING, Run, RunRequest
-from quickreturn.engines.error_parts import ErrorPart
-from quickreturn.engines.registry import MAIN
+from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.reference_model.errors import ExitCode
-from quickreturn.reference_model.rigid import crank_pace
 
 REFERENCE: Final = "reference"
 #: Quantities of each channel that are judged, besides the consensus of the channels' frequencies.
@@ -42,38 +35,9 @@ KINDS: Final[Mapping[Kind, tuple[str, ...]]] = {
     "extreme": EXTREMES,
 }
 
-Verdict = Literal["agrees", "disagrees", "says nothing"]
-VERDICTS: Final[tuple[Verdict, ...]] = ("agrees", "disagrees", "says nothing")
-#: Largest tolerance, over the scale, of a comparison that says something where it is kept; a larger one of a frequency would hide what
-#: the thesis found, frequencies that are some percent too high.
-TELLING: Final = 0.1
-TELLING_OF_FREQUENCIES: Final = 0.02
-SAYS_NOTHING: Final = f"{TELLING:.0%} of the number, of a frequency {TELLING_OF_FREQUENCIES:.0%}".replace("%", " %")
-
 #: Accuracy classes, relative errors: an engine is in the least one that covers its estimates and its deviation.
 CLASSES: Final = (0.001, 0.003, 0.01, 0.03, 0.1)
 WORSE: Final = "worse"
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A number and its claimed errors, all in the number's unit; nan if unknown."""
-
-    value: float
-    estimate: float  # the engine's estimate of its error
-    measurement: float  # one standard deviation of a frequency or amplitude; of an extreme the uncertainty from the spacing of samples
-    settling: float = 0.0  # of an extreme: the channel's remaining distance from its steady state
-    parts: tuple[ErrorPart, ...] = field(default=(), compare=False)  # that add up to the estimate, with the runs that show them
-
-    @property
-    def uncertainty(self) -> float:
-        """Error of the measurement, and what is left to the steady state."""
-        return self.measurement + self.settling
-
-    @property
-    def width(self) -> float:
-        """The total claimed error."""
-        return self.estimate + self.uncertainty
 
 
 @dataclass(frozen=True)
@@ -87,8 +51,8 @@ class Difference:
         quantity: one of `QUANTITIES`, or `CONSENSUS`.
         half: "pre" or "post".
         channel: trajectory column; None for the consensus.
-        mine: the engine's claim.
-        its: the other engine's claim.
+        mine: the engine's number.
+        its: the other engine's.
         scale: divisor of relative differences: magnitude of the other's value; for an extreme the channel's largest in the other's cycle.
     """
 
@@ -98,8 +62,8 @@ class Difference:
     quantity: str
     half: str
     channel: str | None
-    mine: Claim
-    its: Claim
+    mine: Number
+    its: Number
     scale: float
 
     @property
@@ -120,25 +84,23 @@ class Difference:
     @property
     def tolerance(self) -> float:
         """Largest difference within both claims."""
-        return self.mine.width + self.its.width
+        return self.mine.error + self.its.error
 
     @property
     def passed(self) -> bool:
         """Whether the difference is within the tolerance; False for NaN."""
-        return abs(self.difference) <= self.tolerance
+        return self.mine.within(self.its)
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the two agree; a tolerance beyond `TELLING` of the scale, or `TELLING_OF_FREQUENCIES`, would hide any mistake."""
-        if not self.passed:
-            return "disagrees"
+        """Whether the two agree; see `Number.agrees`."""
         telling = TELLING_OF_FREQUENCIES if self.quantity in (CONSENSUS, VIBRATION[0]) else TELLING
-        return "agrees" if self.tolerance <= telling * self.scale else "says nothing"
+        return self.mine.agrees(self.its, self.scale, telling)
 
     @property
     def why(self) -> tuple[str, ...]:
         """The parts of both estimates, with the runs that show them, in words."""
-        return tuple(f"{name}: {part}" for name, claim in ((self.engine, self.mine), (self.other, self.its)) for part in claim.parts)
+        return tuple(f"{name}: {part}" for name, number in ((self.engine, self.mine), (self.other, self.its)) for part in number.parts)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON and CSV."""
@@ -251,78 +213,6 @@ def agreement(checks: Iterable[Difference]) -> dict[str, int]:
     return {name: found[verdict] for name, verdict in zip(("agree", "disagree", "says_nothing"), VERDICTS, strict=True)}
 
 
-def cross_validate(
-    cases: Sequence[Case],
-    workshop: Workshop,
-    engines: Sequence[str] = MAIN,
-    accuracy: float | None = None,
-    settings: Mapping[str, Mapping[str, str]] | None = None,
-    tables: Mapping[str, Sequence[RecordedTable]] | None = None,
-    other_work: Work | None = None,
-) -> list[CaseResult]:
-    """Bring every engine to its steady state on every case and compare.
-
-    Args:
-        cases: what to run.
-        workshop: where the runs are computed.
-        engines: names of engines.
-        accuracy: error of the tip deflection asked of every engine; None: each engine's default.
-        settings: engine -> setting -> value as text.
-        tables: case -> its recorded tables.
-        other_work: further runs and jobs that are computed with them and stored.
-
-    Raises:
-        CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
-        ValueError: two of the cases or of the engines have the same name.
-        UnknownEngine: there is no engine of a name.
-    """
-    recorded = {case.name: {table.name: recorded_run(table, case) for table in (tables or {}).get(case.name, ())} for case in cases}
-    requests = {(case.name, engine): _request(case, engine, accuracy, settings) for case in cases for engine in engines}
-    if len(requests) < len(cases) * len(engines):
-        raise ValueError("two cases or two engines have one name")
-    other = other_work or Work()
-    runs = carry_out({**other.requests, **requests}, workshop, "engines on cases", other.jobs)
-    return [compare(case, {engine: runs[case.name, engine] for engine in engines}, recorded[case.name]) for case in cases]
-
-
-def hold_against_engines(
-    case: Case,
-    tables: Sequence[RecordedTable],
-    workshop: Workshop,
-    engines: Sequence[str] = MAIN,
-    accuracy: float | None = None,
-    settings: Mapping[str, Mapping[str, str]] | None = None,
-) -> list[CaseResult]:
-    """Compare recorded tables with engines in the state that the tables show (`cases.runs.recorded`), but no engines with each other.
-
-    Arguments and errors are those of `cross_validate`.
-
-    Returns:
-        One result for the steady state and one for each turn on the way to it that a table shows.
-    """
-    groups: dict[int | None, dict[str, Run]] = {}
-    for table in tables:
-        run = recorded_run(table, case)
-        groups.setdefault(run.turn, {})[table.name] = run
-    requests = {}
-    for turn, group in groups.items():
-        end = LARGEST_PERIOD_RATIO * max(float(run.cycle["time"][-1]) for run in group.values())
-        for engine in engines:
-            request = _request(case, engine, accuracy, settings)
-            state = "steady state" if turn is None else f"turn {turn}"
-            requests[case.name, engine, state] = request if turn is None else replace(request, turn=turn, duration=end)
-    runs = iter(carry_out(requests, workshop, "engines on the case").values())
-    results = [compare(case, {engine: next(runs) for engine in engines}, group) for group in groups.values()]
-    return [replace(result, checks=()) for result in results]
-
-
-def _request(case: Case, engine: str, accuracy: float | None, settings: Mapping[str, Mapping[str, str]] | None) -> RunRequest:
-    texts = dict((settings or {}).get(engine, {}))
-    if not crank_pace(case.mechanism):
-        raise CaseError(case.name, "[crank]", None, "the crank stands still: there is no cycle", "give it a torque or a speed")
-    return RunRequest(mechanism=case.mechanism, duration=case.duration, engine=engine, accuracy=accuracy, settings=texts)
-
-
 def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | None = None) -> CaseResult:
     """Compare every engine with the reference, or if that cannot be judged with the first one that can, and tables with each engine.
 
@@ -371,9 +261,9 @@ def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
         unsettled = of_channel if of_channel is not None else (other.settling_error or 0.0) * scale
         for half in HALVES:
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
-                mine = claim(table, quantity, half, channel)
-                if mine is not None and not math.isnan(mine.width) and scale > NOTHING:
-                    its = Claim(extreme.value, other.extreme_estimates[channel][half], extreme.uncertainty, unsettled)
+                mine = number_of(table, quantity, half, channel)
+                if mine is not None and not math.isnan(mine.error) and scale > NOTHING:
+                    its = replace(extreme, estimate=other.extreme_estimates[channel][half], settling=unsettled)
                     checks.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, mine, its, scale))
     return checks
 
@@ -391,7 +281,7 @@ def _difference(
 
 def pair_of(
     run: Run, other: Run, quantity: str, half: str, channel: str | None = None, claimed: bool = False
-) -> tuple[Claim, Claim] | None:
+) -> tuple[Number, Number] | None:
     """The same number of two runs, or None if one of them cannot resolve it.
 
     Args:
@@ -406,28 +296,28 @@ def pair_of(
         shared = [name for name in CHANNELS if pair_of(run, other, VIBRATION[0], half, name, claimed)]
         mine, its = (_consensus(one, half, shared) for one in (run, other))
     else:
-        mine, its = (claim(one, quantity, half, channel) for one in (run, other))
-    if mine is None or its is None or (claimed and math.isnan(mine.width + its.width)):
+        mine, its = (number_of(one, quantity, half, channel) for one in (run, other))
+    if mine is None or its is None or (claimed and math.isnan(mine.error + its.error)):
         return None
     return mine, its
 
 
-def claim(run: Run, quantity: str, half: str, channel: str) -> Claim | None:
-    """A run's claim for a number of a channel; None if it cannot resolve it."""
+def number_of(run: Run, quantity: str, half: str, channel: str) -> Number | None:
+    """A run's number of a channel, with its claims; None if it cannot resolve it."""
     measure = run.measure(half, channel)
     value = None if measure is None else measure.number(quantity)
     if measure is None or value is None:
         return None
-    estimate, uncertainty = or_nan(measure.estimate(quantity)), or_nan(measure.number(f"{quantity}_uncertainty"))
+    uncertainty = or_nan(measure.number(f"{quantity}_uncertainty"))
     unsettled = or_nan((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
-    return Claim(float(value), estimate, uncertainty, unsettled, measure.parts.get(quantity, ()))
+    return Number(float(value), measure.estimate(quantity), uncertainty, unsettled, measure.parts.get(quantity, ()))
 
 
-def _consensus(run: Run, half: str, channels: Sequence[str]) -> Claim | None:
+def _consensus(run: Run, half: str, channels: Sequence[str]) -> Number | None:
     consensus = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
     if consensus.first_mode_frequency is None:
         return None
-    return Claim(consensus.first_mode_frequency, or_nan(mean_estimate(run.measures, half, channels)), or_nan(consensus.uncertainty))
+    return Number(consensus.first_mode_frequency, mean_estimate(run.measures, half, channels), or_nan(consensus.uncertainty))
 
 
 def _relative_estimates(run: Run, half: str) -> Iterator[float]:

@@ -1,4 +1,4 @@
-"""White noise in the difference of two signals: its RMS, and the frequency above which there is nothing else."""
+"""Noise: white noise in the difference of two signals, and the departure of a table's rows from a smooth course."""
 
 import math
 from typing import Final, NamedTuple
@@ -15,6 +15,12 @@ MOST_OF_IT: Final = 0.5
 #: Largest ratio of a band's mean power to the level of the noise, or of the level to it, besides `_ERRORS` standard errors of that mean.
 _FLAT: Final = 1.5
 _ERRORS: Final = 3.0
+
+
+#: Rounding, as a part of a column's largest magnitude: numbers of a table are assumed to have five digits.
+ROUNDED: Final = 1e-5
+#: Uncertainty of an extreme, in standard deviations of a row's noise: one row in 15,000 departs further.
+DEVIATIONS: Final = 4.0
 
 
 class Noise(NamedTuple):
@@ -52,3 +58,20 @@ def _is_flat(band: Array, level: float) -> bool:
     """Whether the mean power of a band is the level. Single powers of white noise scatter as much as they are large."""
     error = 1.0 + _ERRORS / math.sqrt(len(band))
     return level / (_FLAT * error) <= float(np.mean(band)) <= _FLAT * error * level
+
+
+def noise_of(time: Array, values: Array) -> float:
+    """Departure of rows from a smooth course: by their scatter, and by rounding."""
+    return scatter(time, values) + ROUNDED * float(np.max(np.abs(values)))
+
+
+def scatter(time: Array, values: Array) -> float:
+    """Departure of rows from a smooth course, from the difference of each from the cubic through its four neighbours."""
+    if len(time) < 5:
+        return math.inf
+    near = [slice(shift, len(time) - 4 + shift) for shift in (0, 1, 3, 4)]
+    here = time[2:-2]
+    weights = [np.prod([(here - time[other]) / (time[one] - time[other]) for other in near if other is not one], axis=0) for one in near]
+    differences = values[2:-2] - sum(weight * values[one] for weight, one in zip(weights, near, strict=True))
+    spread = np.sqrt(1.0 + sum(weight**2 for weight in weights))
+    return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2)))

@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.measures.cycle import Measure, extremes_by_half, measure_cycle
+from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.marching import columns_of
+from quickreturn.cases.runs.noise import noise_of, scatter
 from quickreturn.cases.runs.other_case import cases_of_pace
 from quickreturn.cases.runs.request import STANDARD, Recording, Run
 from quickreturn.cases.units import in_si
@@ -39,8 +40,6 @@ Array = NDArray[np.float64]
 GROWING: Final = ("time", "crank_angle", "dissipated_energy", "drive_work")
 #: Columns that are not compared: those of a model's own, and the centre line, which tip and gauges represent.
 LEFT_OUT: Final = ("constraint_gap", *SHAPE)
-#: Rounding, as a part of a column's largest magnitude: numbers are assumed to have five digits.
-ROUNDED: Final = 1e-5
 #: Columns that decide whether a table has settled, if it has any of them.
 VIBRATING: Final = (*CHANNELS, "tip_deflection", "slider_force")
 #: Largest distance of rows, and largest missing part at the ends of a single turn, as a part of a turn.
@@ -60,8 +59,6 @@ UNBENT: Final = 1e-2
 FAR: Final = 0.1
 #: Largest number of named columns in which a first row departs from the standard start.
 MOST_ODD: Final = 3
-#: Uncertainty of an extreme, in standard deviations of a row's noise: one row in 15,000 departs further.
-DEVIATIONS: Final = 4.0
 #: Largest ratio of a step of the crank angle between two rows to the usual step.
 WRAPPED: Final = 100.0
 #: Units that may be meant by a heading without a unit, with their sizes: of time (s) and of angle (rad).
@@ -106,8 +103,8 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         told = f"{gap:.3g} s without a row after {at:.6g} s"
         raise CaseError(table.shown, "time", None, told, f"at most {LARGEST_GAP * period:.3g} s, {LARGEST_GAP} of a turn, are accepted")
     recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment)
-    angle_noise = _scatter(columns["time"], columns["crank_angle"])
-    errors = {name: _noise(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
+    angle_noise = scatter(columns["time"], columns["crank_angle"])
+    errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if not settling.settled:
@@ -206,7 +203,7 @@ def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Me
     sizes = {name: float(np.max(np.abs(columns[name]))) for name in standard} | {"crank_angle": 2.0 * math.pi}
     if pace > 0.0:
         sizes["time"] = 2.0 * math.pi / pace
-    allowed = {name: (UNBENT if name in bending else SAME) * sizes[name] + _noise(time, columns[name]) for name in standard}
+    allowed = {name: (UNBENT if name in bending else SAME) * sizes[name] + noise_of(time, columns[name]) for name in standard}
     odd = [name for name, value in standard.items() if abs(float(columns[name][0]) - value) > allowed[name]]
     told = [f"{name} {float(columns[name][0]):.5g} instead of {round(standard[name], 12):.5g}" for name in odd[:MOST_ODD]]
     deciding = standard.keys() & ({"crank_speed"} if mechanism.follower.is_rigid else set(bending))
@@ -281,7 +278,7 @@ def _is_far(settling: Settling, last: Cycle) -> bool:
     if outlook.change is None or outlook.stalled_since is not None:
         return False
     sizes = {name: rms(last.channels[name]) for name in _deciding_columns(last)}
-    noise = [_noise(last.time, last.channels[name]) / size for name, size in sizes.items() if size > 0.0]
+    noise = [noise_of(last.time, last.channels[name]) / size for name, size in sizes.items() if size > 0.0]
     return outlook.change > max((FAR, *noise))
 
 
@@ -318,23 +315,6 @@ def _at_cuts(cycle: Mapping[str, Array], name: str, angle_noise: float) -> float
     return float(np.max(np.abs(values - values[1])))
 
 
-def _noise(time: Array, values: Array) -> float:
-    """Departure of rows from a smooth course: by their scatter, and by rounding."""
-    return _scatter(time, values) + ROUNDED * float(np.max(np.abs(values)))
-
-
-def _scatter(time: Array, values: Array) -> float:
-    """Departure of rows from a smooth course, from the difference of each from the cubic through its four neighbours."""
-    if len(time) < 5:
-        return math.inf
-    near = [slice(shift, len(time) - 4 + shift) for shift in (0, 1, 3, 4)]
-    here = time[2:-2]
-    weights = [np.prod([(here - time[other]) / (time[one] - time[other]) for other in near if other is not one], axis=0) for one in near]
-    differences = values[2:-2] - sum(weight * values[one] for weight, one in zip(weights, near, strict=True))
-    spread = np.sqrt(1.0 + sum(weight**2 for weight in weights))
-    return DEVIATIONS * float(np.sqrt(np.mean((differences / spread) ** 2)))
-
-
 def _measured(
     mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float
 ) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
@@ -349,12 +329,9 @@ def _measured(
     channels = {name: cycle[name] for name in CHANNELS if name in cycle}
     of_cycle = measure_cycle(None if reason else scale, time, angle, channels, filtered)
     measures = [EstimatedMeasure(**(vars(each) | ({"reason": reason} if reason else {})), **_NONE_CLAIMED) for each in of_cycle.measures]
-    for name in cycle:
-        if name not in (*CHANNELS, *GROWING):
-            for half, (low, high) in extremes_by_half(time, angle, cycle[name], filtered).items():
-                ends = low.value, low.uncertainty, high.value, high.uncertainty
-                only = Measure(half, name, None, None, None, None, None, *ends, NOTHING_TO_FIT)
-                measures.append(EstimatedMeasure(**vars(only), **_NONE_CLAIMED))
+    for name in (name for name in cycle if name not in (*CHANNELS, *GROWING)):
+        of_column = measure_cycle(None, time, angle, {name: cycle[name]}, filtered).measures
+        measures += [EstimatedMeasure(**(vars(each) | {"reason": NOTHING_TO_FIT}), **_NONE_CLAIMED) for each in of_column]
     return tuple(measures), tuple(EstimatedConsensus(**vars(each), first_mode_frequency_estimate=0.0) for each in of_cycle.consensus)
 
 

@@ -41,7 +41,7 @@ def command(
     the engine's own estimate. Exit codes 2 and 3 are those of `run`.
     """
     from quickreturn.cases.recorded import read_table
-    from quickreturn.cases.runs.comparison import hold_against_engines
+    from quickreturn.cases.runs.campaign import hold_against_engines
     from quickreturn.commands.verdicts import as_document, exit_code
     from quickreturn.engine_choice import prepared
     from quickreturn.table_comparison import parts_of_tables, refuse_same_names, tables_in

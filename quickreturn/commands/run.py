@@ -42,7 +42,7 @@ def command(
     options.refuse_missing(names if engines else ())
     options.tell_slow(loaded)
     workshop = options.opened_workshop(loaded, names)
-    from quickreturn.cases.runs.comparison import cross_validate
+    from quickreturn.cases.runs.campaign import cross_validate
     from quickreturn.verdict_text import parts_of
 
     results = cross_validate(loaded, workshop, names, accuracy, texts, tables)

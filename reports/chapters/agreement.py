@@ -204,8 +204,8 @@ def departures(results: Sequence[CaseResult]) -> Table:
             table.add(
                 check,
                 **cells | {"difference": Cell(cells["difference"], mark="missed")},
-                claim=check.mine.width / check.scale,
-                other_claim=check.its.width / check.scale,
+                claim=check.mine.error / check.scale,
+                other_claim=check.its.error / check.scale,
                 share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
                 cause=cause(result, check),
             )

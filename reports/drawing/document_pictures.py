@@ -17,7 +17,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.resonance_curve import SPEED, job, range_of
-from quickreturn.cases.runs.comparison import cross_validate
+from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import study

@@ -16,7 +16,8 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import library_case
-from quickreturn.cases.runs.comparison import CaseResult, Difference, cross_validate
+from quickreturn.cases.runs.campaign import cross_validate
+from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis.runs import run_name

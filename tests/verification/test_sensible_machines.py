@@ -13,7 +13,8 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.steady_state import on_common_grid
-from quickreturn.cases.runs.comparison import CaseResult, cross_validate
+from quickreturn.cases.runs.campaign import cross_validate
+from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.relative import rms

@@ -11,7 +11,8 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, cross_validate, pair_of
+from quickreturn.cases.runs.campaign import cross_validate
+from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, pair_of
 from quickreturn.engines.registry import MAIN
 
 RUNS = [name for name in case_names() if name.startswith("thesis-")]

@@ -2,7 +2,8 @@
 
 import dataclasses
 
-from quickreturn.cases.runs.comparison import Claim, Difference
+from quickreturn.cases.measures.number import Number
+from quickreturn.cases.runs.comparison import Difference
 from quickreturn.reports.chapters.each import departure, finding
 from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.reported_results import reported_result
@@ -15,9 +16,9 @@ def test_the_heading_says_whose_signals_are_shown() -> None:
 
 
 def test_a_departure_is_told_with_what_both_claim_and_a_lower_minimum_counts_as_more() -> None:
-    mine, its = Claim(11.0, 0.2, 0.1), Claim(10.0, 0.1, 0.1)
+    mine, its = Number(11.0, 0.2, 0.1), Number(10.0, 0.1, 0.1)
     high = Difference("run", "a", "b", "maximum", "pre", "strain_1", mine, its, 20.0)
-    low = dataclasses.replace(high, quantity="minimum", half="post", mine=Claim(-11.0, 0.2, 0.1), its=Claim(-10.0, 0.1, 0.1))
+    low = dataclasses.replace(high, quantity="minimum", half="post", mine=Number(-11.0, 0.2, 0.1), its=Number(-10.0, 0.1, 0.1))
     first = "maximum, pre-return, strain 1 +5.00 % (claimed together 2.50 %)"
     assert plain(departure("a", "b", [high])) == f"a and b differ by more than they claim in 1 number: {first}."
     second = "minimum, post-return, strain 1 +5.00 % (claimed together 2.50 %)"

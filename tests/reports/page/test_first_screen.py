@@ -4,7 +4,8 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
-from quickreturn.cases.runs.comparison import Claim, Difference
+from quickreturn.cases.measures.number import Number
+from quickreturn.cases.runs.comparison import Difference
 from quickreturn.reports.page.answer import Answer, Contest, Cubic
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.page.first_screen import (
@@ -32,7 +33,10 @@ MOTOR = "A motor turns a crank; its slider swings a flexible arm to and fro, slo
 def spread_of(*shares: float, case: str = "thesis-24", channel: str | None = None) -> Spread:
     """The spread of relative differences."""
     found = spread(
-        [Difference(case, "a", "reference", "maximum", "pre", channel, Claim(1.0 + share, 0, 0), Claim(1.0, 0, 0), 1.0) for share in shares]
+        [
+            Difference(case, "a", "reference", "maximum", "pre", channel, Number(1.0 + share, 0, 0), Number(1.0, 0, 0), 1.0)
+            for share in shares
+        ]
     )
     assert found is not None
     return found

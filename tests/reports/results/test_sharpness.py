@@ -11,7 +11,8 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
-from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare, cross_validate
+from quickreturn.cases.runs.campaign import cross_validate
+from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare
 from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.results.sharpness import Sharpness, sharpness, smallest_found
