@@ -20,6 +20,8 @@ from quickreturn.reference_model.errors import ToldError
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: Rival methods for the constraint and the moving load, on the same beam; used only where they are asked for.
 RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "moving-boundaries")
+#: Machines as the users of a package build them, by its own means alone.
+AS_BUILT: Final = ("mujoco-contact",)
 #: The main engine whose discretization is its model: its distance to the others is a model error, and reported as such.
 MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
@@ -35,6 +37,7 @@ _MODULES: Final = {
     "stiff-spring": "quickreturn.engines.own.stiff_spring:ENGINE",
     "nodal-load": "quickreturn.engines.own.nodal_load:ENGINE",
     "moving-boundaries": "quickreturn.engines.own.moving_boundaries:MovingBoundariesEngine",
+    "mujoco-contact": "quickreturn.engines.mujoco_contact.engine:MujocoContactEngine",
 }
 
 
@@ -52,7 +55,7 @@ class UnknownEngine(ToldError, ValueError):
 
 def engine_names() -> tuple[str, ...]:
     """Names of all engines, whether usable here or not: the main ones in their order, the rivals, then third-party ones by name."""
-    return (*MAIN, *RIVALS, *sorted(_third_party()))
+    return (*MAIN, *RIVALS, *AS_BUILT, *sorted(_third_party()))
 
 
 def engine(name: str) -> AnyEngine:

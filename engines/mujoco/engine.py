@@ -1,22 +1,18 @@
 """Engine `mujoco`. The library and the compiled loop are loaded when the first model is built, not when engines are listed."""
 
 from collections.abc import Mapping
-from importlib.util import find_spec
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
-from quickreturn.engines.mujoco import description
+from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Simulation
+from quickreturn.engines.mujoco import description, installation
 from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, STIFFEST_ARMATURE, ChainSettings
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import stiffness_ratio
-
-_DISTRIBUTIONS = ("mujoco-core", "mujoco")  # either provides the package `mujoco`
-_OLDEST = (4, 0, 1)
 
 #: `stiffness_ratio` above which the follower's fast modes respond to its load statically. For the same error the armature of the hinges may
 #: then grow with the square of the ratio, and the step with the ratio.
@@ -45,15 +41,10 @@ class MujocoEngine(Engine[ChainSettings]):
     quantities = (*USUAL, *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
     def version(self) -> str:
-        return f"mujoco {installed(*_DISTRIBUTIONS) or 'not installed'}"
+        return installation.version()
 
     def unavailable(self) -> str | None:
-        present = installed(*_DISTRIBUTIONS)
-        if present is None or find_spec("mujoco") is None:
-            return "the package mujoco is not installed (distribution mujoco-core)"
-        if tuple(int(part) for part in present.split(".")[:3] if part.isdigit()) < _OLDEST:
-            return f"mujoco {present} is installed, {'.'.join(map(str, _OLDEST))} or later is needed"
-        return None
+        return installation.unavailable()
 
     def check(self, scene: Scene) -> None:
         """Refuse also parts without mass."""

@@ -1,0 +1,134 @@
+"""MuJoCo's model of a scene by MuJoCo's own means, and the matrices of its straight chain.
+
+The follower is N boxes of the length h = L/N on hinges: one hinge at P, N - 1 hinges of stiffness EI/h between the boxes. The slider is a
+body on the crank's pin with two spheres, one on either side of the boxes. MuJoCo's contact holds them there.
+"""
+
+from typing import Any, Final
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.reference_model.eigenproblem import eigh
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+
+Array = NDArray[np.float64]
+
+#: Radius of the rollers over the follower's length (5 mm in run 24), and least mass of the slider over the follower's: a body of MuJoCo
+#: needs mass.
+ROLLER: Final = 0.008
+SLIDER_MASS: Final = 0.005
+#: Smallest mass and inertia of a body in units of the scene: MuJoCo refuses 1e-15 and less.
+_LEAST: Final = 2e-15
+_AXIS: Final = (0.0, 0.0, 1.0)
+#: Bits of the geometries that touch: rollers touch boxes, boxes do not touch each other.
+_BOX, _ROLLER = 1, 2
+
+
+def build(scene: Mechanism, links: int, step: float, contact_time: float, armature: float) -> mujoco.MjModel:
+    """MuJoCo's model. Coordinates: the angle of the crank, that of the slider from the crank, that of the first box, the hinges' angles.
+
+    Args:
+        scene: the mechanism, in units of its own.
+        links: number of boxes.
+        step: time step.
+        contact_time: time constant of the contact.
+        armature: inertia added to every hinge's own motion.
+    """
+    spec = mujoco.MjSpec()
+    spec.option.timestep = step
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.gravity = (*scene.gravity, 0.0)
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse Newton solver of MuJoCo 4.0.0 is wrong
+    # After a bad acceleration MuJoCo would reset the state and silently continue from the start.
+    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    spec.option.enableflags = mujoco.mjtEnableBit.mjENBL_ENERGY
+    contact: dict[str, Any] = {
+        "condim": 3 if scene.slider.friction > 0.0 else 1,
+        "friction": (scene.slider.friction, 0.0, 0.0),
+        "solref": (contact_time, 1.0),
+        "mass": 0.0,
+    }
+    _add_crank(spec, scene, contact)
+    _add_follower(spec, scene, links, armature, contact)
+    return spec.compile()
+
+
+def roller_offset(scene: Mechanism) -> float:
+    """Distance of the rollers' centres from the pin."""
+    return scene.follower.thickness / 2.0 + ROLLER * scene.follower.length + scene.slider.clearance / 2.0
+
+
+def _add_crank(spec: mujoco.MjSpec, scene: Mechanism, contact: dict[str, Any]) -> None:
+    part, drive = scene.crank, scene.crank.drive
+    assert isinstance(drive, TorqueDrive)
+    crank = _add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
+    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS, damping=(drive.damping, 0.0, 0.0))
+    radius, mass = ROLLER * scene.follower.length, max(scene.slider.mass, SLIDER_MASS * scene.follower.mass)
+    slider = _add_body(crank, "slider", part.length, mass, 0.0, mass * radius**2)
+    slider.add_joint(name="slider", type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS)
+    for name, side in (("minus", 1.0), ("plus", -1.0)):  # named for the direction in which a roller pushes the follower
+        slider.add_geom(
+            name=name,
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=(radius, 0.0, 0.0),
+            pos=(0.0, side * roller_offset(scene), 0.0),
+            contype=_ROLLER,
+            conaffinity=_BOX,
+            **contact,
+        )
+
+
+def _add_follower(spec: mujoco.MjSpec, scene: Mechanism, links: int, armature: float, contact: dict[str, Any]) -> None:
+    follower, tip = scene.follower, scene.tip
+    h = follower.length / links
+    mass, stiffness = follower.mass_per_length * h, follower.bending_stiffness / h
+    body, place = spec.worldbody, scene.pivot_distance
+    for number in range(links):
+        body = _add_body(body, f"link {number}", place, mass, h / 2.0, mass * h**2 / 12.0)
+        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS)
+        if number == 0:
+            joint.armature, joint.damping = scene.base.inertia, (scene.base.damping, 0.0, 0.0)
+        else:
+            joint.stiffness, joint.damping = (stiffness, 0.0, 0.0), (follower.material_damping * stiffness, 0.0, 0.0)
+            joint.armature = armature
+        half = (h / 2.0, follower.thickness / 2.0, follower.width / 2.0)
+        box = mujoco.mjtGeom.mjGEOM_BOX
+        body.add_geom(name=body.name, type=box, size=half, pos=(h / 2.0, 0.0, 0.0), contype=_BOX, conaffinity=_ROLLER, **contact)
+        place = h
+    if tip is not None:
+        _add_body(body, "tip", h, tip.mass, tip.center_of_mass, tip.inertia)
+
+
+def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, center: float, inertia: float) -> mujoco.MjsBody:
+    turning = max(inertia, _LEAST)
+    return parent.add_body(
+        name=name,
+        pos=(place, 0.0, 0.0),
+        explicitinertial=True,
+        mass=max(mass, _LEAST),
+        ipos=(center, 0.0, 0.0),
+        inertia=(turning, turning, turning),
+    )
+
+
+def straight_chain(scene: Mechanism, links: int, armature: float) -> tuple[Array, Array]:
+    """Mass and stiffness matrices of the straight chain alone in the angles of `build`, that of the first box and the hinges'; (N, N)."""
+    follower, tip = scene.follower, scene.tip_body
+    h = follower.length / links
+    hinge, inboard = h * np.arange(links), np.tri(links)  # a hinge turns its own box and every one outboard of it
+    arms = inboard * (hinge[:, None] + h / 2.0 - hinge)  # from hinge j to the centre of box i
+    mass = follower.mass_per_length * h * (arms.T @ arms + h**2 / 12.0 * inboard.T @ inboard)
+    to_tip = follower.length + tip.center_of_mass - hinge
+    mass += tip.mass * np.outer(to_tip, to_tip) + tip.inertia
+    mass += np.diag([scene.base.inertia, *[armature] * (links - 1)])
+    stiffness = np.diag([0.0, *[follower.bending_stiffness / h] * (links - 1)])
+    return mass, stiffness
+
+
+def longest_stable_step(scene: Mechanism, links: int, armature: float) -> float:
+    """2 over the largest natural angular frequency of the straight chain: the limit of the semi-implicit Euler method."""
+    mass, stiffness = straight_chain(scene, links, armature)
+    return float(2.0 / np.sqrt(eigh(stiffness, mass)[0][-1]))
