@@ -1,1 +1,1 @@
-"""Engine `mujoco-contact`: the machine as users of MuJoCo build it, boxes on hinges and rollers in contact with them."""
+"""Engine `mujoco-contact`: the machine as users of MuJoCo build it, links on hinges and a pin in contact with the walls of their slot."""

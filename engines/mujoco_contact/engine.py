@@ -21,15 +21,15 @@ FINER: Final = 0.5
 
 
 class MujocoContactEngine(Engine[ContactSettings]):
-    """Boxes on hinges with springs, and two rollers on the crank's pin that MuJoCo's contact holds on either side of them."""
+    """Links on hinges with springs, and a slot along them in which MuJoCo's contact keeps the crank's pin."""
 
     name = "mujoco-contact"
-    method = "plain MuJoCo: chain of boxes, slider with two rollers in contact with them, implicitfast integrator"
+    method = "plain MuJoCo: chain of links, the crank's pin in contact with the walls of their slot, implicitfast integrator"
     default_accuracy = 0.05
     settings_type = ContactSettings
     quantities = (
         "mechanism.gravity", "crank.torque", "base.damping", "follower.material_damping", "tip.center_of_mass",
-        "slider.mass", "slider.clearance", "slider.friction",
+        "slider.mass", "slider.clearance",
     )  # fmt: skip
 
     def version(self) -> str:
@@ -48,7 +48,7 @@ class MujocoContactEngine(Engine[ContactSettings]):
         super().check(scene)
         if scene.follower.is_rigid:
             raise Refusal(f"follower.bending_stiffness: inf N*m^2 is not modelled by engine {self.name}; accepted: a finite stiffness")
-        refusals.of_massless_parts(self.name, scene, ", whose boxes need mass")
+        refusals.of_massless_parts(self.name, scene, ", whose links need mass")
 
     def describe(self, scene: Mechanism, settings: ContactSettings) -> ModelDescription:
         self.check(scene)
@@ -58,11 +58,11 @@ class MujocoContactEngine(Engine[ContactSettings]):
             *(f"link {i}: box" for i in range(settings.links)),
         )
         joints = (
-            "crank hinge at O, driven by a torque against viscous damping", "slider hinge at the crank's pin", "base hinge at P",
-            *(f"hinge {i}: spring EI/h and damper" for i in range(1, settings.links)), "spheres in contact with the boxes",
+            "crank hinge at O, driven by a torque against viscous damping", "base hinge at P",
+            *(f"hinge {i}: spring EI/h and damper" for i in range(1, settings.links)), "pin in contact with the walls",
         )  # fmt: skip
         tip = ("tip: rigid body fixed to the end",) if scene.tip is not None else ()
-        return ModelDescription((*bodies, *tip), joints, settings.links + 2)
+        return ModelDescription((*bodies, *tip), joints, settings.links + 1)
 
     def settings_for(self, accuracy: float, scene: Mechanism) -> ContactSettings:
         return LADDER.pick(accuracy)

@@ -1,4 +1,4 @@
-"""Natural frequencies of the straight chain of boxes with the crank held."""
+"""Natural frequencies of the straight chain of links with the crank held."""
 
 import math
 

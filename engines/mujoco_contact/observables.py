@@ -9,7 +9,6 @@ import scipy  # whose interpolation is imported when it is used
 from numpy.typing import NDArray
 
 from quickreturn.engines.trajectory import Columns
-from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 
 Array = NDArray[np.float64]
@@ -17,9 +16,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Row:
-    """MuJoCo's state at an instant, with the accelerations and energies that it gives, and the rollers' normal forces."""
+    """MuJoCo's state at an instant, with the accelerations and energies that it gives, and the force of the pin."""
 
-    angles: Array  # of crank, slider, first box, hinges
+    angles: Array  # of crank, first link, hinges
     rates: Array
     accelerations: Array
     potential_energy: float  # of gravity and hinge springs
@@ -29,11 +28,14 @@ class Row:
     @classmethod
     def of(cls, model: mujoco.MjModel, data: mujoco.MjData) -> Self:
         """The present row; `mujoco.mj_forward` must have been called."""
-        plus = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, "plus")
         force, wrench = 0.0, np.zeros(6)
         for number in range(data.ncon):
             mujoco.mj_contactForce(model, data, number, wrench)
-            force += wrench[0] if plus in data.contact[number].geom else -wrench[0]
+            contact = data.contact[number]
+            wall = max(contact.geom, key=lambda geom: model.geom_bodyid[geom])  # bodies are numbered from the crank to the tip
+            outward = contact.frame[:2] if wall == contact.geom[1] else -contact.frame[:2]
+            normal = data.xmat[model.geom_bodyid[wall]].reshape(3, 3)[:2, 1]
+            force += wrench[0] * float(outward @ normal)
         potential, kinetic = data.energy
         return cls(data.qpos.copy(), data.qvel.copy(), data.qacc.copy(), float(potential), float(kinetic), force)
 
@@ -43,8 +45,8 @@ class Row:
         return bool(np.isfinite(self.angles).all() and np.isfinite(self.rates).all() and np.isfinite(self.accelerations).all())
 
     def slider(self, scene: Mechanism, links: int) -> tuple[float, float]:
-        """Arc length of the pin along the boxes' middle line, and its distance from that line."""
-        place, gap, _ = _on_line(scene, self.angles[None, :], links)
+        """Arc length of the pin along the links' middle line, and its distance from that line."""
+        place, gap = _on_line(scene, self.angles[None, :], links)
         return float(place[0]), float(gap[0])
 
 
@@ -54,15 +56,15 @@ def columns(scene: Mechanism, rows: list[Row], links: int, began_at: float) -> C
     assert isinstance(drive, TorqueDrive)
     h, n = follower.length / links, len(rows)
     angles, rates, accelerations = (np.array([getattr(row, name) for row in rows]) for name in ("angles", "rates", "accelerations"))
-    alpha, alpha_rate, alpha_acceleration = (np.cumsum(each[:, 2:], axis=1) for each in (angles, rates, accelerations))
+    alpha, alpha_rate, alpha_acceleration = (np.cumsum(each[:, 1:], axis=1) for each in (angles, rates, accelerations))
     e = np.exp(1j * alpha)
     corners = np.concatenate([np.zeros((n, 1)), np.cumsum(h * e, axis=1)], axis=1)
     tip, base, last = corners[:, -1], e[:, 0], e[:, -1]
     tip_acceleration = h * ((1j * alpha_acceleration - alpha_rate**2) * e).sum(axis=1)
-    place, gap, _ = _on_line(scene, angles, links)
+    place, gap = _on_line(scene, angles, links)
     force = np.array([row.slider_force for row in rows])
-    bend = _curvature(scene, angles[:, 3:] / h, force, place, links)
-    springs = 0.5 * follower.bending_stiffness / h * (angles[:, 3:] ** 2).sum(axis=1)
+    bend = _curvature(scene, angles[:, 2:] / h, force, place, links)
+    springs = 0.5 * follower.bending_stiffness / h * (angles[:, 2:] ** 2).sum(axis=1)
     return {
         "crank_angle": angles[:, 0],
         "crank_speed": rates[:, 0],
@@ -80,27 +82,19 @@ def columns(scene: Mechanism, rows: list[Row], links: int, began_at: float) -> C
         "constraint_gap": np.abs(gap),
         "gravity_energy": np.array([row.potential_energy for row in rows]) - springs,
         "drive_work": drive.torque * (angles[:, 0] - began_at),
-        **{f"shape_{k:02d}": (_at(corners, k * links / (PLACES + 1)) / base).imag for k in range(1, PLACES + 1)},
     }
 
 
-def _at(corners: NDArray[np.complex128], place: float) -> NDArray[np.complex128]:
-    """Points of the middle line at an arc length in boxes."""
-    box = min(int(place), corners.shape[1] - 2)
-    points: NDArray[np.complex128] = corners[:, box] + (place - box) * (corners[:, box + 1] - corners[:, box])
-    return points
-
-
-def _on_line(scene: Mechanism, angles: Array, links: int) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Of the states (k, links + 2): arc length of the pin on the boxes' middle line, its distance along the box's normal, and the box."""
+def _on_line(scene: Mechanism, angles: Array, links: int) -> tuple[Array, Array]:
+    """Of the states (k, links + 1): arc length of the pin on the links' middle line, its distance along the link's normal."""
     h = scene.follower.length / links
-    e = np.exp(1j * np.cumsum(angles[:, 2:], axis=1))
+    e = np.exp(1j * np.cumsum(angles[:, 1:], axis=1))
     corners = np.concatenate([np.zeros((len(angles), 1)), np.cumsum(h * e, axis=1)], axis=1)[:, :-1]
     pin = scene.crank.length * np.exp(1j * angles[:, :1]) - scene.pivot_distance
     local = (pin - corners) / e
-    box = np.argmin(np.abs(local.real - h / 2.0), axis=1)
-    chosen = np.take_along_axis(local, box[:, None], axis=1)[:, 0]
-    return h * box + chosen.real, chosen.imag, box
+    link = np.argmin(np.abs(local.real - h / 2.0), axis=1)
+    chosen = np.take_along_axis(local, link[:, None], axis=1)[:, 0]
+    return h * link + chosen.real, chosen.imag
 
 
 def _curvature(scene: Mechanism, at_hinges: Array, force: Array, place: Array, links: int) -> Any:

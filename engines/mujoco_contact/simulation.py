@@ -1,4 +1,4 @@
-"""A chain of boxes in MuJoCo, ready to be advanced. Between two rows MuJoCo is alone at work."""
+"""A chain of links in MuJoCo, ready to be advanced. Between two rows MuJoCo is alone at work."""
 
 import math
 import time
@@ -46,10 +46,10 @@ class ContactSimulation(Simulation):
         self.setup_seconds = time.perf_counter() - began
 
     def _place(self, start: Start) -> None:
-        """The boxes have the tangents of the start at their middles; the first turns so that the pin lies on them."""
+        """The links have the tangents of the start at their middles; the first turns so that the pin lies on their middle line."""
         scene, n = self._scene, self._links
         h, state = scene.follower.length / n, reconstruct(scene, start)
-        middles: Array = (np.arange(n) + 0.5) * h
+        middles = h * np.arange(0.5, n, 1.0, dtype=np.float64)
         tangents, rates = state.tangent(middles), state.tangent_rate(middles)
         arm = scene.crank.length * np.exp(1j * start.crank_angle)
         pin, velocity = arm - scene.pivot_distance, 1j * start.crank_speed * arm
@@ -66,9 +66,8 @@ class ContactSimulation(Simulation):
         lever = _dot(1j * point, normal)
         rates = rates + _dot(velocity - moves, normal) / lever
         self._data.qpos[0], self._data.qvel[0] = start.crank_angle, start.crank_speed
-        self._data.qpos[1], self._data.qvel[1] = tangents[box] - start.crank_angle, rates[box] - start.crank_speed
-        self._data.qpos[2], self._data.qvel[2] = tangents[0], rates[0]
-        self._data.qpos[3:], self._data.qvel[3:] = np.diff(tangents), np.diff(rates)
+        self._data.qpos[1], self._data.qvel[1] = tangents[0], rates[0]
+        self._data.qpos[2:], self._data.qvel[2:] = np.diff(tangents), np.diff(rates)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         began = time.perf_counter()
@@ -108,9 +107,9 @@ class ContactSimulation(Simulation):
         place, gap = row.slider(self._scene, self._links)
         if place > self._scene.follower.length:
             return "the slider left the follower's end", "lengthen the follower or slow the crank"
-        if abs(gap) > chain.roller_offset(self._scene):
+        if abs(gap) > chain.reach_of_pin(self._scene):
             return (
-                f"a roller was pressed through the follower: the pin is {abs(gap) * self._units.length:.3g} m from its centre line",
+                f"the pin was pressed through a wall of the slot: it is {abs(gap) * self._units.length:.3g} m from the centre line",
                 finer,
             )
         return "", ""
