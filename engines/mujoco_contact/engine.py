@@ -13,7 +13,7 @@ from quickreturn.engines.mujoco_contact.settings import LADDER, ContactSettings
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
-#: Links of the coarser chain for the estimate, over those of the chain, and the order of the error in them (LADDERS.md, section 5).
+#: Links of the coarser chain for the estimate, over those of the chain, and the order of the error in them (LADDERS.md, section 6).
 COARSER: Final = 2.0 / 3.0
 ORDER: Final = 1.8
 #: Part of the error in time of the finer run for the estimate: its step is half as long, and the order is one.
