@@ -348,10 +348,10 @@ def test_rest_that_differences_to_finer_runs_show() -> None:
 def test_the_runs_that_a_claim_names_give_that_claim(name: str) -> None:
     """Each run is made anew from the named settings alone."""
     chosen, scene = engine(name), run_24()
-    result = simulate(chosen, scene, standard_start(scene), 0.1, 1e-3)
+    result = simulate(chosen, scene, standard_start(scene), 0.05, 1e-3)
 
     def made(settings: dict[str, Any]) -> Trajectory:
-        return run_once(chosen, scene, standard_start(scene), 0.1, 1e-3, chosen.settings_type(**settings)).trajectory
+        return run_once(chosen, scene, standard_start(scene), 0.05, 1e-3, chosen.settings_type(**settings)).trajectory
 
     for column, estimate in (("tip_deflection", result.error_estimate), ("strain_2", result.error_estimates["strain_2"])):
         parts = result.error_parts[column if column != "tip_deflection" else TIP]

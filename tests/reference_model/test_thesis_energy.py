@@ -45,7 +45,7 @@ def test_stored_energy_is_work_less_dissipation(elements: int, exact: bool) -> N
 
 def test_work_of_a_prescribed_speed_is_what_becomes_of_it() -> None:
     mechanism = run_24(crank={"drive": PrescribedSpeed(speed=17.0)}, gravity=(0.0, -9.81))
-    _, columns = run(thesis(mechanism, elements=3, exact=True), 1.0, 2000, 1e-10)
+    _, columns = run(thesis(mechanism, elements=2, exact=True), 1.0, 2000, 1e-10)
     assert np.ptp(columns["drive_work"]) > 0.5  # J
     assert np.ptp(balance(columns)) < 1e-8
     # the torque shown is the one that does the work: trapezoidal rule on 2000 points, second order
@@ -54,7 +54,7 @@ def test_work_of_a_prescribed_speed_is_what_becomes_of_it() -> None:
     assert np.max(np.abs(work - columns["drive_work"])) < 2e-3 * np.ptp(columns["drive_work"])
 
 
-@pytest.mark.parametrize("elements", [1, 3])
+@pytest.mark.parametrize("elements", [1, 2])
 def test_without_damping_the_motion_runs_backwards(elements: int) -> None:
     mechanism = undriven(gravity=(0.0, -9.81))
     model = thesis(mechanism, elements=elements, exact=elements > 1)
