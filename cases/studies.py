@@ -1,13 +1,9 @@
 """Three studies that the report shows: accuracy against a confirmed solution, convergence, and the effect of the start."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.cases.benchmark.findings import Point
-from quickreturn.cases.benchmark.measurement import Attempt
-from quickreturn.cases.benchmark.methods import Method
-from quickreturn.cases.benchmark.truth import CONFIRMING, TRUTH, Confirmation, Converged, confirmation_of, converged, errors_of, truth_of
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import MISSING, Job, Outcome
@@ -17,6 +13,9 @@ from quickreturn.cases.runs.campaign import Work, carry_out
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.request import Run, RunRequest
 from quickreturn.cases.solving import Answer, TrajectoryRequest, inputs_of
+from quickreturn.cases.trials.methods import Method
+from quickreturn.cases.trials.trial import Trial, errors_of, run_of, trial_of, warm_up
+from quickreturn.cases.trials.truth import CONFIRMING, TRUTH, Truth, confirmation_of, truth_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine
@@ -34,20 +33,6 @@ MODES: Final = (1, 2, 3, 4, 5, 6, 7, 9, 11)
 TOLERANCES: Final = (1e-5, 1e-7, 1e-9)
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudiedRun:
-    """A run of an engine from the standard start at its default accuracy: its cost, and its errors against the converged solution."""
-
-    engine: str
-    settings: dict[str, Any]
-    degrees_of_freedom: int
-    solve_seconds: float
-    setup_seconds: float
-    error_estimate: float | None = None  # the engine's estimate of the error of the tip deflection
-    remark: str = ""
-    errors: dict[str, float | None] = field(default_factory=dict)  # of each column of `ESTIMATED`
-
-
 @dataclass(frozen=True)
 class Prescribed:
     """The effect of a prescribed crank speed, and the runs of models that require one.
@@ -57,7 +42,7 @@ class Prescribed:
     """
 
     changed: dict[str, float | None]
-    runs: Sequence[StudiedRun]
+    runs: Sequence[Trial]
 
 
 @dataclass(frozen=True)
@@ -77,11 +62,11 @@ class BothStarts:
 class Studies:
     """Rows of all studies."""
 
-    accuracy: Sequence[StudiedRun]  # a run of each engine at its default accuracy
-    converged: Converged | None  # the solution against which their errors are measured; None if it could not be computed
-    confirming: Sequence[Confirmation]  # stored solutions of other engines that confirm it (see `confirming`)
+    accuracy: Sequence[Trial]  # each engine at its default accuracy
+    converged: Truth | None  # the solution against which their errors are measured; None if it could not be computed
+    confirming: Sequence[Trial]  # stored solutions of other engines that confirm it (see `confirming`)
     prescribed: Prescribed | None  # None if a converged solution could not be computed
-    convergence: Sequence[Point]  # runs of `reference` over modes and tolerances, with errors against the last run
+    convergence: Sequence[Trial]  # runs of `reference` over modes and tolerances, with errors against the last run
     both_starts: Sequence[BothStarts]  # one for each package that marches
     failures: Sequence[str]  # a sentence on each part that could not be computed
 
@@ -91,7 +76,7 @@ def work(engines: Sequence[str] = MAIN) -> Work:
     return _of(_wanted(engines), _jobs())
 
 
-def confirming(workshop: Workshop) -> list[Confirmation]:
+def confirming(workshop: Workshop) -> list[Trial]:
     """Solutions of other engines that confirm the converged solution. Computing them takes a minute. KeyboardInterrupt: Ctrl-C."""
     case = load_case(ACCURACY_CASE)
     (true,) = workshop.outcomes([_truth(case)], "confirmation")
@@ -101,7 +86,7 @@ def confirming(workshop: Workshop) -> list[Confirmation]:
         Job(f"confirming {name}", confirmation_of, (case, true.value, name), "study", (TRUTH[0], name), inputs=inputs_of(case))
         for name in CONFIRMING
     ]
-    return [outcome.value for outcome in workshop.outcomes(jobs, "confirmation") if outcome.value and outcome.value.differences]
+    return [outcome.value for outcome in workshop.outcomes(jobs, "confirmation") if outcome.value and outcome.value.completed]
 
 
 def run_studies(workshop: Workshop, engines: Sequence[str] = MAIN) -> Studies:
@@ -124,7 +109,7 @@ def run_studies(workshop: Workshop, engines: Sequence[str] = MAIN) -> Studies:
     results = carry_out(planned.requests, workshop, "another start")
     return Studies(
         accuracy=accuracy,
-        converged=converged(case, true.value) if true.value else None,
+        converged=Truth.of(case, true.value) if true.value else None,
         confirming=confirming(workshop.as_it_is),
         prescribed=Prescribed(errors_of(at_speed.value, true.value), of_models) if true.value and at_speed.value else None,
         convergence=convergence.value or (),
@@ -172,49 +157,50 @@ def _at_default(case: Case, name: str) -> TrajectoryRequest:
 
 def _studied(
     requests: Iterable[TrajectoryRequest], outcomes: Iterable[Outcome[Answer]], true: Trajectory | None, failures: list[str]
-) -> list[StudiedRun]:
+) -> list[Trial]:
     """The completed runs with their errors against the converged solution. Appends a sentence on each failed run to `failures`."""
     runs = []
     for request, outcome in zip(requests, outcomes, strict=True):
-        result = outcome.value and outcome.value.result(request, engine(str(request.engine)))
+        name = str(request.engine)
+        result = outcome.value and outcome.value.result(request, engine(name))
         if isinstance(result, EngineFailure):
             failures.append(f"study {outcome.job.name}: {result}")
         elif result and true:
             runs.append(
-                StudiedRun(
-                    engine=str(request.engine),
+                Trial(
+                    scene=ACCURACY_CASE,
+                    engine=name,
                     settings=result.settings.as_dict(),
+                    remark=result.remark,
                     degrees_of_freedom=result.description.degrees_of_freedom,
+                    errors=errors_of(result.trajectory.columns, true),
+                    claim=result.error_estimate,
                     solve_seconds=result.solve_seconds,
                     setup_seconds=result.setup_seconds,
-                    error_estimate=result.error_estimate,
-                    remark=result.remark,
-                    errors=errors_of(result.trajectory.columns, true),
                 )
             )
     return runs
 
 
-def _convergence(case: Case) -> list[Point]:
+def _convergence(case: Case) -> list[Trial]:
     ladder = [ReferenceSettings(modes=modes, tolerance=tolerance) for modes in MODES for tolerance in TOLERANCES]
     return convergence(Method("reference", ReferenceEngine(), tuple(ladder)), case)
 
 
-def convergence(method: Method, case: Case) -> list[Point]:
-    """Runs of a ladder, coarse to fine, with their errors against the last run. The decrease of these errors bounds the last run's error.
+def convergence(method: Method, case: Case) -> list[Trial]:
+    """A ladder, coarse to fine, with errors against its last settings. The decrease of these errors bounds the last one's error.
 
     Raises:
         EngineFailure: a run broke down.
     """
-    attempts = [Attempt(method, settings) for settings in method.ladder]
-    attempts[0].warm_up(case)  # compiles, so that the times do not contain the compilation
-    trajectories = list[Trajectory]()
-    for attempt in attempts:
-        attempt.repeat(case, 0)
-        if attempt.trajectory is None:
-            raise EngineFailure(0.0, attempt.status, "try other settings")
-        trajectories.append(attempt.trajectory)
-    return [attempt.point(case, trajectories[-1]) for attempt in attempts]
+    plans = list(method.plans(case))
+    warm_up(plans[0])  # compiles, so that the times do not contain the compilation
+    finest = run_of(method.engine, case, method.ladder[-1]).trajectory
+    trials = [trial_of(plan, finest) for plan in plans]
+    for trial in trials:
+        if not trial.completed:
+            raise EngineFailure(0.0, trial.status, "try other settings")
+    return trials
 
 
 #: Packages that march in one run from both starts, which shows whether they reach the same cycle.

@@ -7,9 +7,10 @@ from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes.groups import MEANINGS, Groups, groups_of
 from quickreturn.cases.classes.map import TIMES, Map, off_the_map
-from quickreturn.cases.classes.measurement import LEVELS, REFUSED, Reach
+from quickreturn.cases.classes.measurement import LEVELS, REFUSED
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.trials.trial import Trial
 from quickreturn.cases.units import in_si
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.engines.base import Refusal
@@ -42,7 +43,7 @@ class Advice(Shown):
     sharpness: float | None
     outside: tuple[str, ...]
     use: Mapping[str, str]
-    reaches: tuple[Reach, ...]
+    reaches: tuple[Trial, ...]
 
     def _parts(self) -> Iterator[Cell]:
         yield f"{self.case}: which method for an error of {100.0 * self.accuracy:g} %"
@@ -81,8 +82,8 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
 def _advice(case: Case, groups: Groups, accuracy: float, class_map: Map) -> Advice:
     level = max((each for each in LEVELS if each <= accuracy), default=LEVELS[-1])
     scene, steps = class_map.nearest(groups)
-    reaches = tuple(_for_machine(case, reach) for reach in class_map.at(scene, level))
-    able = {reach.engine for reach in reaches if reach.status != REFUSED}
+    reaches = tuple(_for_machine(case, trial) for trial in class_map.at(scene, level))
+    able = {trial.engine for trial in reaches if trial.status != REFUSED}
     methods = {by: [name for name in class_map.ranked(scene, level, by) if name in able] for by in TIMES}
     outside = [
         f"{MEANINGS[name]} is {getattr(groups, name):.3g}, the map has {low:g} to {high:g}"
@@ -95,21 +96,22 @@ def _advice(case: Case, groups: Groups, accuracy: float, class_map: Map) -> Advi
     return Advice(case.name, groups, accuracy, level, scene.name, steps, scene.difference, tuple(outside), use, reaches)
 
 
-def _for_machine(case: Case, reach: Reach) -> Reach:
+def _for_machine(case: Case, trial: Trial) -> Trial:
     """What an engine reached in a scene of the map, with the status `REFUSED` if it refuses this machine, and only then."""
     try:
-        engine(reach.engine).check(case.mechanism)
+        engine(trial.engine).check(case.mechanism)
     except Refusal as refusal:
-        return Reach(reach.scene, reach.engine, reach.level, REFUSED, remark=str(refusal))
-    return replace(reach, remark="") if reach.status == REFUSED else reach
+        known = {name: getattr(trial, name) for name in ("scene", "engine", "level")}
+        return Trial(**known, status=REFUSED, remark=str(refusal))
+    return replace(trial, remark="") if trial.status == REFUSED else trial
 
 
 def _time(seconds: float | None) -> str:
     return "-" if seconds is None else f"{seconds / in_si('ms'):.3g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
 
 
-def _remark(reach: Reach) -> str:
+def _remark(trial: Trial) -> str:
     """The status and the remaining error of an engine that misses the level, and the reason."""
-    missed = reach.solve_seconds is None
-    left = f"{100.0 * reach.error:.2g} % remains" if missed and reach.error is not None else ""
-    return "; ".join(filter(None, (reach.status if missed else "", left, reach.remark)))
+    missed = trial.solve_seconds is None
+    left = f"{100.0 * trial.error:.2g} % remains" if missed and trial.error is not None else ""
+    return "; ".join(filter(None, (trial.status if missed else "", left, trial.remark)))

@@ -29,12 +29,13 @@ from quickreturn.cases.studies import confirming
 from quickreturn.cases.thesis.finding import study as finding
 from quickreturn.cases.thesis.scatter import bands
 from quickreturn.engines.registry import MAIN, engine
-from quickreturn.reports.long_studies import FOLDER, STUDIES, About, ConditioningRow, ConformanceRow, PointRow, about, text_of
+from quickreturn.reports.long_studies import FOLDER, STUDIES, About, ConditioningRow, ConformanceRow, about, text_of
 from quickreturn.reports.machine import version
 from quickreturn.reports.thesis import long_studies as _  # noqa: F401 - registers its studies
 
-#: Statistics of a benchmark's runs that the page shows; the others are not recorded.
-STATISTICS: Final = ("right_hand_side_calls", "integration_seconds", "largest_gap", "spurious_share")
+#: Statistics of a benchmark's trials that the page shows, and further ones of `reference`; the others are not recorded.
+STATISTICS: Final = ("largest_gap", "spurious_share")
+OF_REFERENCE: Final = ("right_hand_side_calls", "integration_seconds", "calls_per_period")
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -75,9 +76,9 @@ def _hard_scenes(workshop: Workshop) -> str:
 
 
 def _classes(workshop: Workshop) -> str:
-    scenes, reaches = classes.study(workshop)
+    scenes, trials = classes.study(workshop)
     _write("classes_scenes", scenes)
-    return _write("classes", reaches, f"cells of {len(scenes)} classes")
+    return _write("classes", trials, f"cells of {len(scenes)} classes")
 
 
 #: Study -> the function that writes its tables and returns a line on them, "" if there is nothing.
@@ -125,15 +126,13 @@ def confirm(study: str) -> None:
 
 
 def _write_benchmarks(benchmarks: Sequence[Benchmark]) -> None:
-    points = []
-    for benchmark in benchmarks:
-        for point in benchmark.points:
-            measured = point.measured and dataclasses.replace(
-                point.measured, statistics={name: value for name, value in point.measured.statistics.items() if name in STATISTICS}
-            )
-            points.append(PointRow(benchmark.case, dataclasses.replace(point, measured=measured)))
-    _write("benchmark", points)
-    _write("benchmark_scenes", [dataclasses.replace(benchmark, points=()) for benchmark in benchmarks])
+    trials = []
+    for trial in (trial for benchmark in benchmarks for trial in benchmark.trials):
+        shown = STATISTICS + (OF_REFERENCE if trial.engine == "reference" else ())
+        statistics = {name: trial.statistics[name] for name in shown if name in trial.statistics}
+        trials.append(dataclasses.replace(trial, statistics=statistics))
+    _write("benchmark", trials)
+    _write("benchmark_scenes", [dataclasses.replace(benchmark, trials=()) for benchmark in benchmarks])
 
 
 def _write(name: str, rows: Sequence[Any], of: str = "rows") -> str:

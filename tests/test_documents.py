@@ -29,8 +29,8 @@ from typing import Any, NamedTuple
 import pytest
 
 import quickreturn
-from quickreturn.cases.benchmark import fastest_at
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.trials.queries import fastest_at
 from quickreturn.command_line import COMMANDS, main
 from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.long_studies import benchmarks
@@ -265,12 +265,12 @@ def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: flo
     assert len(rows) >= 5
     for names, *cells in rows:
         for level, cell in zip((1e-2, 1e-3, 1e-4), cells, strict=True):
-            fastest = {point.engine: measured for point, measured in reversed(fastest_at(benchmarks()["thesis-24"].points, level).values())}
+            fastest = {trial.engine: trial for trial in reversed(fastest_at(benchmarks()["thesis-24"].trials, level).values())}
             for name in re.findall(r"`([a-z-]+)`", names):
                 shown = re.match(r"([\d.]+) \(([\d.]+)\)", cell)
                 assert (shown is None) == (name not in fastest), (name, level)
                 if shown:
-                    measured = fastest[name].solve_seconds, fastest[name].waited_seconds
+                    measured = fastest[name].seconds, fastest[name].waited_seconds or 0.0
                     assert tuple(map(float, shown.groups())) == pytest.approx(measured, rel=rounding), (name, level)
 
 

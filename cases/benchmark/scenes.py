@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.cases.benchmark.measurement import REPETITIONS, Benchmark, last_at_work, pinned
-from quickreturn.cases.benchmark.methods import methods
-from quickreturn.cases.benchmark.truth import run_of
 from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.job import Executor, Job, Limits
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.solving import inputs_of
+from quickreturn.cases.trials.methods import methods
+from quickreturn.cases.trials.trial import run_of
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.settings import SettingError

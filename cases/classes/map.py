@@ -7,15 +7,16 @@ from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.classes.groups import Groups
-from quickreturn.cases.classes.measurement import FAILED, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach
+from quickreturn.cases.classes.measurement import FAILED, NOT_REACHED, REACHED, REFUSED, TOO_SLOW
 from quickreturn.cases.classes.study import ClassScene
 from quickreturn.cases.library import library_case
+from quickreturn.cases.trials.trial import Trial
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
-#: Name of a compared time -> the field of `Reach` with it.
+#: Name of a compared time -> the attribute of `Trial` with it.
 TIMES: Final[Mapping[str, str]] = MappingProxyType({"solve time": "solve_seconds", "waiting time": "waited_seconds"})
-#: Values of `Reach.status`.
+#: Values of a trial's status.
 STATUSES: Final = (REACHED, NOT_REACHED, TOO_SLOW, FAILED, REFUSED)
 #: Group -> place of a value on an axis whose unit is about a row or a column of the map. Tip and damping may be zero; a joint that is ten
 #: times as stiff as the stiffest of the map counts as rigid.
@@ -41,15 +42,15 @@ class Map:
     """Scenes, and the result of each method on each of them; both may be empty."""
 
     scenes: tuple[ClassScene, ...] = ()
-    reaches: tuple[Reach, ...] = ()
+    trials: tuple[Trial, ...] = ()
 
-    def at(self, scene: ClassScene, level: float) -> list[Reach]:
+    def at(self, scene: ClassScene, level: float) -> list[Trial]:
         """The results of all methods on a scene, in the engines' order."""
-        return [reach for reach in self.reaches if (reach.scene, reach.level) == (scene.name, level)]
+        return [trial for trial in self.trials if (trial.scene, trial.level) == (scene.name, level)]
 
     def ranked(self, scene: ClassScene, level: float, by: str) -> dict[str, float]:
         """The engines that reach an error on a scene, each with its time (s) by one of `TIMES`, fastest first."""
-        times = {reach.engine: seconds for reach in self.at(scene, level) if (seconds := getattr(reach, TIMES[by])) is not None}
+        times = {trial.engine: seconds for trial in self.at(scene, level) if (seconds := getattr(trial, TIMES[by])) is not None}
         return dict(sorted(times.items(), key=lambda item: item[1]))
 
     def factors(self, level: float, by: str) -> dict[str, list[float]]:

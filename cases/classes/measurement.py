@@ -1,17 +1,17 @@
 """The time that each method needs to reach an error in a scene of the map: solve time and waiting time."""
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
-from quickreturn.cases.benchmark.findings import LEVELS as ALL_LEVELS
-from quickreturn.cases.benchmark.findings import Point, fastest_at
-from quickreturn.cases.benchmark.measurement import Attempt, seconds_of
-from quickreturn.cases.benchmark.methods import methods
-from quickreturn.cases.benchmark.truth import Confirmation, confirmation_of, truth_of
-from quickreturn.cases.case import Case
-from quickreturn.cases.classes.grid import case_of
+from quickreturn.cases.classes.grid import case_of, name_of
 from quickreturn.cases.classes.groups import Groups
+from quickreturn.cases.trials.methods import Plan, methods
+from quickreturn.cases.trials.queries import LEVELS as ALL_LEVELS
+from quickreturn.cases.trials.queries import fastest_at
+from quickreturn.cases.trials.trial import Trial, repeated, seconds_of, trial_of, warm_up, worth_repeating
+from quickreturn.cases.trials.truth import confirmation_of, truth_of
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.relative import relative_error
@@ -27,6 +27,7 @@ LIMIT: Final = 5.0
 REPETITIONS: Final = 3
 BRIEF: Final = 1.0
 
+TIP: Final = "tip_deflection"
 REACHED: Final = "reached"
 REFUSED: Final = "refused"
 FAILED: Final = "failed"
@@ -38,23 +39,7 @@ SLOW_ANSWER: Final = "its estimate takes too long"
 OF_ITSELF: Final = "its estimate covers another error"
 
 
-@dataclass(frozen=True)
-class Reach:
-    """Whether and how fast a method reaches an error of the tip deflection on a scene."""
-
-    scene: str  # name of the scene
-    engine: str  # name of the method
-    level: float  # the error, relative
-    status: str  # `REACHED` by settings of its ladder, or why not
-    solve_seconds: float | None = None  # solve time with the fastest settings within the level; None if there are none
-    # set-up and solve time of all runs if the engine is asked for this error, with those for its estimate; None if it does not reach the
-    # error, or its estimate does not show that
-    waited_seconds: float | None = None
-    error: float | None = None  # error of its result when asked; if no settings are within the level, the least error of its ladder
-    remark: str = ""  # the reason in words
-
-
-def truth(groups: Groups) -> tuple[Trajectory, Confirmation]:
+def truth(groups: Groups) -> tuple[Trajectory, Trial]:
     """The solution of a scene that defines errors, and the difference of a second one from it.
 
     EngineFailure: there is none, for example because the slider leaves the follower.
@@ -65,26 +50,28 @@ def truth(groups: Groups) -> tuple[Trajectory, Confirmation]:
     return required, confirmation_of(case, required)
 
 
-def measured(groups: Groups, name: str, true: Trajectory) -> list[Reach]:
+def measured(groups: Groups, name: str, true: Trajectory) -> list[Trial]:
     """An engine, by its name, on the scene of some groups at each of `LEVELS`, in this process; errors are those against `true`."""
     case = case_of(groups)
     method = methods([name], case)[0]
-    unknown = [Reach(case.name, name, level, NOT_REACHED) for level in LEVELS]
     try:
         method.engine.check(case.mechanism)
     except Refusal as refusal:
-        return [replace(each, status=REFUSED, remark=str(refusal)) for each in unknown]
-    attempts, points = [Attempt(method, settings) for settings in method.ladder], list[Point]()
-    attempts[0].warm_up(case)
-    clock = _Clock()
-    for attempt in attempts:
+        return [asked_for(groups, name, level, REFUSED, str(refusal)) for level in LEVELS]
+    warm_up(next(method.plans(case)))
+    clock, ladder = _Clock(), list[tuple[Plan, list[Trial]]]()
+    for plan in method.plans(case):
         if clock.late:
             break
-        attempt.repeat(case, 0)
-        points.append(attempt.point(case, true))
-        if (error := points[-1].error()) is not None and error <= LEVELS[-1]:
+        ladder.append((plan, [trial_of(plan, true)]))
+        if (error := ladder[-1][1][0].error) is not None and error <= LEVELS[-1]:
             break
-    return [_reach(each, attempts[: len(points)], points, clock, case, true) for each in unknown]
+    return [_reached(asked_for(groups, name, level, NOT_REACHED), ladder, clock, true) for level in LEVELS]
+
+
+def asked_for(groups: Groups, name: str, level: float, status: str, remark: str = "") -> Trial:
+    """The trial of an engine, by its name, that is asked for an error in the scene of some groups."""
+    return Trial(scene=name_of(groups), engine=name, level=level, status=status, remark=remark)
 
 
 class _Clock:
@@ -122,37 +109,40 @@ class _Limited:
         return self._engine.prepare(*arguments)
 
 
-def _reach(unknown: Reach, attempts: list[Attempt], points: list[Point], clock: _Clock, case: Case, true: Trajectory) -> Reach:
-    """The result for a level from the completed runs of the ladder."""
-    best = fastest_at(points, unknown.level).get(attempts[0].method.name)
+def _reached(unknown: Trial, ladder: Sequence[tuple[Plan, list[Trial]]], clock: _Clock, true: Trajectory) -> Trial:
+    """The trial for a level from the runs of the ladder: plans and their repetitions, of which the best gets more."""
+    trials = [repetitions[0] for _, repetitions in ladder]
+    best = next(iter(fastest_at(trials, unknown.level or 0.0).values()), None)
     if best is None:
-        errors = [error for point in points if (error := point.error()) is not None]
+        errors = [trial.error for trial in trials if trial.error is not None]
         if not errors:
-            return replace(unknown, status=FAILED, remark=points[-1].status)
-        remark = "" if points[-1].measured else points[-1].status
-        return replace(unknown, status=TOO_SLOW if clock.ran_out else NOT_REACHED, error=min(errors), remark=remark)
-    attempt = next(each for each, point in zip(attempts, points, strict=True) if point is best[0])
-    for repetition in range(len(attempt.times), REPETITIONS):
-        attempt.repeat(case, repetition)
-    return _answered(replace(unknown, status=REACHED, solve_seconds=min(attempt.times)), attempt.method.engine, case, true)
+            return replace(unknown, status=FAILED, remark=trials[-1].status)
+        remark = "" if trials[-1].completed else trials[-1].status
+        return replace(unknown, status=TOO_SLOW if clock.ran_out else NOT_REACHED, errors={TIP: min(errors)}, remark=remark)
+    plan, repetitions = next(each for each in ladder if each[1][0] is best)
+    while len(repetitions) < REPETITIONS and worth_repeating(repetitions):
+        repetitions.append(trial_of(plan, true))
+    return _answered(replace(unknown, status=REACHED, solve_seconds=repeated(repetitions).solve_seconds), plan, true)
 
 
-def _answered(reach: Reach, engine: AnyEngine, case: Case, true: Trajectory) -> Reach:
-    """The result with the answer of the engine when it is asked for the level, unless its estimate covers another error."""
+def _answered(trial: Trial, plan: Plan, true: Trajectory) -> Trial:
+    """The trial with the answer of the engine when it is asked for the level, unless its estimate covers another error."""
+    engine, case = plan.method.engine, plan.case
     if engine.estimates != "total":
-        return replace(reach, remark=OF_ITSELF)
+        return replace(trial, remark=OF_ITSELF)
     start, times = standard_start(case.mechanism), list[float]()
     while not times or (times[0] < BRIEF and len(times) < REPETITIONS):
         began, clock = time.perf_counter(), _Clock()
         limited: Any = _Limited(engine, clock)
         try:
-            result = simulate(limited, case.mechanism, start, case.duration, case.output_step, accuracy=reach.level)
+            result = simulate(limited, case.mechanism, start, case.duration, case.output_step, accuracy=trial.level)
         except EngineFailure as failure:
-            return replace(reach, remark=SLOW_ANSWER if clock.ran_out else str(failure))
-        times.append(max(time.perf_counter() - began - result.compile_seconds, seconds_of(result.runs.values())))
-    error = relative_error(result.trajectory["tip_deflection"], true["tip_deflection"])
-    if error > reach.level and result.reached:
-        return replace(reach, error=error, remark=f"it claims {result.error_estimate:.1e}")
+            return replace(trial, remark=SLOW_ANSWER if clock.ran_out else str(failure))
+        times.append(max(time.perf_counter() - began - result.compile_seconds, seconds_of([*result.runs.values()])))
+    error = relative_error(result.trajectory[TIP], true[TIP])
+    trial = replace(trial, errors={TIP: error}, claim=result.error_estimate)
     if not result.reached:
-        return replace(reach, error=error, remark=SLOW_ANSWER if clock.ran_out else result.remark)
-    return replace(reach, error=error, waited_seconds=min(times))
+        return replace(trial, remark=SLOW_ANSWER if clock.ran_out else result.remark)
+    if error > (trial.level or 0.0):
+        return replace(trial, remark=f"it claims {result.error_estimate:.1e}")
+    return replace(trial, answer_seconds=min(times))

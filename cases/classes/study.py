@@ -4,14 +4,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from quickreturn.cases.benchmark.truth import CONFIRMING_ONE, TRUTH, Confirmation
 from quickreturn.cases.classes.grid import case_of, grid, name_of
 from quickreturn.cases.classes.groups import Groups
-from quickreturn.cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, Reach, measured, truth
+from quickreturn.cases.classes.measurement import FAILED, LEVELS, LIMIT, TOO_SLOW, asked_for, measured, truth
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Job, Outcome, default_limits
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.solving import inputs_of
+from quickreturn.cases.trials.trial import Trial
+from quickreturn.cases.trials.truth import CONFIRMING_ONE, TRUTH
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.trajectory import Trajectory
 
@@ -31,7 +32,7 @@ class ClassScene:
     failure: str = ""  # why there is no solution, or no confirming one; "" if there are both
 
 
-def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[ClassScene], list[Reach]]:
+def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[list[ClassScene], list[Trial]]:
     """The scenes, and the result of each method on each of them; results that are missing in the workshop are left out.
 
     `among`: groups of the scenes; None: all of the map. KeyboardInterrupt: Ctrl-C; finished measurements are stored.
@@ -47,34 +48,34 @@ def study(workshop: Workshop, among: Iterable[Groups] | None = None) -> tuple[li
         if not engine(name).unavailable()
     ]
     outcomes = [_kept(workshop, outcome) for outcome in workshop.outcomes(jobs, "methods on scenes") if not outcome.missing]
-    return scenes, [reach for outcome in outcomes for reach in outcome.value or ()]
+    return scenes, [trial for outcome in outcomes for trial in outcome.value or ()]
 
 
-def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Confirmation]]:
+def _truth_job(groups: Groups) -> Job[tuple[Trajectory, Trial]]:
     engines = (TRUTH[0], CONFIRMING_ONE)
     return Job(name_of(groups), truth, (groups,), "truth of a class", engines, inputs=inputs_of(case_of(groups)))
 
 
-def _job(groups: Groups, name: str, true: Trajectory) -> Job[list[Reach]]:
+def _job(groups: Groups, name: str, true: Trajectory) -> Job[list[Trial]]:
     arguments = (groups, name, true)
     limits = replace(default_limits(), seconds=STOP)
     return Job(f"{name_of(groups)}: {name}", measured, arguments, "class", (name,), inputs=inputs_of(case_of(groups)), limits=limits)
 
 
-def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Confirmation]]) -> ClassScene:
+def _scene(groups: Groups, outcome: Outcome[tuple[Trajectory, Trial]]) -> ClassScene:
     name = name_of(groups)
     if outcome.value is None:
         return ClassScene(name, groups, failure=outcome.explanation)
     _, confirmation = outcome.value
-    return ClassScene(name, groups, confirmation.differences.get("tip_deflection"), confirmation.failure)
+    return ClassScene(name, groups, confirmation.error, "" if confirmation.completed else confirmation.status)
 
 
-def _kept(workshop: Workshop, outcome: Outcome[list[Reach]]) -> Outcome[list[Reach]]:
+def _kept(workshop: Workshop, outcome: Outcome[list[Trial]]) -> Outcome[list[Trial]]:
     """The outcome; for a method that ended without one results that say why: of a stopped method they are stored, of a crashed one not."""
     if outcome.completed:
         return outcome
     groups, name, _ = outcome.job.arguments
     slow = outcome.failure.startswith(STOPPED)
     status = TOO_SLOW if slow else FAILED
-    without = Outcome(outcome.job, [Reach(name_of(groups), name, level, status, remark=outcome.explanation) for level in LEVELS])
+    without = Outcome(outcome.job, [asked_for(groups, name, level, status, outcome.explanation) for level in LEVELS])
     return workshop.kept(without) if slow else without

@@ -1,7 +1,7 @@
 """`quickreturn benchmark`: error against solve time over each engine's settings."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -12,7 +12,12 @@ from quickreturn.reports.output import print_json, print_table
 
 if TYPE_CHECKING:
     from quickreturn.cases.benchmark import Benchmark
-    from quickreturn.cases.benchmark.findings import Point
+    from quickreturn.cases.trials.trial import Trial
+
+#: Fields of a trial in the document: of each one, and of one that completed.
+_KNOWN: Final = ("engine", "settings", "status")
+_TIMES: Final = ("solve_seconds", "solve_seconds_median", "solve_seconds_largest", "repetitions", "setup_seconds", "estimate_seconds")
+_MEASURED: Final = ("degrees_of_freedom", "errors", *_TIMES)
 
 
 @click.command(name="benchmark")
@@ -78,33 +83,41 @@ def command(
 
 
 def _print(table: "Benchmark") -> None:
-    from quickreturn.cases.benchmark import pareto_front
+    from quickreturn.cases.trials.queries import changing, pareto_front
     from quickreturn.reports.words import settings_words
 
     truth, confirmation = table.truth, table.confirmation
-    agreed = f"not confirmed: {confirmation.failure}"
-    if not confirmation.failure:
-        difference = confirmation.differences["tip_deflection"]
+    agreed = f"not confirmed: {confirmation.status}"
+    if confirmation.completed:
+        difference = confirmation.error
         agreed = "nothing bends" if difference is None else f"{confirmation.engine} agrees to {difference:.1e} in the tip deflection"
     click.echo(f"{table.case}: errors against {truth.engine} ({settings_words(truth.settings)}); {agreed}")
-    front = pareto_front(table.points)
+    front = pareto_front(table.trials)
     heads = ("", "method", "settings", "dof", "solve s", "largest s", "deflection", "acceleration", "strain", "force", "remark")
-    print_table([_row(point, point in front, settings_words(point.changing)) for point in table.points], heads)
+    print_table([_row(each, each in front, settings_words(changing(each, table.trials))) for each in table.trials], heads)
     click.echo("* on the Pareto front of solve time and error of the tip deflection")
 
 
 def _as_document(table: "Benchmark") -> dict[str, Any]:
-    """The table as a document: points with the measured values, if any, and the differences or the failure of the confirmation."""
-    points = [{**vars(point), **(vars(point.measured) if point.measured else {})} for point in table.points]
-    for point in points:
-        del point["measured"]
-    return vars(table) | {"points": points, "confirmation": {name: value for name, value in vars(table.confirmation).items() if value}}
+    """The table as a document: trials with the measured values, if any, and the differences or the failure of the confirmation."""
+    from quickreturn.cases.trials.queries import changing
+
+    points, other = [], table.confirmation
+    for trial in table.trials:
+        points.append({"method": trial.method, "changing": changing(trial, table.trials)} | {name: getattr(trial, name) for name in _KNOWN})
+        if trial.completed:
+            statistics = dict(trial.statistics)
+            calls = {"calls_per_period": statistics.pop("calls_per_period", None)}
+            points[-1] |= {name: getattr(trial, name) for name in _MEASURED} | calls | {"statistics": statistics}
+    outcome = {"differences": other.errors} if other.completed else {"failure": other.status}
+    document = {"points" if name == "trials" else name: value for name, value in vars(table).items()}
+    return document | {"points": points, "confirmation": {"engine": other.engine, "settings": other.settings, **outcome}}
 
 
-def _row(point: "Point", best: bool, settings: str) -> tuple[str, ...]:
-    head, measured = ("*" if best else "", point.method, settings), point.measured
-    if measured is None:
-        return (*head, *[""] * 7, point.status)
-    shown = [point.error(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
-    times = (f"{measured.solve_seconds:.4f}", f"{measured.solve_seconds_largest:.4f}")
-    return (*head, str(measured.degrees_of_freedom), *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")
+def _row(trial: "Trial", best: bool, settings: str) -> tuple[str, ...]:
+    head = ("*" if best else "", trial.method, settings)
+    if not trial.completed:
+        return (*head, *[""] * 7, trial.status)
+    shown = [trial.error_of(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
+    times = (f"{trial.seconds:.4f}", f"{trial.solve_seconds_largest:.4f}")
+    return (*head, str(trial.degrees_of_freedom), *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")

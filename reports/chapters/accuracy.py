@@ -7,11 +7,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.benchmark.findings import Point, completed
-from quickreturn.cases.benchmark.truth import CONFIRMED, Confirmation, Converged
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.studies import BothStarts, Prescribed, StudiedRun
+from quickreturn.cases.studies import BothStarts, Prescribed
+from quickreturn.cases.trials.trial import Trial
+from quickreturn.cases.trials.truth import CONFIRMED, Truth, confirms
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
@@ -47,12 +47,12 @@ def accuracy(content: Content) -> Chapter | None:
     }
     errors: dict[str, float] = {}
     if studies is not None:
-        converged, known = studies.converged, {run.engine: run.errors["tip_deflection"] for run in studies.accuracy}
+        converged, known = studies.converged, {run.engine: run.error for run in studies.accuracy}
         errors = {name: error for name, error in known.items() if error is not None}
         facts |= {
             "failures": studies.failures and counted(len(studies.failures), "part"),
             "converged": converged is not None,
-            "confirming": [(run.confirms, confirming_words(converged, run)) for run in studies.confirming] if converged else [],
+            "confirming": [(confirms(run), confirming_words(converged, run)) for run in studies.confirming] if converged else [],
             "changed": prescribed_words(studies.prescribed) if studies.prescribed else "",
             "marched": both_starts_words(studies.both_starts),
             "plot": _convergence(studies.convergence),
@@ -74,18 +74,18 @@ def finding(errors: Mapping[str, float], work: float | None) -> str:
     return "" if work is None else f"The search for the steady state takes the work of {number(work, '.3g')} cycles"
 
 
-def confirming_words(converged: Converged, run: Confirmation) -> str:
+def confirming_words(converged: Truth, run: Trial) -> str:
     """Whether another engine confirms the converged solution."""
-    confirms = "confirm" if run.confirms else "do not confirm"
+    verb = "confirm" if confirms(run) else "do not confirm"
     return (
-        f"The converged solution of run 24 ({converged.engine}) and that of {run.engine} differ by {_off(run.differences)} in the tip"
-        f" deflection: they {confirms} each other to {percent(CONFIRMED)}."
+        f"The converged solution of run 24 ({converged.engine}) and that of {run.engine} differ by {_off(run.errors)} in the tip"
+        f" deflection: they {verb} each other to {percent(CONFIRMED)}."
     )
 
 
 def _off(errors: Mapping[str, float | None]) -> str:
     """The error of the tip deflection."""
-    error = errors["tip_deflection"]
+    error = errors.get("tip_deflection")
     return "an unknown error" if error is None else size(error)
 
 
@@ -94,7 +94,7 @@ def prescribed_words(study: Prescribed) -> str:
     texts = [f"A prescribed crank speed alone changes run 24’s tip deflection by {_off(study.changed)}."]
     for place, run in enumerate(study.runs):
         which, why = (" with foreshortening", "") if place else (", which takes no driven crank,", ", the error of its linear beam")
-        estimate = run.error_estimate
+        estimate = run.claim
         integration = "" if estimate is None else f", and its integration by {size(estimate)}, as it estimates itself"
         texts.append(f"{run.engine}{which} is off by {_off(run.errors)} at this speed{why}{integration}.")
     return " ".join(texts)
@@ -120,14 +120,14 @@ def both_starts_words(studied: Sequence[BothStarts]) -> str:
     return "; ".join(texts)
 
 
-def _convergence(points: Sequence[Point]) -> Plot | None:
-    if not points:
+def _convergence(trials: Sequence[Trial]) -> Plot | None:
+    if not trials:
         return None
-    tightest = min(point.settings["tolerance"] for point in points)
-    finest = [point for point in points[:-1] if point.settings["tolerance"] == tightest]
+    tightest = min(trial.settings["tolerance"] for trial in trials)
+    finest = [trial for trial in trials[:-1] if trial.settings["tolerance"] == tightest]
     series = []
     for name in ESTIMATED:
-        errors = {point.settings["modes"]: error for point in finest if (error := point.error(name)) is not None}
+        errors = {trial.settings["modes"]: error for trial in finest if (error := trial.error_of(name)) is not None}
         texts = [f"{modes} modes: {size(error)}" for modes, error in errors.items()]
         series.append(Series(name.replace("_", " "), name, [*errors], [100.0 * error for error in errors.values()], texts))
     return Plot("convergence.csv", "modes", "error, RMS over RMS [%]", series, "y")
@@ -143,7 +143,7 @@ def _saved(orbit_table: Table) -> dict[str, float] | None:
     return {"work": float(np.nanmedian(work)), "runs": len(work), **{name: float(np.nanmedian(ratio)) for name, ratio in ratios.items()}}
 
 
-def accuracy_table(runs: Sequence[StudiedRun]) -> Table:
+def accuracy_table(runs: Sequence[Trial]) -> Table:
     """Error and cost of each engine at its default accuracy."""
     columns: ColumnList = (
         "engine",
@@ -163,11 +163,11 @@ def accuracy_table(runs: Sequence[StudiedRun]) -> Table:
         columns,
     )
     for run in runs:
-        table.add(run, settings=settings_words(run.settings), **run.errors)
+        table.add(run, settings=settings_words(run.settings), error_estimate=run.claim, **run.errors)
     return table
 
 
-def confirmation(converged: Converged | None, confirming: Sequence[Confirmation]) -> Table:
+def confirmation(converged: Truth | None, confirming: Sequence[Trial]) -> Table:
     """Differences of the confirming solutions from the converged one."""
     errors = [replace(column, group="difference") for column in _ERRORS]
     table = Table(
@@ -179,11 +179,11 @@ def confirmation(converged: Converged | None, confirming: Sequence[Confirmation]
     for run in confirming if converged else ():
         assert converged is not None
         words = {"settings": settings_words(converged.settings), "with_settings": settings_words(run.settings)}
-        table.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.differences)
+        table.add(engine=converged.engine, confirmed_by=run.engine, **words, **run.errors)
     return table
 
 
-def prescribed(study: Prescribed, converged: Converged) -> Table:
+def prescribed(study: Prescribed, converged: Truth) -> Table:
     """The change by a prescribed crank speed, and the errors of the models that need one, with their own estimates for the integration."""
     errors = (*_ERRORS, Column("error_estimate", "own estimate", "%", ".2g"))
     table = Table(
@@ -195,11 +195,11 @@ def prescribed(study: Prescribed, converged: Converged) -> Table:
     )
     table.add(engine=converged.engine, settings=settings_words(converged.settings), against=DRIVEN, **study.changed)
     for run in study.runs:
-        table.add(run, settings=settings_words(run.settings), against=SAME_SPEED, **run.errors)
+        table.add(run, settings=settings_words(run.settings), against=SAME_SPEED, error_estimate=run.claim, **run.errors)
     return table
 
 
-def convergence(points: Sequence[Point]) -> Table:
+def convergence(trials: Sequence[Trial]) -> Table:
     """Error of the reference against its finest settings, the last row, for each number of modes and tolerance."""
     columns = (
         Column("modes", form="d"),
@@ -216,10 +216,10 @@ def convergence(points: Sequence[Point]) -> Table:
         tolerance of the integration.""",
         columns,
     )
-    for point, measured in completed(points):
-        calls = measured.statistics.get("right_hand_side_calls")
-        settings = {name: point.settings[name] for name in ("modes", "tolerance")}  # the others are the same throughout
-        table.add(measured, **settings, **measured.errors, right_hand_side_calls=calls, is_reference=point is points[-1])
+    for trial in trials:
+        calls = trial.statistics.get("right_hand_side_calls")
+        settings = {name: trial.settings[name] for name in ("modes", "tolerance")}  # the others are the same throughout
+        table.add(trial, **settings, **trial.errors, right_hand_side_calls=calls, is_reference=trial is trials[-1])
     return table
 
 

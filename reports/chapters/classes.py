@@ -8,8 +8,9 @@ from typing import Any, Final
 from quickreturn.cases.classes.grid import CENTRE, ROWS, TURNS, grid, name_of
 from quickreturn.cases.classes.groups import MEANINGS
 from quickreturn.cases.classes.map import STATUSES, TIMES, Map
-from quickreturn.cases.classes.measurement import LEVELS, LIMIT, REACHED, Reach
+from quickreturn.cases.classes.measurement import LEVELS, LIMIT, REACHED
 from quickreturn.cases.classes.study import ClassScene
+from quickreturn.cases.trials.trial import Trial
 from quickreturn.reports.looks import looks
 from quickreturn.reports.page.answer import is_own
 from quickreturn.reports.page.chapter import Chapter
@@ -46,7 +47,7 @@ def classes(content: Content) -> Chapter | None:
         return None
     scenes = len(class_map.scenes)
     contests = [_contest(class_map, level, by) for level in LEVELS for by in TIMES]
-    own = [name for name in dict.fromkeys(reach.engine for reach in class_map.reaches) if is_own(name)]
+    own = [name for name in dict.fromkeys(trial.engine for trial in class_map.trials) if is_own(name)]
     facts = {
         "of_record": content.of_record.get("classes"),
         "turns": TURNS,
@@ -145,11 +146,11 @@ def _machine(scene: ClassScene) -> str:
 
 def _cell(class_map: Map, scene: ClassScene, level: float, by: str) -> Cell:
     """The winner and the runner-up; the remark lists all engines. The winner's colour is stronger the larger its lead."""
-    reaches, ranked = class_map.at(scene, level), class_map.ranked(scene, level, by)
-    without_time = [_why_no_time(reach) for reach in reaches if reach.engine not in ranked]
+    trials, ranked = class_map.at(scene, level), class_map.ranked(scene, level, by)
+    without_time = [_why_no_time(trial) for trial in trials if trial.engine not in ranked]
     note = "; ".join([*(f"{name} {duration(seconds)}" for name, seconds in ranked.items()), *without_time]) or scene.failure
     if not ranked:
-        return Cell("nobody" if reaches else "no solution", note=note, mark="open")
+        return Cell("nobody" if trials else "no solution", note=note, mark="open")
     (winner, first), (other, second) = [*ranked.items(), ("", math.inf)][:2]
     text, look = (f"{winner}\n{number(second / first, '.2g')}× {other}" if other else winner), looks([winner])[winner]
     share = _PALE + (_FULL - _PALE) * min(1.0, math.log10(second / first))
@@ -157,11 +158,11 @@ def _cell(class_map: Map, scene: ClassScene, level: float, by: str) -> Cell:
     return Cell(winner, text, note, tint=tint)
 
 
-def _why_no_time(reach: Reach) -> str:
+def _why_no_time(trial: Trial) -> str:
     """The reason why an engine has no time."""
-    if reach.status != REACHED:
-        return f"{reach.engine} {reach.status}" + (f" ({size(reach.error)} left)" if reach.error is not None else "")
-    return f"{reach.engine} reaches it, but its own estimate does not show it ({reach.remark})"
+    if trial.status != REACHED:
+        return f"{trial.engine} {trial.status}" + (f" ({size(trial.error)} left)" if trial.error is not None else "")
+    return f"{trial.engine} reaches it, but its own estimate does not show it ({trial.remark})"
 
 
 def failing(class_map: Map) -> Table:
@@ -175,19 +176,19 @@ def failing(class_map: Map) -> Table:
         classes.""",
         (Column("method"), Column("level", "error", "%", "g"), *heads, unknown),
     )
-    for engine in dict.fromkeys(reach.engine for reach in class_map.reaches):
+    for engine in dict.fromkeys(trial.engine for trial in class_map.trials):
         for level in LEVELS:
-            here = [reach for reach in class_map.reaches if (reach.engine, reach.level) == (engine, level)]
-            counts = {status.replace(" ", "_"): _count([reach for reach in here if reach.status == status]) for status in STATUSES}
-            silent = [reach for reach in here if reach.status == REACHED and reach.waited_seconds is None]
+            here = [trial for trial in class_map.trials if (trial.engine, trial.level) == (engine, level)]
+            counts = {status.replace(" ", "_"): _count([trial for trial in here if trial.status == status]) for status in STATUSES}
+            silent = [trial for trial in here if trial.status == REACHED and trial.waited_seconds is None]
             table.add(method=engine, level=level, unclaimed=_count(silent), **counts)
     return table
 
 
-def _count(reaches: Sequence[Reach]) -> Cell:
+def _count(trials: Sequence[Trial]) -> Cell:
     """A number of scenes; its remark names them and the first reason."""
-    reason = next((f": {reach.remark}" for reach in reaches if reach.remark), "")
-    return Cell(len(reaches), note="; ".join(reach.scene for reach in reaches) + reason)
+    reason = next((f": {trial.remark}" for trial in trials if trial.remark), "")
+    return Cell(len(trials), note="; ".join(trial.scene for trial in trials) + reason)
 
 
 def cells(class_map: Map) -> Table:
@@ -207,6 +208,6 @@ def cells(class_map: Map) -> Table:
     for scene in class_map.scenes:
         shared: dict[str, Any] = {**vars(scene.groups), "difference": scene.difference}
         for level in LEVELS:
-            for reach in class_map.at(scene, level):
-                table.add(reach, **shared)
+            for trial in class_map.at(scene, level):
+                table.add(trial, **shared)
     return table

@@ -4,16 +4,17 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from quickreturn.cases.benchmark import SCENES, Benchmark, Compiling, fastest_at, observed_order, pareto_front
-from quickreturn.cases.benchmark.findings import LEVELS, Measured, completed, soonest_at
-from quickreturn.cases.benchmark.truth import CONFIRMED
+from quickreturn.cases.benchmark import SCENES, Benchmark, Compiling
+from quickreturn.cases.trials.queries import LEVELS, fastest_at, observed_order, pareto_front, soonest_at
+from quickreturn.cases.trials.trial import Trial
+from quickreturn.cases.trials.truth import CONFIRMED, confirms
 from quickreturn.engines.registry import engine
 from quickreturn.reports.chapters import methods_tables as tables
 from quickreturn.reports.page.answer import Contest, contest, is_own
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.words import case_label, counted, duration, number, percent, settings_words, size, times, won
+from quickreturn.reports.words import case_label, counted, duration, number, percent, size, times, won
 
 #: Labels of the horizontal axes of errors.
 SOLVE_TIME: Final = "solve time [s]"
@@ -28,11 +29,11 @@ def methods(content: Content) -> Chapter | None:
         return None
     contests = [(benchmark, level) for benchmark in benchmarks for level in LEVELS]
     first, levels = benchmarks[0], [contest(benchmarks[0], level) for level in LEVELS]
-    firsts = _wins(list(fastest_at(benchmark.points, level)) for benchmark, level in contests)
-    soonest = _wins([name for name, _ in soonest_at(benchmark.points, level)] for benchmark, level in contests)
+    firsts = _wins(list(fastest_at(benchmark.trials, level)) for benchmark, level in contests)
+    soonest = _wins([name for name, _ in soonest_at(benchmark.trials, level)] for benchmark, level in contests)
     winner = next(iter(firsts), "")
-    own = any(is_own(point.engine) for point in first.points if point.method == winner)
-    waiting = fastest_at(first.points, LEVELS[1]).get(winner, (None, None))[1]
+    own = any(is_own(trial.engine) for trial in first.trials if trial.method == winner)
+    waiting = fastest_at(first.trials, LEVELS[1]).get(winner)
     compiled = next((each for each in content.compiling if each.engine == winner), None)
     facts = {
         "of_record": content.of_record.get("benchmark"),
@@ -45,7 +46,10 @@ def methods(content: Content) -> Chapter | None:
         "fastest": tables.fastest(benchmarks),
         "waits": tables.waiting(benchmarks),
         "compiled": tables.compiling(content.compiling),
-        "plots": [(each, over := _over_time(each), _errors_over(each, FREEDOM), mark_words(len(over) > 1)) for each in benchmarks],
+        "plots": [
+            (each, over := _over_time(each), _errors_over(each, FREEDOM), mark_words(len(over) > 1), confirms(each.confirmation))
+            for each in benchmarks
+        ],
         "fronts": [tables.front(benchmark) for benchmark in benchmarks],
         "tables": [
             tables.orders(benchmarks),
@@ -54,7 +58,7 @@ def methods(content: Content) -> Chapter | None:
             tables.scenes(benchmarks),
             tables.failures(benchmarks),
         ],
-        "points": tables.points(benchmarks),
+        "trials": tables.trials(benchmarks),
         "machine": ", ".join(f"{name}: {words}" for name, words in first.machine.items()),
     }
     text = finding(len(contests), firsts, soonest, own, levels[1], waiting_words(waiting, compiled) if waiting else "")
@@ -89,10 +93,10 @@ def finding(contests: int, firsts: Mapping[str, int], soonest: Mapping[str, int]
     return f"{text} and takes {waiting} besides" if waiting else text
 
 
-def waiting_words(measured: Measured, compiled: Compiling | None) -> str:
+def waiting_words(trial: Trial, compiled: Compiling | None) -> str:
     """What a method takes besides its solution: "10 ms for set-up and once 40 s for compilation"."""
-    text = f"{duration(measured.setup_seconds)} for set-up"
-    estimate = measured.estimate_seconds
+    text = f"{duration(trial.setup_seconds or 0.0)} for set-up"
+    estimate = trial.estimate_seconds
     text += "" if estimate is None else f", {duration(estimate)} for the estimate of its error"
     if compiled is None:
         return text
@@ -112,7 +116,7 @@ def level_words(contest: Contest) -> str:
 
 def order_words(benchmark: Benchmark) -> str:
     """The observed orders of the methods in a scene."""
-    orders = {name: observed_order(benchmark.points, name) for name in tables.methods_of([benchmark])}
+    orders = {name: observed_order(benchmark.trials, name) for name in tables.methods_of([benchmark])}
     texts = [f"{name} {number(order, '.1f')}" for name, order in orders.items() if order is not None]
     return f"Observed order of the error in the degrees of freedom, {case_label(benchmark.case)}: {', '.join(texts)}."
 
@@ -121,9 +125,9 @@ def model_words(benchmarks: Sequence[Benchmark]) -> list[str]:
     """A sentence for each method that solves equations of its own: the least error of its settings, which is that of its model."""
     errors: dict[str, dict[str, float]] = {}
     for benchmark in benchmarks:
-        for point in benchmark.points:
-            if engine(point.engine).estimates == "integration" and (error := point.error()) is not None:
-                of_method = errors.setdefault(point.method, {})
+        for trial in benchmark.trials:
+            if engine(trial.engine).estimates == "integration" and (error := trial.error) is not None:
+                of_method = errors.setdefault(trial.method, {})
                 of_method[benchmark.case] = min(error, of_method.get(benchmark.case, error))
     sentences = []
     for name, of_scenes in errors.items():
@@ -157,36 +161,36 @@ def _wins(orders: Iterable[Sequence[str]]) -> dict[str, int]:
     return dict(counts.most_common())
 
 
-def _at(measured: Measured, across: str) -> float | None:
+def _at(trial: Trial, across: str) -> float | None:
     if across == SOLVE_TIME:
-        return measured.solve_seconds
-    return measured.waited_seconds if across == WAIT else float(measured.degrees_of_freedom)
+        return trial.solve_seconds
+    return trial.waited_seconds if across == WAIT else float(trial.degrees_of_freedom or 0)
 
 
 def _series(benchmark: Benchmark, across: str) -> list[Series]:
     """The Pareto front of the solve times as a broad band, and the points of each method."""
     series = []
     if across == SOLVE_TIME:
-        front = [(m.solve_seconds, 100.0 * error) for point, m in completed(pareto_front(benchmark.points)) if (error := point.error())]
+        front = [(trial.seconds, 100.0 * error) for trial in pareto_front(benchmark.trials) if (error := trial.error)]
         series.append(Series("Pareto front", "", [x for x, _ in front], [y for _, y in front], broad=True))
     for name in tables.methods_of([benchmark]):
-        completed_points = [(point, m) for point, m in completed(benchmark.points) if point.method == name and point.error()]
-        places = [(x, error, point, m) for point, m in completed_points if (x := _at(m, across)) is not None and (error := point.error())]
+        trials = [trial for trial in benchmark.trials if trial.method == name]
+        places = [(x, error, trial) for trial in trials if (x := _at(trial, across)) is not None and (error := trial.error)]
         if places:
-            texts = [f"{settings_words(point.changing)}; {_time(m, across)}, error {size(error)}" for _, error, point, m in places]
+            texts = [f"{tables.changed_words(benchmark, trial)}; {_time(trial, across)}, error {size(error)}" for _, error, trial in places]
             of = places[0][2].engine
-            xs, ys = [x for x, *_ in places], [100.0 * error for _, error, *_ in places]
+            xs, ys = [x for x, *_ in places], [100.0 * error for _, error, _ in places]
             series.append(Series(name, of, xs, ys, texts, hollow=name != of))
     return series
 
 
-def _time(measured: Measured, across: str) -> str:
-    solving = duration(measured.solve_seconds)
-    return solving if across != WAIT else f"{duration(measured.waited_seconds or 0.0)}, of it solving {solving}"
+def _time(trial: Trial, across: str) -> str:
+    solving = duration(trial.seconds)
+    return solving if across != WAIT else f"{duration(trial.waited_seconds or 0.0)}, of it solving {solving}"
 
 
 def _errors_over(benchmark: Benchmark, across: str) -> Plot:
-    below = benchmark.confirmation.differences.get("tip_deflection")
+    below = benchmark.confirmation.error
     shaded = None if below is None else 100.0 * below
     return Plot("benchmark.csv", across, "error of the tip deflection [%]", _series(benchmark, across), "xy", shaded)
 

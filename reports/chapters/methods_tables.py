@@ -5,9 +5,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from quickreturn.cases.benchmark import Benchmark, Compiling, fastest_at, observed_order, pareto_front
-from quickreturn.cases.benchmark.findings import LEVELS, Point, completed, error_of, soonest_at
+from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.benchmark.measurement import NOT_TRIED
+from quickreturn.cases.trials.queries import LEVELS, changing, fastest_at, observed_order, pareto_front, soonest_at
+from quickreturn.cases.trials.trial import Trial
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import case_label, duration, settings_words
@@ -18,7 +19,12 @@ SCENE: Final = replace(CASE, head="scene")
 
 def methods_of(benchmarks: Sequence[Benchmark]) -> list[str]:
     """Names of all methods, in their order."""
-    return list(dict.fromkeys(point.method for benchmark in benchmarks for point in benchmark.points))
+    return list(dict.fromkeys(trial.method for benchmark in benchmarks for trial in benchmark.trials))
+
+
+def changed_words(benchmark: Benchmark, trial: Trial) -> str:
+    """The settings of a trial that change along its method's ladder."""
+    return settings_words(changing(trial, benchmark.trials))
 
 
 def fastest(benchmarks: Sequence[Benchmark]) -> Table:
@@ -33,9 +39,9 @@ def fastest(benchmarks: Sequence[Benchmark]) -> Table:
     for benchmark in benchmarks:
         for level in LEVELS:
             cells: dict[str, Cell] = {}
-            for name, (point, measured) in fastest_at(benchmark.points, level).items():
-                seconds, note = measured.solve_seconds, settings_words(point.changing)
-                cells[f"{name} solve_seconds"] = Cell(seconds, duration(seconds), note, "" if cells else "good")
+            for name, trial in fastest_at(benchmark.trials, level).items():
+                note = changed_words(benchmark, trial)
+                cells[f"{name} solve_seconds"] = Cell(trial.seconds, duration(trial.seconds), note, "" if cells else "good")
             table.add(case=benchmark.case, level=level, **cells)
     return table
 
@@ -52,15 +58,13 @@ def waiting(benchmarks: Sequence[Benchmark]) -> Table:
     )
     for benchmark in benchmarks:
         for level in LEVELS:
-            best = fastest_at(benchmark.points, level)
-            for rank, (name, seconds_waited) in enumerate(soonest_at(benchmark.points, level)):
-                point, measured = best[name]
+            best = fastest_at(benchmark.trials, level)
+            for rank, (name, seconds_waited) in enumerate(soonest_at(benchmark.trials, level)):
                 table.add(
-                    measured,
+                    best[name],
                     case=benchmark.case,
                     level=level,
-                    method=name,
-                    settings=settings_words(point.changing),
+                    settings=changed_words(benchmark, best[name]),
                     waited_seconds=Cell(seconds_waited, mark="" if rank else "good"),
                 )
     return table
@@ -89,7 +93,7 @@ def orders(benchmarks: Sequence[Benchmark]) -> Table:
         ("method", *(Column(benchmark.case, case_label(benchmark.case), "1", ".1f") for benchmark in benchmarks)),
     )
     for name in methods_of(benchmarks):
-        table.add(method=name, **{benchmark.case: observed_order(benchmark.points, name) for benchmark in benchmarks})
+        table.add(method=name, **{benchmark.case: observed_order(benchmark.trials, name) for benchmark in benchmarks})
     return table
 
 
@@ -104,9 +108,9 @@ def joints(benchmark: Benchmark) -> Table:
         ("method", "settings", *errors),
     )
     for name in methods_of([benchmark]):
-        done = [(point, measured.statistics) for point, measured in completed(benchmark.points) if point.method == name]
-        if done and {"largest_gap", "spurious_share"} & set(done[-1][1]):
-            table.add(done[-1][1], method=name, settings=settings_words(done[-1][0].changing))
+        done = [trial for trial in benchmark.trials if trial.completed and trial.method == name]
+        if done and {"largest_gap", "spurious_share"} & set(done[-1].statistics):
+            table.add(done[-1].statistics, method=name, settings=changed_words(benchmark, done[-1]))
     return table
 
 
@@ -116,35 +120,35 @@ def front(benchmark: Benchmark) -> Table:
         f"front-{benchmark.case}",
         f"""Pareto front of {case_label(benchmark.case)}: settings that no others beat in both solve time and error of the tip
         deflection.""",
-        _POINT,
+        _TRIAL,
     )
-    for point in pareto_front(benchmark.points):
-        table.add(point.measured, **_cells(point))
+    for trial in pareto_front(benchmark.trials):
+        table.add(trial, **_cells(benchmark, trial))
     return table
 
 
 def failures(benchmarks: Sequence[Benchmark]) -> Table:
-    """Points that failed, and the settings beyond which finer ones were not tried."""
+    """Trials that failed, and the settings beyond which finer ones were not tried."""
     columns = (SCENE, "method", "settings", Column("status", "what happened"))
     table = Table("not_completed", "Settings that did not complete.", columns)
     for benchmark in benchmarks:
         listed: set[str] = set()
-        for point in benchmark.points:
-            untried = point.status.startswith(NOT_TRIED)
-            if point.measured is not None or (untried and point.method in listed):
+        for trial in benchmark.trials:
+            untried = trial.status.startswith(NOT_TRIED)
+            if trial.completed or (untried and trial.method in listed):
                 continue
             if untried:
-                listed.add(point.method)
-            table.add(point, case=benchmark.case, settings=settings_words(point.changing) + (" and finer" if untried else ""))
+                listed.add(trial.method)
+            table.add(trial, case=benchmark.case, settings=changed_words(benchmark, trial) + (" and finer" if untried else ""))
     return table
 
 
-def points(benchmarks: Sequence[Benchmark]) -> Table:
-    """Every point of every scene."""
-    table = Table("benchmark", "Every method, all settings, all scenes", (SCENE, *_POINT, "status"), in_page=False)
+def trials(benchmarks: Sequence[Benchmark]) -> Table:
+    """Every trial of every scene."""
+    table = Table("benchmark", "Every method, all settings, all scenes", (SCENE, *_TRIAL, "status"), in_page=False)
     for benchmark in benchmarks:
-        for point in benchmark.points:
-            table.add(point.measured, case=benchmark.case, status=point.status, **_cells(point))
+        for trial in benchmark.trials:
+            table.add(trial, case=benchmark.case, **_cells(benchmark, trial))
     return table
 
 
@@ -152,7 +156,7 @@ def _errors(group: str = "error") -> list[Column]:
     return [Column(key, head, "%", ".2g", group=group) for key, head in _ERRORS.items()]
 
 
-_POINT: ColumnList = (
+_TRIAL: ColumnList = (
     "method",
     "settings",
     Column("degrees_of_freedom", "dof", form="d"),
@@ -166,8 +170,8 @@ _POINT: ColumnList = (
 )
 
 
-def _cells(point: Point) -> dict[str, Any]:
-    return {"method": point.method, "settings": settings_words(point.changing)} | {key: point.error(key) for key in _ERRORS}
+def _cells(benchmark: Benchmark, trial: Trial) -> dict[str, Any]:
+    return {"settings": changed_words(benchmark, trial)} | {key: trial.error_of(key) for key in _ERRORS}
 
 
 def reference_cost(benchmark: Benchmark) -> Table:
@@ -190,12 +194,13 @@ def reference_cost(benchmark: Benchmark) -> Table:
         and must not be much longer than that period). Set-up prepares the tables.""",
         columns,
     )
-    for point, measured in completed(benchmark.points):
-        if point.engine == "reference":
-            calls, seconds = measured.statistics["right_hand_side_calls"], measured.statistics.get("integration_seconds", math.nan)
+    for trial in benchmark.trials:
+        if trial.completed and trial.engine == "reference":
+            calls, seconds = trial.statistics["right_hand_side_calls"], trial.statistics.get("integration_seconds", math.nan)
             cost = {"integration_seconds": seconds, "calls": calls, "seconds_per_call": seconds / calls}
-            settings = {name: point.settings[name] for name in ("modes", "tolerance")}
-            table.add(measured, **settings, **{key: point.error(key) for key in _ERRORS}, **cost)
+            settings = {name: trial.settings[name] for name in ("modes", "tolerance")}
+            errors = {key: trial.error_of(key) for key in _ERRORS}
+            table.add(trial, **settings, **errors, **cost, calls_per_period=trial.statistics.get("calls_per_period"))
     return table
 
 
@@ -222,7 +227,7 @@ def scenes(benchmarks: Sequence[Benchmark]) -> Table:
             benchmark,
             size=truth.sizes["tip_deflection"],
             truth=f"{truth.engine} ({settings_words(truth.settings)})",
-            confirming=f"{other.engine}: {other.failure}" if other.failure else f"{other.engine} ({settings_words(other.settings)})",
-            **{key: error_of(other.differences, key) for key in _ERRORS},
+            confirming=f"{other.engine} ({settings_words(other.settings)})" if other.completed else f"{other.engine}: {other.status}",
+            **{key: other.error_of(key) for key in _ERRORS},
         )
     return table

@@ -7,8 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from quickreturn.cases.benchmark import Benchmark, pareto_front
-from quickreturn.cases.benchmark.findings import Point, completed, error_of
+from quickreturn.cases.benchmark import Benchmark
+from quickreturn.cases.trials.queries import pareto_front
+from quickreturn.cases.trials.trial import Trial
 from quickreturn.reports.drawing.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
 from quickreturn.reports.looks import looks
 from quickreturn.reports.words import number
@@ -30,35 +31,36 @@ def draw(table: Benchmark) -> Figure:
 
     In the hatched range an error is less than the difference between the two solutions that define it.
     """
-    methods: dict[str, list[Point]] = {}
-    for point, _ in completed(table.points):
-        methods.setdefault(point.method, []).append(point)
+    methods: dict[str, list[Trial]] = {}
+    for trial in table.trials:
+        if trial.completed:
+            methods.setdefault(trial.method, []).append(trial)
     figure = new_figure(5.2)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     for axes, (column, words) in zip(panels.flat, PANELS.items(), strict=True):
-        x, y = _places(pareto_front(table.points, column), column)
+        x, y = _places(pareto_front(table.trials, column), column)
         axes.plot(x, y, color=LIGHT, linewidth=FRONT_WIDTH, solid_capstyle="round", solid_joinstyle="round", zorder=1.0)
-        if unknowable := error_of(table.confirmation.differences, column):
+        if unknowable := table.confirmation.error_of(column):
             axes.axhspan(1e-9, 100.0 * unknowable, facecolor="none", edgecolor="#BBBBBB", hatch="////", linewidth=0.0, zorder=0.5)
-        for points in methods.values():
-            axes.plot(*_places(points, column), **_look(points[0]), markersize=4.2, markeredgewidth=0.8)
+        for trials in methods.values():
+            axes.plot(*_places(trials, column), **_look(trials[0]), markersize=4.2, markeredgewidth=0.8)
         axes.set_title(words, fontsize=9.0, pad=3.0)
     _axes(panels)
-    legend_above(figure, [Line2D([], [], **_look(points[0]), markersize=5.0, label=method) for method, points in methods.items()], 4)
+    legend_above(figure, [Line2D([], [], **_look(trials[0]), markersize=5.0, label=method) for method, trials in methods.items()], 4)
     return figure
 
 
-def _places(points: Sequence[Point], column: str) -> tuple[list[float], list[float]]:
-    """Solve times in s and errors in percent of those points whose error is known."""
-    places = [(measured.solve_seconds, 100.0 * error) for point, measured in completed(points) if (error := point.error(column))]
+def _places(trials: Sequence[Trial], column: str) -> tuple[list[float], list[float]]:
+    """Solve times in s and errors in percent of those trials whose error is known."""
+    places = [(trial.seconds, 100.0 * error) for trial in trials if (error := trial.error_of(column))]
     return [x for x, _ in places], [y for _, y in places]
 
 
-def _look(point: Point) -> dict[str, Any]:
+def _look(trial: Trial) -> dict[str, Any]:
     """Line and marks of a method; those of a variant are hollow."""
-    style = look(point.engine)
-    face = style["color"] if point.method == point.engine else "white"
-    marker = MARKERS[looks([point.engine])[point.engine].marker]
+    style = look(trial.engine)
+    face = style["color"] if trial.method == trial.engine else "white"
+    marker = MARKERS[looks([trial.engine])[trial.engine].marker]
     return style | {"linestyle": "-", "linewidth": 0.9, "marker": marker, "markerfacecolor": face}
 
 

@@ -20,17 +20,15 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 import pandas as pd
 
 from quickreturn.cases.benchmark import Benchmark, Compiling
-from quickreturn.cases.benchmark.findings import Point
-from quickreturn.cases.benchmark.truth import Confirmation
 from quickreturn.cases.case import Case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.classes.map import Map
-from quickreturn.cases.classes.measurement import Reach
 from quickreturn.cases.conformance import Conformance
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
 from quickreturn.cases.judging.conditioning import Conditioning
 from quickreturn.cases.judging.matrix import Judged, Matrix
+from quickreturn.cases.trials.trial import Trial
 from quickreturn.engines.registry import MAIN
 
 T = TypeVar("T")
@@ -40,8 +38,8 @@ FOLDER: Final = Path(__file__).parent
 STUDIES: Final[list[str]] = ["benchmark", "hard scenes", "confirmation", "conformance", "classes"]
 #: Significant digits of recorded numbers.
 DIGITS: Final = 5
-#: Types of mappings with a column for each key. An empty cell is left out of a mapping of the first type, and is None in the second.
-_NUMBERS: Final = (dict[str, float], dict[str, float | None])
+#: Types of mappings with a column for each key; they have no keys whose cells are empty.
+_NUMBERS: Final = (dict[str, float], dict[str, float | None], Mapping[str, float])
 
 
 @dataclass(frozen=True)
@@ -67,14 +65,6 @@ class About:
         """The date and the commits, as a clause."""
         at = f" at commit {self.commit}" if self.commit else ""
         return f"{self.date}{at}{f'; cells of it were last confirmed at commit {self.confirmed}' if self.confirmed else ''}"
-
-
-@dataclass(frozen=True)
-class PointRow:
-    """A point of a benchmark, and its scene."""
-
-    case: str
-    point: Point
 
 
 @dataclass(frozen=True)
@@ -119,10 +109,9 @@ def about(study: str) -> About | None:
 @cache
 def benchmarks() -> Mapping[str, Benchmark]:
     """Scene -> its measured benchmark."""
-    points: dict[str, list[Point]] = {}
-    for row in table("benchmark", PointRow):
-        points.setdefault(row.case, []).append(row.point)
-    return {scene.case: dataclasses.replace(scene, points=tuple(points[scene.case])) for scene in table("benchmark_scenes", Benchmark)}
+    trials = table("benchmark", Trial)
+    scenes = table("benchmark_scenes", Benchmark)
+    return {each.case: dataclasses.replace(each, trials=tuple(trial for trial in trials if trial.scene == each.case)) for each in scenes}
 
 
 @cache
@@ -139,14 +128,14 @@ def conformance() -> dict[str, str]:
     return {row.engine: f"{row.words} (recorded on {record.words})" for row in table("conformance", ConformanceRow)}
 
 
-def confirming() -> list[Confirmation]:
+def confirming() -> list[Trial]:
     """Solutions that confirm the converged solution of the studies."""
-    return table("confirmation", Confirmation)
+    return table("confirmation", Trial)
 
 
 def class_map() -> Map:
     """Times of each method in each class; empty if they were not recorded."""
-    return Map(tuple(table("classes_scenes", classes.ClassScene)), tuple(table("classes", Reach)))
+    return Map(tuple(table("classes_scenes", classes.ClassScene)), tuple(table("classes", Trial)))
 
 
 def matrix(cases: Iterable[Case]) -> Matrix | None:
@@ -176,17 +165,24 @@ def text_of(rows: Iterable[Any]) -> str:
 
 
 def _flat(item: Any, prefix: str = "") -> dict[str, str]:
-    """Heading -> cell for the fields of a dataclass, each heading beginning with `prefix`."""
+    """Heading -> cell for the fields of a dataclass, each heading beginning with `prefix`; a field's default has an empty cell."""
     hints, row = get_type_hints(type(item)), dict[str, str]()
     for field in dataclasses.fields(item):
         value, name = getattr(item, field.name), prefix + field.name
+        default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             row |= _flat(value, f"{name}.")
         elif hints[field.name] in _NUMBERS:
-            row |= {f"{name}.{key}": json.dumps(_short(number)) for key, number in value.items() if number is not None}
-        elif value is not None:
-            row[name] = value if isinstance(value, str) else json.dumps(_short(encoded(value).document), separators=(",", ":"))
+            row |= {f"{name}.{key}": _cell(number) for key, number in value.items() if number is not None}
+        elif value is not None and value != default:
+            row[name] = _cell(value)
     return row
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    return f"{value:.{DIGITS}g}" if isinstance(value, float) else json.dumps(_short(encoded(value).document), separators=(",", ":"))
 
 
 def _short(value: Any) -> Any:
@@ -198,21 +194,19 @@ def _short(value: Any) -> Any:
     return [_short(item) for item in value] if isinstance(value, list) else value
 
 
-def _unflat(kind: Any, row: Mapping[str, str], prefix: str = "") -> Any:
+def _unflat(kind: Any, row: Mapping[str, str]) -> Any:
     """The dataclass `kind` from a row's cells: the inverse of `_flat`."""
     hints, values = get_type_hints(kind), dict[str, Any]()
     for field in dataclasses.fields(kind):
-        hint, name = hints[field.name], prefix + field.name
+        hint, name = hints[field.name], field.name
         inner = next((part for part in get_args(hint) if part is not NoneType), hint) if NoneType in get_args(hint) else hint
+        within = {head.removeprefix(f"{name}."): text for head, text in row.items() if text and head.startswith(f"{name}.")}
         if dataclasses.is_dataclass(inner):
-            present = any(text and head.startswith(f"{name}.") for head, text in row.items())
-            values[field.name] = _unflat(inner, row, f"{name}.") if present else None
+            values[field.name] = _unflat(inner, within) if within else None
         elif hint in _NUMBERS:
-            cells = {key.removeprefix(f"{name}."): text for key, text in row.items() if key.startswith(f"{name}.")}
-            numbers = {key: float(text) if text else None for key, text in cells.items()}
-            values[field.name] = {key: number for key, number in numbers.items() if number is not None or hint is _NUMBERS[1]}
+            values[field.name] = {key: float(text) for key, text in within.items()}
         elif row.get(name):
-            values[field.name] = row[name] if inner is str else decoded(hint, Record(json.loads(row[name])))
-        elif name in row or (field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING):
+            values[field.name] = inner(row[name]) if inner in (str, float) else decoded(hint, Record(json.loads(row[name])))
+        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             values[field.name] = "" if hint is str else None
     return kind(**values)

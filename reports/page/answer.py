@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.benchmark import Benchmark, fastest_at
-from quickreturn.cases.benchmark.findings import LEVELS
+from quickreturn.cases.benchmark import Benchmark
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.trials.queries import LEVELS, fastest_at
 from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.differences import Spread, differences, engines_of, spread
@@ -98,14 +98,14 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
 
 def contest(table: Benchmark, level: float) -> Contest:
     """The fastest methods in a scene to an error `level` of the tip deflection."""
-    best = fastest_at(table.points, level)
+    best = fastest_at(table.trials, level)
     if not best:
         return Contest(table.case, level, [])
-    ranked = [(name, point.engine, measured.solve_seconds) for name, (point, measured) in best.items()]
+    ranked = [(name, trial.engine, trial.seconds) for name, trial in best.items()]
     others = [entry for entry in ranked[1:] if entry[1] != ranked[0][1]]
     shown = ranked[:1] + others[:1] + [entry for entry in others[1:] if entry[0] in PACKAGES]
-    first, measured = next(iter(best.values()))
-    return Contest(table.case, level, [(name, seconds) for name, _, seconds in shown], measured.setup_seconds, is_own(first.engine))
+    first = next(iter(best.values()))
+    return Contest(table.case, level, [(name, seconds) for name, _, seconds in shown], first.setup_seconds or 0.0, is_own(first.engine))
 
 
 def is_own(engine: str) -> bool:

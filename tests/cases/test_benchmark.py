@@ -10,51 +10,31 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.benchmark import (
-    SCENES,
-    Benchmark,
-    compiling,
-    fastest_at,
-    measure,
-    measurement,
-    observed_order,
-    pareto_front,
-    stored,
-    truth,
-)
-from quickreturn.cases.benchmark.findings import LEVELS, Measured, Point, completed, error_of, soonest_at
-from quickreturn.cases.benchmark.methods import Method, methods
+from quickreturn.cases.benchmark import SCENES, Benchmark, compiling, measure, measurement, stored
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Job, Limits, Outcome
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.trials import truth
+from quickreturn.cases.trials.methods import Method, methods
+from quickreturn.cases.trials.queries import LEVELS, changing, fastest_at, observed_order, pareto_front, soonest_at
+from quickreturn.cases.trials.trial import Trial, repeated
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.registry import RIVALS, UnknownEngine
 from tests.engines.fake_engine import FakeEngine, FakeSettings
 
 
-def point(seconds: float, error: float | None, method: str = "a", free: int = 3) -> Point:
-    about: dict[str, Any] = {"method": method, "engine": method, "settings": {}, "changing": {}}
+def trial(seconds: float, error: float | None, engine: str = "a", free: int = 3) -> Trial:
     if error is None:
-        return Point(**about, status="failed")
-    found = Measured(
-        degrees_of_freedom=free,
-        errors={"tip_deflection": error},
-        solve_seconds=seconds,
-        solve_seconds_median=seconds,
-        solve_seconds_largest=seconds,
-        repetitions=1,
-        setup_seconds=0.0,
-        statistics={},
-        calls_per_period=None,
-    )
-    return Point(**about, status="completed", measured=found)
+        return Trial(scene="one", engine=engine, status="failed")
+    errors: dict[str, float | None] = {"tip_deflection": error}
+    return Trial(scene="one", engine=engine, degrees_of_freedom=free, errors=errors, solve_seconds=seconds, setup_seconds=0.0)
 
 
-def times_and_errors(points: Sequence[Point]) -> list[tuple[float, float | None]]:
-    return [(measured.solve_seconds, point.error()) for point, measured in completed(points)]
+def times_and_errors(trials: Sequence[Trial]) -> list[tuple[float, float | None]]:
+    return [(each.seconds, each.error) for each in trials if each.completed]
 
 
 def short(name: str = "thesis-24") -> Case:
@@ -66,9 +46,9 @@ positive = st.floats(1e-6, 1e3)
 
 @given(st.lists(st.tuples(positive, st.none() | positive), max_size=12))
 def test_the_front_is_what_no_point_beats(values: list[tuple[float, float | None]]) -> None:
-    points = [point(*value) for value in values]
-    front = pareto_front(points)
-    done = times_and_errors(points)
+    trials = [trial(*value) for value in values]
+    front = pareto_front(trials)
+    done = times_and_errors(trials)
     of_front = times_and_errors(front)
     assert of_front == sorted(of_front)
     for seconds, error in done:
@@ -77,26 +57,26 @@ def test_the_front_is_what_no_point_beats(values: list[tuple[float, float | None
 
 
 def test_the_fastest_that_is_good_enough() -> None:
-    points = [point(1.0, 0.1), point(2.0, 0.01), point(3.0, 0.001), point(0.5, 0.009, "b"), point(9.0, None, "c")]
-    found = fastest_at(points, 0.01)
+    trials = [trial(1.0, 0.1), trial(2.0, 0.01), trial(3.0, 0.001), trial(0.5, 0.009, "b"), trial(9.0, None, "c")]
+    found = fastest_at(trials, 0.01)
     assert list(found) == ["b", "a"]
-    assert found["a"][1].solve_seconds == 2.0
-    assert fastest_at(points, 1e-4) == {}
+    assert found["a"].solve_seconds == 2.0
+    assert fastest_at(trials, 1e-4) == {}
 
 
 @given(st.floats(0.5, 6.0), st.floats(1e-3, 1e3))
 def test_the_order_of_a_power_law(order: float, size: float) -> None:
-    points = [point(1.0, size * free**-order, free=free) for free in (3, 5, 9, 17)]
-    points += [point(1.0, 7.0 * size * free**-order, free=free) for free in (3, 5)]  # the same elements, a larger step
-    assert observed_order(points, "a") == pytest.approx(order, rel=1e-9)
-    assert observed_order(points, "b") is None
-    assert observed_order(points[:2], "a") is None
+    trials = [trial(1.0, size * free**-order, free=free) for free in (3, 5, 9, 17)]
+    trials += [trial(1.0, 7.0 * size * free**-order, free=free) for free in (3, 5)]  # the same elements, a larger step
+    assert observed_order(trials, "a") == pytest.approx(order, rel=1e-9)
+    assert observed_order(trials, "b") is None
+    assert observed_order(trials[:2], "a") is None
 
 
 def test_the_worst_gauge_stands_for_strain() -> None:
     errors = {"strain_1": 0.1, "strain_2": 0.3, "strain_3": None}
-    assert error_of(errors, "strain") == 0.3
-    assert point(1.0, None).error("strain") is None
+    assert dataclasses.replace(trial(1.0, 0.1), errors=errors).error_of("strain") == 0.3
+    assert trial(1.0, None).error_of("strain") is None
 
 
 def test_every_rival_has_a_ladder_from_coarse_to_fine() -> None:
@@ -108,10 +88,20 @@ def test_every_rival_has_a_ladder_from_coarse_to_fine() -> None:
 
 
 def test_settings_that_a_ladder_changes() -> None:
-    for method in methods(("exudyn", "stiff-spring"), load_case("thesis-24")):
-        changing = set(method.changing(method.ladder[0]))
-        of_exudyn = {"elements", "step", "newton_tolerance"}
-        assert changing == (of_exudyn if method.name == "exudyn" else {"shapes", "stiffness", "damping", "tolerance"})
+    case = load_case("thesis-24")
+    ladders = [[Trial(**plan.about) for plan in method.plans(case)] for method in methods(("exudyn", "stiff-spring"), case)]
+    every = [each for ladder in ladders for each in ladder]
+    assert set(changing(ladders[0][0], every)) == {"elements", "step", "newton_tolerance"}
+    assert set(changing(ladders[1][0], every)) == {"shapes", "stiffness", "damping", "tolerance"}
+    assert changing(ladders[1][0], ladders[1][:1]) == ladders[1][0].settings  # one rung changes nothing
+
+
+def test_of_repetitions_the_fastest_counts_and_a_failed_one_is_the_result() -> None:
+    times = [dataclasses.replace(trial(seconds, 0.01), setup_seconds=setup) for seconds, setup in ((2.0, 0.3), (1.0, 0.5), (4.0, 0.4))]
+    found = repeated(times)
+    assert (found.solve_seconds, found.solve_seconds_median, found.solve_seconds_largest) == (1.0, 2.0, 4.0)
+    assert (found.repetitions, found.setup_seconds) == (3, 0.3)
+    assert repeated([*times, trial(1.0, None)]).status == "failed"
 
 
 def test_scenes_are_in_the_library() -> None:
@@ -127,32 +117,31 @@ def table() -> Benchmark:
 
 def test_a_table_has_every_point_with_its_errors_and_times(table: Benchmark) -> None:
     ladder = methods(("reference",), short())[0].ladder
-    reference = [p for p in table.points if p.engine == "reference"]
+    reference = [p for p in table.trials if p.engine == "reference"]
     assert [p.settings for p in reference] == [settings.as_dict() for settings in ladder]
-    for p in table.points:
+    for p in table.trials:
         assert p.status == "completed"
-        assert p.measured is not None
-        assert p.measured.repetitions == 2
-        assert 0.0 < p.measured.solve_seconds <= p.measured.solve_seconds_median <= p.measured.solve_seconds_largest
-        assert set(p.measured.errors) == set(table.truth.sizes)
+        assert p.repetitions == 2
+        assert p.solve_seconds_median is not None
+        assert p.solve_seconds_largest is not None
+        assert 0.0 < p.seconds <= p.solve_seconds_median <= p.solve_seconds_largest
+        assert set(p.errors) == set(table.truth.sizes)
 
 
 def test_the_estimate_is_timed_of_each_methods_fastest_settings_to_an_error(table: Benchmark) -> None:
-    best = {id(measured) for level in LEVELS for _, measured in fastest_at(table.points, level).values()}
+    best = {id(each) for level in LEVELS for each in fastest_at(table.trials, level).values()}
     assert best
-    for point, measured in completed(table.points):
-        assert (measured.estimate_seconds is not None) == (id(measured) in best), point.settings
-        if measured.estimate_seconds is not None and measured.waited_seconds is not None:
-            assert measured.estimate_seconds > 0.0
-            assert measured.waited_seconds > measured.estimate_seconds + measured.solve_seconds
+    for each in table.trials:
+        assert (each.estimate_seconds is not None) == (id(each) in best), each.settings
+        if each.estimate_seconds is not None and each.waited_seconds is not None:
+            assert each.estimate_seconds > 0.0
+            assert each.waited_seconds > each.estimate_seconds + each.seconds
 
 
 def test_who_is_done_first_is_told_by_all_that_one_waits_for() -> None:
-    slow, quick, unknown = point(1.0, 0.01), point(2.0, 0.01, "b"), point(0.5, 0.01, "c")
-    assert slow.measured
-    assert quick.measured
-    slow = dataclasses.replace(slow, measured=dataclasses.replace(slow.measured, estimate_seconds=9.0))
-    quick = dataclasses.replace(quick, measured=dataclasses.replace(quick.measured, estimate_seconds=1.0, setup_seconds=0.5))
+    slow, quick, unknown = trial(1.0, 0.01), trial(2.0, 0.01, "b"), trial(0.5, 0.01, "c")
+    slow = dataclasses.replace(slow, estimate_seconds=9.0)
+    quick = dataclasses.replace(quick, estimate_seconds=1.0, setup_seconds=0.5)
     assert soonest_at([slow, quick, unknown], 0.01) == [("b", 3.5), ("a", 10.0)]
 
 
@@ -169,33 +158,32 @@ def test_compiling_takes_longer_than_loading_what_was_compiled(tmp_path: Any) ->
 def test_errors_are_against_a_solution_that_another_engine_confirms(table: Benchmark) -> None:
     # 16 links are within 1e-3 over 2 s of run 24 (engines.mujoco.settings.LADDER); the first 0.05 s are no harder
     assert table.confirmation.settings["links"] == 16  # eight were not enough
-    assert 0.0 < table.confirmation.differences["tip_deflection"] < 2e-3
-    errors = [p.error() for p in table.points if p.engine == "reference"]
+    assert 0.0 < (table.confirmation.error or 0.0) < 2e-3
+    errors = [p.error for p in table.trials if p.engine == "reference"]
     assert errors[0] is not None
     assert errors[-1] is not None
     assert errors[-1] < 1e-4 < errors[0]  # one mode, and the most of the ladder
-    assert all((p.error() or 0.0) > 0.05 for p in table.points if p.engine == "thesis")  # one cubic
+    assert all((p.error or 0.0) > 0.05 for p in table.trials if p.engine == "thesis")  # one cubic
 
 
 def test_calls_per_period_are_those_of_the_highest_mode_kept(table: Benchmark) -> None:
-    done = completed(table.points)
-    assert all(measured.calls_per_period is None for p, measured in done if p.engine == "thesis")
+    done = table.trials
+    assert all("calls_per_period" not in p.statistics for p in done if p.engine == "thesis")
     # one mode: 20.354 Hz with the slider farthest, published beside the mechanism's numbers
-    first = next(measured for p, measured in done if p.engine == "reference")
-    calls = first.statistics["right_hand_side_calls"]
-    assert first.calls_per_period == pytest.approx(calls / (0.05 * 20.354), rel=1e-4)
+    first = next(p.statistics for p in done if p.engine == "reference")
+    calls = first["right_hand_side_calls"]
+    assert first["calls_per_period"] == pytest.approx(calls / (0.05 * 20.354), rel=1e-4)
 
 
 def test_what_fails_is_listed_and_what_is_too_slow_is_not_tried_further(monkeypatch: pytest.MonkeyPatch) -> None:
     ladder = tuple(FakeSettings(step=step, behaviour=kind) for step, kind in ((0.1, "fails"), (0.1, "good"), (0.05, "good")))
     monkeypatch.setattr(measurement, "methods", lambda *_: [Method("fake", FakeEngine(), ladder)])
     monkeypatch.setattr(truth, "CONFIRMING", {"mujoco": ({"links": "4"},)})
-    found = measurement.benchmark(short(), (), repetitions=2, longest=0.1).points  # the fake engine claims 0.125 s
+    found = measurement.benchmark(short(), (), repetitions=2, longest=0.1).trials  # the fake engine claims 0.125 s
     assert found[0].status == "failed at t = 0.002 s: the beam snapped; try another beam"
-    assert found[0].measured is None
+    assert found[0].solve_seconds is None
     assert found[1].status == "completed"
-    assert found[1].measured is not None
-    assert found[1].measured.solve_seconds == 0.125
+    assert found[1].solve_seconds == 0.125
     assert found[2].status == "not tried: coarser settings took longer than 0.1 s"
 
 
@@ -287,7 +275,7 @@ def _deadly(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
 
 def _quick(case: Case, names: tuple[str, ...], repetitions: int) -> Benchmark:
     sizes = dict.fromkeys(("tip_deflection",), float(np.float64(1.0)))
-    none, confirmation = truth.Converged("none", {}, sizes), truth.Confirmation("none", {}, failure="no")
+    none, confirmation = truth.Truth("none", {}, sizes), Trial(scene=case.name, engine="none", status="no")
     return Benchmark(case.name, case.title, case.duration, none, confirmation, (), repetitions, 10.0, {})
 
 

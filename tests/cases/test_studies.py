@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.benchmark.methods import Method
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.here import Nobody
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.studies import convergence, run_studies, work
+from quickreturn.cases.trials.methods import Method
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own import fixed_shapes
 from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
@@ -22,7 +22,7 @@ def test_errors_fall_towards_the_finest_settings() -> None:
     case = replace(load_case("thesis-24"), duration=0.3)
     found = convergence(Method("fixed-shapes", fixed_shapes.ENGINE, tuple(ladder)), case)
     for channel in ESTIMATED:
-        errors = [point.error(channel) or 0.0 for point in found]
+        errors = [trial.error_of(channel) or 0.0 for trial in found]
         assert errors[-1] == 0.0
         assert errors[1] > errors[3] > 0.0  # the tighter tolerance
 
@@ -47,4 +47,4 @@ def test_a_prescribed_speed_and_a_linear_beam_each_have_their_own_error() -> Non
     changes = [found.prescribed.changed, linear.errors, foreshortened.errors]
     assert [each["tip_deflection"] for each in changes] == pytest.approx([0.179, 0.0587, 0.0100], rel=5e-3)
     for run in found.prescribed.runs:
-        assert 0.0 < run.error_estimate < 1e-4  # type: ignore[operator]
+        assert 0.0 < run.claim < 1e-4  # type: ignore[operator]

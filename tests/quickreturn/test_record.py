@@ -10,7 +10,6 @@ import pytest
 
 from quickreturn import record as recording
 from quickreturn.cases.benchmark import Benchmark
-from quickreturn.cases.benchmark.truth import truth_of
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes.grid import CENTRE, case_of
 from quickreturn.cases.classes.map import Map
@@ -21,6 +20,8 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.matrix import Judged
 from quickreturn.cases.studies import confirming
+from quickreturn.cases.trials.trial import Trial
+from quickreturn.cases.trials.truth import confirms, truth_of
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
@@ -29,14 +30,14 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.record import main
 from quickreturn.reports import long_studies
 from quickreturn.reports import report as report_module
-from quickreturn.reports.long_studies import About, ConformanceRow, PointRow, table, text_of
+from quickreturn.reports.long_studies import About, ConformanceRow, table, text_of
 from tests.cases.made_up_map import made_up_map
 from tests.reports import pages
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.made_up_matrix import made_up_matrix
 
 #: Bytes of all recorded tables together; a scene of the benchmark takes forty thousand.
-MOST = 240_000
+MOST = 200_000
 #: Cells that are computed anew: scene, engine, and which of its recorded settings, counted from the coarsest.
 CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24", "mujoco", 0)]
 
@@ -44,17 +45,16 @@ CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24"
 def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
     measured, found = made_up_benchmark(), made_up_matrix(wrong=True)
-    (tmp_path / "points.csv").write_text(text_of([PointRow(measured.case, point) for point in measured.points]))
-    (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, points=())]))
+    (tmp_path / "trials.csv").write_text(text_of(measured.trials))
+    (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, trials=())]))
     (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))
-    points = table("points", PointRow)
-    for mine, its in zip(points, measured.points, strict=True):
-        assert mine.case == measured.case
-        assert (mine.point.method, mine.point.settings, mine.point.status) == (its.method, its.settings, its.status)
-        assert (mine.point.measured is None) == (its.measured is None)
-        if mine.point.measured and its.measured:
-            assert mine.point.measured.errors == pytest.approx(its.measured.errors, rel=5e-5)  # five digits
-    assert table("scenes", Benchmark) == [dataclasses.replace(measured, points=())]
+    for mine, its in zip(table("trials", Trial), measured.trials, strict=True):
+        for name, value in vars(its).items():  # five digits of numbers
+            known = getattr(mine, name)
+            assert known == (pytest.approx(value, rel=5e-5) if name in ("errors", "statistics") or isinstance(value, float) else value), (
+                name
+            )
+    assert table("scenes", Benchmark) == [dataclasses.replace(measured, trials=())]
     assert table("cells", Judged) == list(found.cells.values())
     assert table("nothing", Judged) == []
 
@@ -95,7 +95,7 @@ def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, 
 def test_the_map_of_classes_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
     known = made_up_map()
-    (tmp_path / "classes.csv").write_text(text_of(known.reaches))
+    (tmp_path / "classes.csv").write_text(text_of(known.trials))
     (tmp_path / "classes_scenes.csv").write_text(text_of(known.scenes))
     assert long_studies.class_map() == known  # a rigid joint is infinite, and what is not there stays None
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path / "nothing")
@@ -114,7 +114,7 @@ def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypa
     for module in (long_studies, recording):
         monkeypatch.setattr(module, "FOLDER", tmp_path)
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
-    monkeypatch.setattr(recording.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().reaches)))
+    monkeypatch.setattr(recording.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().trials)))
     (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "abc1234", "def5678")]))
     long_studies.about.cache_clear()
     assert main(["--stored", "classes"]) == 0
@@ -146,7 +146,7 @@ def test_two_packages_confirm_the_converged_solution() -> None:
     """Kept where the report finds it."""
     found = confirming(Workshop(Store()))
     assert {run.engine for run in found} == {"exudyn", "mujoco"}
-    assert all(run.confirms for run in found)
+    assert all(confirms(run) for run in found)
 
 
 def test_who_has_no_confirming_solutions_sees_those_of_record() -> None:
@@ -166,20 +166,20 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
     found = long_studies.benchmarks().get(case)
     if found is None:
         pytest.fail(f"{case} is not recorded")
-    done = [point for point in found.points if point.method == name and point.measured]
-    point = sorted(done, key=lambda each: each.measured.degrees_of_freedom if each.measured else 0)[rank]
+    done = [trial for trial in found.trials if trial.method == name and trial.completed]
+    trial = sorted(done, key=lambda each: each.degrees_of_freedom or 0)[rank]
     truth = solved(case, found.truth.engine, json.dumps(found.truth.settings))
-    mine = solved(case, name, json.dumps(point.settings))
+    mine = solved(case, name, json.dumps(trial.settings))
     difference = ((mine["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
     # recorded with five digits; the rest is what another machine's rounding may do to adaptive steps
-    assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(point.error(), rel=1e-3)
+    assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(trial.error, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["thesis"])
 def test_a_recorded_error_of_the_map_comes_out_again(name: str) -> None:
     known = long_studies.class_map()
     scene = next(scene for scene in known.scenes if scene.groups == CENTRE)
-    (recorded,) = (reach for reach in known.at(scene, LEVELS[0]) if reach.engine == name)
+    (recorded,) = (trial for trial in known.at(scene, LEVELS[0]) if trial.engine == name)
     (again, _) = measured(CENTRE, name, truth_of(case_of(CENTRE)))
     # five digits, and what another machine's rounding may do to adaptive steps
     assert (again.status, again.error) == (recorded.status, pytest.approx(recorded.error, rel=1e-3))

@@ -12,9 +12,7 @@ from typing import Any, Final
 
 import pytest
 
-from quickreturn.cases.benchmark.findings import Point, completed
 from quickreturn.cases.benchmark.measurement import Benchmark
-from quickreturn.cases.benchmark.truth import confirmation_of, errors_of, run_of, truth_of
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes.grid import case_of
 from quickreturn.cases.classes.measurement import measured
@@ -31,6 +29,8 @@ from quickreturn.cases.thesis.finding import study as finding
 from quickreturn.cases.thesis.finding.effects import PUBLISHED, effects
 from quickreturn.cases.thesis.runs import RUNS, run_case
 from quickreturn.cases.thesis.scatter import CLAIMED_RUNS, bands
+from quickreturn.cases.trials.trial import Trial, errors_of, run_of
+from quickreturn.cases.trials.truth import confirmation_of, confirms, truth_of
 from quickreturn.engines.one_run import CompletedRun
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
@@ -57,17 +57,17 @@ Draw = Callable[[Sequence[Any]], list[Any]]
 
 def benchmark(draw: Draw, workshop: Workshop) -> None:
     """The error of a point, and its solve time over that of the first point of its scene."""
-    cells = [(scene, *cell) for scene in long_studies.benchmarks().values() for cell in completed(scene.points)]
-    for scene, point, recorded in draw([cell for cell in cells if cell[2].solve_seconds < SLOWEST]):
-        case = load_case(scene.case)
-        run, (fixed, of_fixed) = runner(scene, point), completed(scene.points)[0]
+    cells = [(scene, trial) for scene in long_studies.benchmarks().values() for trial in scene.trials if trial.completed]
+    for scene, recorded in draw([cell for cell in cells if cell[1].seconds < SLOWEST]):
+        case, cell = load_case(scene.case), (scene.case, recorded.method, recorded.settings)
+        fixed, run = next(trial for trial in scene.trials if trial.completed), runner(scene, recorded)
         right, other = truth_of(case), runner(scene, fixed)
         error = errors_of(run().trajectory, right)["tip_deflection"]
-        unknown = scene.confirmation.differences.get("tip_deflection") or 0.0
-        assert error == pytest.approx(point.error(), rel=SAME, abs=unknown), (scene.case, point.method, point.settings)
+        unknown = scene.confirmation.error or 0.0
+        assert error == pytest.approx(recorded.error, rel=SAME, abs=unknown), cell
         other()  # what is compiled is compiled now
-        ratio = recorded.solve_seconds / of_fixed.solve_seconds
-        assert any(1.0 / PACE < pace(run, other) / ratio < PACE for _ in range(TRIALS)), (scene.case, point.method, point.settings)
+        ratio = recorded.seconds / fixed.seconds
+        assert any(1.0 / PACE < pace(run, other) / ratio < PACE for _ in range(TRIALS)), cell
 
 
 def pace(run: Callable[[], CompletedRun], other: Callable[[], CompletedRun]) -> float:
@@ -76,10 +76,10 @@ def pace(run: Callable[[], CompletedRun], other: Callable[[], CompletedRun]) -> 
     return min(mine for mine, _ in pairs) / min(its for _, its in pairs)
 
 
-def runner(scene: Benchmark, point: Point) -> Callable[[], CompletedRun]:
-    """Runs a point of a benchmark."""
-    case, chosen = load_case(scene.case), engine(point.engine)
-    settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(point.settings))
+def runner(scene: Benchmark, trial: Trial) -> Callable[[], CompletedRun]:
+    """Runs a trial of a benchmark."""
+    case, chosen = load_case(scene.case), engine(trial.engine)
+    settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(trial.settings))
     return lambda: run_of(chosen, case, settings)
 
 
@@ -103,8 +103,8 @@ def confirmation(draw: Draw, workshop: Workshop) -> None:
     right = truth_of(case)
     for recorded in draw(long_studies.confirming()):
         again = confirmation_of(case, right, recorded.engine)
-        assert again.confirms
-        assert again.differences["tip_deflection"] == pytest.approx(recorded.differences["tip_deflection"], rel=0.1), recorded.engine
+        assert confirms(again)
+        assert again.error == pytest.approx(recorded.error, rel=0.1), recorded.engine
 
 
 def conformance(draw: Draw, workshop: Workshop) -> None:
@@ -120,12 +120,12 @@ def classes(draw: Draw, workshop: Workshop) -> None:
     """The status of a method in a class, and its error, where neither is the clock's: a limit ends an answer earlier on another machine."""
     known = long_studies.class_map()
     scenes = {scene.name: scene for scene in known.scenes}
-    for reach in draw([each for each in known.reaches if each.solve_seconds is not None and each.solve_seconds < SLOWEST / 10.0]):
-        groups = scenes[reach.scene].groups
-        (again,) = (each for each in measured(groups, reach.engine, truth_of(case_of(groups))) if each.level == reach.level)
-        assert again.status == reach.status, reach
-        if again.error is not None and reach.error is not None:
-            assert again.error == pytest.approx(reach.error, rel=SAME, abs=scenes[reach.scene].difference or 0.0), reach
+    for recorded in draw([each for each in known.trials if each.solve_seconds is not None and each.solve_seconds < SLOWEST / 10.0]):
+        groups = scenes[recorded.scene].groups
+        (again,) = (each for each in measured(groups, recorded.engine, truth_of(case_of(groups))) if each.level == recorded.level)
+        assert again.status == recorded.status, recorded
+        if again.error is not None and recorded.error is not None:
+            assert again.error == pytest.approx(recorded.error, rel=SAME, abs=scenes[recorded.scene].difference or 0.0), recorded
 
 
 def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:

@@ -6,23 +6,24 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.benchmark.truth import truth_of
 from quickreturn.cases.classes import measurement
 from quickreturn.cases.classes.grid import CENTRE, case_of, name_of
 from quickreturn.cases.classes.groups import Groups
 from quickreturn.cases.classes.map import TIMES
-from quickreturn.cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Reach, measured
+from quickreturn.cases.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, TOO_SLOW, measured
 from quickreturn.cases.classes.study import _job, _kept, study
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.trials.trial import Trial
+from quickreturn.cases.trials.truth import truth_of
 from tests.cases.made_up_map import BY_SPEED, made_up_map
 
 SOLVING, WAITING = TIMES
 
 
-def at(groups: Groups, name: str) -> list[Reach]:
+def at(groups: Groups, name: str) -> list[Trial]:
     return measured(groups, name, truth_of(case_of(groups)))
 
 

@@ -110,8 +110,8 @@ USES = {
     "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
     "solving.answer_to": ("solving", "document runs.steady_state"),
     "resonance_curve.resonance_curve": ("copies reading loads.peak", "runs.comparison"),
-    "benchmark.measurement.pinned": ("benchmark.truth benchmark.methods", "runs.comparison"),
-    "classes.measurement.measured": ("classes.groups benchmark.truth", "runs.comparison"),
+    "benchmark.measurement.pinned": ("trials.truth trials.methods", "runs.comparison"),
+    "classes.measurement.measured": ("classes.groups trials.truth", "runs.comparison"),
     "thesis.finding.response.respond": ("measures.half_cycle runs.marching", "runs.comparison"),
     "thesis.modes.thesis_modes": ("thesis.modes", "runs.comparison"),
 }

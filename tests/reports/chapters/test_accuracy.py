@@ -5,7 +5,8 @@ import math
 
 import pytest
 
-from quickreturn.cases.benchmark.truth import Confirmation, Converged
+from quickreturn.cases.trials.trial import Trial
+from quickreturn.cases.trials.truth import Truth
 from quickreturn.reports.chapters.accuracy import both_starts_words, confirming_words, finding, orbits, prescribed_words, saved_words
 from tests.reports.made_up_studies import made_up_both_starts, made_up_studies
 from tests.reports.pages import finding_of, one_run, plain, text_of
@@ -24,11 +25,11 @@ def test_the_heading_gives_the_errors_or_else_the_work_of_the_search() -> None:
 
 
 def test_a_second_engine_confirms_the_solution_or_does_not() -> None:
-    converged = Converged("reference", {}, {})
+    converged, trial = Truth("reference", {}, {}), Trial(scene="thesis-24", engine="exudyn")
     for error, words in ((1e-4, "0.01 % in the tip deflection: they confirm"), (0.02, "2.0 % in the tip deflection: they do not confirm")):
-        told = plain(confirming_words(converged, Confirmation("exudyn", {}, {"tip_deflection": error})))
+        told = plain(confirming_words(converged, dataclasses.replace(trial, errors={"tip_deflection": error})))
         assert told == f"The converged solution of run 24 (reference) and that of exudyn differ by {words} each other to 0.02 %."
-    assert "differ by an unknown error in" in confirming_words(converged, Confirmation("exudyn", {}, {"tip_deflection": None}))
+    assert "differ by an unknown error in" in confirming_words(converged, trial)
 
 
 def test_the_errors_of_models_that_need_a_prescribed_speed_stand_apart() -> None:
@@ -39,7 +40,7 @@ def test_the_errors_of_models_that_need_a_prescribed_speed_stand_apart() -> None
     estimate = ", and its integration by 0.09 %, as it estimates itself."
     second = "moving-boundaries with foreshortening is off by 2.0 % at this speed"
     assert plain(prescribed_words(study)) == f"{speed} {first}{estimate} {second}{estimate}"
-    alone = dataclasses.replace(study, runs=[dataclasses.replace(study.runs[0], error_estimate=None)])
+    alone = dataclasses.replace(study, runs=[dataclasses.replace(study.runs[0], claim=None)])
     assert plain(prescribed_words(alone)) == f"{speed} {first}."
 
 

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from quickreturn.cases.benchmark import Compiling
-from quickreturn.cases.benchmark.truth import Confirmation
+from quickreturn.cases.trials.trial import Trial
 from quickreturn.reports.chapters import methods_tables as tables
 from quickreturn.reports.chapters.methods import contest_words, finding, level_words, mark_words, waiting_words
 from quickreturn.reports.page.answer import Contest
@@ -37,12 +37,11 @@ def test_the_heading_without_a_winner_or_without_a_second_method() -> None:
 
 
 def test_what_one_waits_for_besides_is_listed() -> None:
-    measured = next(point.measured for point in made_up_benchmark(timed=True).points)
-    assert measured is not None
-    compiled, untimed = Compiling("reference", 40.0, 0.5), dataclasses.replace(measured, estimate_seconds=None)
+    timed = made_up_benchmark(timed=True).trials[0]
+    compiled, untimed = Compiling("reference", 40.0, 0.5), dataclasses.replace(timed, estimate_seconds=None)
     setup, estimate, once = "10 ms for set-up", "18 ms for the estimate of its error", "once 40 s for compilation"
-    assert plain(waiting_words(measured, compiled)) == f"{setup}, {estimate} and {once}"
-    assert plain(waiting_words(measured, None)) == f"{setup}, {estimate}"
+    assert plain(waiting_words(timed, compiled)) == f"{setup}, {estimate} and {once}"
+    assert plain(waiting_words(timed, None)) == f"{setup}, {estimate}"
     assert plain(waiting_words(untimed, compiled)) == f"{setup}, and {once}"
     assert plain(waiting_words(untimed, None)) == setup
 
@@ -70,8 +69,8 @@ def test_the_fastest_the_next_and_the_packages_are_named_at_each_error() -> None
 
 def test_a_model_that_does_not_converge_is_said_to() -> None:
     others = made_up_benchmark("hard-prescribed-speed")
-    moving = [dataclasses.replace(point, engine="moving-boundaries", method="moving-boundaries") for point in others.points[-5:-1]]
-    told = text_of(one_run(benchmarks=[made_up_benchmark(), dataclasses.replace(others, points=(*others.points, *moving))]))
+    moving = [dataclasses.replace(trial, engine="moving-boundaries") for trial in others.trials[-5:-1]]
+    told = text_of(one_run(benchmarks=[made_up_benchmark(), dataclasses.replace(others, trials=(*others.trials, *moving))]))
     for name, left in (("thesis", "run 24, 80 % in hard-prescribed-speed"), ("moving-boundaries", "hard-prescribed-speed")):
         assert f"Finer settings do not help {name}: 80 % are left in {left}. This is the error of the model." in told
 
@@ -87,14 +86,14 @@ def test_points_that_failed_are_listed() -> None:
     (row,) = tables.failures([made_up_benchmark()]).rows
     assert row["method"].value == "nodal-load"
     assert "the beam snapped" in str(row["status"].value)
-    everything = tables.points([made_up_benchmark()])
-    assert len(everything.rows) == len(made_up_benchmark().points)
+    everything = tables.trials([made_up_benchmark()])
+    assert len(everything.rows) == len(made_up_benchmark().trials)
 
 
 def test_an_unconfirmed_truth_is_a_warning() -> None:
     assert "smaller errors say nothing here" not in text_of(one_run(benchmarks=[made_up_benchmark()]))
     assert "smaller errors say nothing here" in text_of(one_run(benchmarks=[made_up_benchmark(confirmed=False)]))
-    missing = dataclasses.replace(made_up_benchmark(), confirmation=Confirmation("mujoco", {}, failure="no such library"))
+    missing = dataclasses.replace(made_up_benchmark(), confirmation=Trial(scene="thesis-24", engine="mujoco", status="no such library"))
     assert "smaller errors say nothing here" in text_of(one_run(benchmarks=[missing]))
 
 
@@ -109,7 +108,7 @@ def test_contests_that_nobody_wins_are_counted() -> None:
     assert "reference, this project’s own code compiled for this one mechanism, solves fastest in 3 of 3 contests" in told
     assert "nobody wins" not in told
     table = made_up_benchmark()
-    others = dataclasses.replace(table, points=tuple(point for point in table.points if point.method == "exudyn"))
+    others = dataclasses.replace(table, trials=tuple(trial for trial in table.trials if trial.method == "exudyn"))
     told = text_of(one_run(benchmarks=[others]))
     assert "exudyn solves fastest in 1 of 3 contests; 2 nobody wins" in told
     assert "own code compiled" not in told
@@ -129,14 +128,8 @@ def test_what_one_waits_for_stands_beside_the_solve_time() -> None:
 
 def test_who_solves_fastest_need_not_be_who_is_done_first() -> None:
     table = made_up_benchmark(timed=True)
-    slow = {"estimate_seconds": 100.0}
-    points = [
-        dataclasses.replace(point, measured=dataclasses.replace(point.measured, **slow))  # type: ignore[arg-type]
-        if point.measured and point.engine == "reference"
-        else point
-        for point in table.points
-    ]
-    table = dataclasses.replace(table, points=tuple(points))
+    slow = [dataclasses.replace(each, estimate_seconds=100.0) if each.engine == "reference" else each for each in table.trials]
+    table = dataclasses.replace(table, trials=tuple(slow))
     rows = [row for row in tables.waiting([table]).rows if row["level"].value == 1e-2]
     assert [row["method"].value for row in rows] == ["multiplier", "multiplier, elements", "exudyn", "reference"]
     # 8 degrees of freedom at 10 ms, its estimate as much, and 10 ms of setting up

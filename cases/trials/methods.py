@@ -1,6 +1,6 @@
-"""The methods that a benchmark compares: an engine, its ladder of settings, and variants that differ in one setting."""
+"""Plans of what to try: a method is an engine with a ladder of settings, or a variant of it that differs in one setting."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -25,11 +25,25 @@ class Method:
     engine: AnyEngine
     ladder: tuple[Settings, ...]
 
-    def changing(self, settings: Settings) -> dict[str, Any]:
-        """The settings that differ on the ladder; all settings if it has only one rung."""
-        values = settings.as_dict()
-        rungs = [rung.as_dict() for rung in self.ladder]
-        return {name: value for name, value in values.items() if len(rungs) < 2 or any(rung[name] != rungs[0][name] for rung in rungs)}
+    def plans(self, case: Case) -> Iterator["Plan"]:
+        """Its ladder on a case."""
+        return (Plan(case, self, settings) for settings in self.ladder)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A trial to be carried out."""
+
+    case: Case
+    method: Method
+    settings: Settings
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """The fields of its trial that are known before."""
+        engine, method = self.method.engine.name, self.method.name
+        variant = "" if method == engine else method
+        return {"scene": self.case.name, "engine": engine, "variant": variant, "settings": self.settings.as_dict()}
 
 
 def methods(names: Sequence[str], case: Case) -> list[Method]:
