@@ -32,20 +32,28 @@ UNREACHED = "not begun: the slice's time is over"
 
 #: The files of quick tests that take longest come first, so that no process is left alone with one at the end.
 LONGEST = (
-    "test_derived_engine",  # compiles
-    "test_faults",
-    "test_page_in_a_browser",
     "test_documents",
-    "test_plots",
-    "test_command_line",
-    "test_compare",
+    "test_faults",  # waits for time limits
     "test_conformance",
+    "test_page_in_a_browser",
     "test_bad_input",
-    "test_run_verdicts",
-    "test_report",
-    "test_golden",
+    "test_package",
+    "test_derived_engine",
+    "test_engine",
+    "test_stability",
+    "test_compare",
     "test_several",
+    "test_beam_equations",
+    "test_golden",
+    "test_strength",
+    "test_slices",  # starts pytest
     "test_recorded",
+    "test_sensible_machines",
+    "test_fork_server",  # waits, too
+    "test_other_case",
+    "test_limits",
+    "test_symmetry",
+    "test_wheel",
 )
 
 

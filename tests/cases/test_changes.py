@@ -1,5 +1,6 @@
 """Every way to give a machine another value leads to the same machine, also where a value follows from others of its file."""
 
+import itertools
 import math
 import re
 from dataclasses import replace
@@ -121,8 +122,14 @@ def _value(case: Case, key: str, unit: str) -> str:
     return f"{value / unit_given(key, [f'1 {other}'])[1]:.9g} {other}"
 
 
-@pytest.mark.parametrize("unit", ["SI", "other"])
-@pytest.mark.parametrize("name", FILES)
+#: The quick tests take each file once.
+QUICK = (("stiffness", "SI"), ("material", "other"), ("prescribed speed", "other"))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [pytest.param(*pair, marks=[] if pair in QUICK else pytest.mark.verify) for pair in itertools.product(FILES, ("SI", "other"))],
+)
 def test_every_way_to_change_a_value_gives_the_same_machine(name: str, unit: str) -> None:
     """For every key, in SI and other units: of a follower given by its stiffness or by its material, with a torque or a speed."""
     case = parse_case(FILES[name], "scene.toml")

@@ -32,7 +32,8 @@ from tests.reference_model.beam_states import (
     elements_of,
     modes_of,
 )
-from tests.reference_model.derived_beam import DerivedBeam, State, by_hand, sizes
+from tests.reference_model.by_hand import by_hand, sizes
+from tests.reference_model.derived_beam import DerivedBeam, State
 from tests.reference_model.mutation import Hunt, Source, plain
 
 Array = NDArray[np.float64]

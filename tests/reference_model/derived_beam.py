@@ -4,11 +4,10 @@ The description is the engine's (`quickreturn.witness`), here with every line th
 differentiates it; accelerations, the joint's force and friction follow from its terms by numpy, and what is read off the motion is
 recovered as the engine does. Nothing of `reference_model.motion` is used but the tables of the shapes.
 
-All access to the internals of `reference_model` is here: `by_hand` reads them off a workspace.
+All access to the internals of `reference_model` is here and in `by_hand`, which reads them off a workspace.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -16,18 +15,19 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.derive import System, turned, vector
+from quickreturn.derive import System
 from quickreturn.derive.equations import Equations
 from quickreturn.derive.system import column
-from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS, SHAPE
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.motion.layout import BeamTables, BeamWorkspace, state_size
+from quickreturn.reference_model.motion.layout import BeamTables, state_size
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, ROLLERS, SliderConstraint
-from quickreturn.witness.description import UNITS, Follower, constants, follower, quick_return
+from quickreturn.witness.description import UNITS, Follower, constants, quick_return
 from quickreturn.witness.recovery import columns
 from tests.engines.scenes import run_24
+from tests.reference_model.derived_lines import chord_line, follower_alone, lever
 from tests.reference_model.roller_law import force_of_rollers, sliding_share
 
 Array = NDArray[np.float64]
@@ -43,7 +43,6 @@ TERMS: Final = (
     "mass matrix", "forces", "base angle", "base rate", "base partial rates", "base bias", "slider rate", "slider partial rates",
     "slider bias", "gap", "gap rate", "gap partial rates", "gap bias", "spread of the force", "spread of the friction",
 )  # fmt: skip
-PLACES: Final = ("follower_angle", "slider_position", "tip_x", "tip_y", "tip_deflection", *SHAPE)
 
 
 @dataclass(frozen=True)
@@ -83,10 +82,10 @@ class DerivedBeam:
 
         def line(system: System, arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
             arms.append(arm)
-            return _chord(system, arm) if p.constraint == CHORDS else (arm.place, arm.angle, arm.curvature)
+            return chord_line(system, arm) if p.constraint == CHORDS else (arm.place, arm.angle, arm.curvature)
 
         if isinstance(scene, FollowerAlone):
-            system, arm = _alone(scene, tables, p.n)
+            system, arm = follower_alone(scene, tables, p.n)
         else:
             system = quick_return(tables, p.n, rigid=self.rigid, prescribed=not scene.crank_is_free, line=line)
             (arm,) = arms
@@ -114,7 +113,7 @@ class DerivedBeam:
         if p.constraint == CHORDS:  # moments are those of a force on the follower itself, wherever the slider rides
             results |= {f"foot_{k}": each for k, each in enumerate(ca.vertsplit(arm.place - arm.beam.origin))}
         if p.constraint == LEVER:
-            results |= {f"lever_{k}": each for k, each in enumerate(ca.horzsplit(_lever(system, arm, e.q)))}
+            results |= {f"lever_{k}": each for k, each in enumerate(ca.horzsplit(lever(system, arm, e.q)))}
         self.names, present = list(results), column(*(e.q[k] for k in system.frozen))
         shown = ca.substitute(list(results.values()), [column(*system.frozen.values())], [present])
         forces = column(*(loop.force for loop in loops))
@@ -322,48 +321,6 @@ def _carrier(scene: FollowerAlone) -> Mechanism:
     return replace(run_24(), base=scene.base, follower=scene.follower, tip=scene.tip, gravity=scene.gravity)
 
 
-def _alone(scene: FollowerAlone, tables: BeamTables, shapes: int) -> tuple[System, Follower]:
-    """The follower alone: its base turns as prescribed (DERIVATION.md, equation 11.1), and the points stay where they are."""
-    system = System("follower alone")
-    p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
-    system.gravity = vector(p.gravity_1, p.gravity_2)
-    q2, s = system.coordinate("follower_angle", "rad", rate="follower_rate"), system.coordinate("slider_position", "m")
-    arm = follower(system, p, q2, s, tables, shapes)
-    speed, time, t = scene.spin_up.speed, scene.spin_up.time, system.time
-    starting = speed / time * (t**2 / 2.0 + (time / (2.0 * math.pi)) ** 2 * (ca.cos(2.0 * math.pi * t / time) - 1.0))
-    system.loop("base", q2 - ca.if_else(t < time, starting, speed * (t - time / 2.0)), "rad", gives=[q2])
-    system.loop("place", s - tables.low, gives=[s])
-    system.output("strain_energy", arm.strain, "J")
-    absent = ("crank_angle", "crank_speed", "slider_force", "slider_moment", "crank_torque")
-    vectors = ("slider_on_follower", "tool", "foot", "crank_force")
-    for name in (*absent, *(f"{name}_{k}" for name in vectors for k in (0, 1))):
-        system.output(name, 0.0, "1")
-    return system, arm
-
-
-def _nodes(system: System, arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Places of the nodes of the slider's element, and the slider's share of its length."""
-    beam, cell, s = arm.beam, arm.slider_cell, system.coordinates[2].q
-    left = beam.end(cell - 1) if cell else ca.SX(beam.origin)
-    advance = s - system.freeze(s)
-    return left, beam.end(cell + 1), (beam.lengths[cell] + advance) / (beam.lengths[cell] + beam.lengths[cell + 1])
-
-
-def _chord(system: System, arm: Follower) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """The line from node to node."""
-    left, right, share = _nodes(system, arm)
-    chord = right - left
-    return left + share * chord, ca.atan2(chord[1], chord[0]), ca.SX(0)
-
-
-def _lever(system: System, arm: Follower, q: ca.SX) -> ca.SX:
-    """What a unit of force along the normal does, sign reversed, if the nodes carry it by the lever rule; shares and normal held."""
-    left, right, share = _nodes(system, arm)
-    crank_tip = turned(system.coordinates[0].q, system.parameters["crank_length"][0])
-    way = ca.jacobian(crank_tip, q) - (1 - share) * ca.jacobian(left, q) - share * ca.jacobian(right, q)
-    return turned(arm.angle, 0, 1).T @ way
-
-
 def _cell_at(tables: BeamTables, s: float) -> int:
     interval = min(max(int((s - tables.low) / tables.step), 0), len(tables.slider_cell) - 1)
     return int(tables.slider_cell[interval])
@@ -375,44 +332,3 @@ def of_free_speeds(G: Array, bias: Array, given: list[int], free: list[int]) -> 
     B, rest = np.zeros((size, len(free))), np.zeros((size, 1))
     B[free, range(len(free))], B[given], rest[given] = 1.0, -inverse @ G[:, free], -inverse @ bias
     return B, rest
-
-
-def by_hand(model: BeamModel, w: BeamWorkspace, rate: Array, shown: Mapping[str, Any]) -> Values:
-    """What the hand-derived model says of the state that filled a workspace last, by the names of `DerivedBeam.expected`.
-
-    Args:
-        model: by hand.
-        w: its workspace.
-        rate: dy/dt.
-        shown: observables by name.
-    """
-    f, first, m = w.facts, model.parameters.first, model.parameters.speeds
-    lower = w.M[first:m, first:m]
-    found: Values = {
-        "mass matrix": np.tril(lower) + np.tril(lower, -1).T, "forces": w.Q[first:m], "accelerations": rate[m + 1 : 2 * m + 1],
-        "base angle": np.array([complex(f.frame)]).view(np.float64), "base rate": np.array([f.q2_rate]), "base partial rates": w.c[:m],
-        "base bias": np.array([f.q2_bias]), "slider rate": rate[m : m + 1], "slider partial rates": w.sigma[:m],
-        "slider bias": np.array([f.s_bias]), "gap": np.array([f.gap]), "gap rate": np.array([f.gap_rate]),
-        "gap partial rates": w.row_of_gap[:m], "gap bias": np.array([f.gap_bias]), "spread of the force": w.spread[:m],
-        "spread of the friction": w.sigma[:m], "joint force": f.force, "joint friction": f.friction,
-        "powers": rate[2 * m + 1 :], "frequency": w.watched[1],
-    }  # fmt: skip
-    return found | dict(shown)
-
-
-def sizes(state: State) -> dict[str, float]:
-    """What a difference is relative to.
-
-    Biases are sums of larger parts that cancel, centripetal ones. Places are measured by the follower's length, moments and strains by the
-    largest ones, small powers and forces by a thousandth of a watt and newton.
-    """
-    expected, scene = state.expected, state.witness.scene
-    square = float(np.max(np.abs(state.v))) ** 2
-    largest = {name: float(np.max(np.abs(value))) for name, value in expected.items()}
-    strains = [f"strain_{k}" for k in (1, 2, 3)]
-    groups = BENDING, BEARINGS[:2], BEARINGS[2:], strains
-    for names in ([name for name in group if name in expected] for group in groups):
-        largest |= dict.fromkeys(names, max((largest[name] for name in names), default=0.0))
-    largest |= {name: scene.follower.length for name in PLACES if name in expected}
-    largest["constraint_gap"] = scene.follower.length
-    return {name: max(size, square if "bias" in name else 1e-9 if name in strains else 1e-3) for name, size in largest.items()}

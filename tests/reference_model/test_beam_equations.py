@@ -34,7 +34,8 @@ from tests.reference_model.beam_states import (
     modes_of,
     rates,
 )
-from tests.reference_model.derived_beam import TERMS, DerivedBeam, State, by_hand, sizes
+from tests.reference_model.by_hand import by_hand, sizes
+from tests.reference_model.derived_beam import TERMS, DerivedBeam, State
 
 #: Of a term's largest element: rounding, a hundredfold.
 SAME: Final = 1e-12

@@ -142,3 +142,30 @@ def test_curves_that_lie_on_each_other_are_all_seen_in_their_own_colours(opened:
     parts = {name: float(np.mean(found)) for name, found in near.items()}
     assert min(parts.values()) > 0.1, parts
     assert sum(parts.values()) > 0.7, parts  # the others: axes, cursor, and where one dash ends and the next begins
+
+
+def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
+    choices = page.locator("#methods .choices").first
+    first, second = choices.locator(".drawn").all()
+    for name, shown, other in (
+        ("solve time", first, second),
+        ("waiting time", second, first),
+        ("solve time", first, second),
+    ):
+        choices.get_by_role("radio", name=name).check()
+        shown.locator(".chart").wait_for()
+        assert shown.is_visible()
+        assert not other.is_visible()
+        assert len(shown.screenshot()) > 5000
+
+
+def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
+    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
+    with page.expect_download() as waited:
+        page.locator("#methods .take").first.click()
+    picture = Path(waited.value.path()).read_text("utf-8")
+    assert waited.value.suggested_filename == "benchmark.svg"
+    assert picture.startswith("<svg xmlns=")
+    assert "solve time [s]" in picture
+    assert "var(" not in picture  # another program reads it

@@ -239,37 +239,6 @@ def test_an_animation_of_its_own_runs_over_time(opened: Open, tmp_path: Path) ->
     assert page.locator("details").count() == 0
 
 
-def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) -> None:
-    page = opened("#at=0", color_scheme="dark")
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    page.emulate_media(media="print")
-    assert page.locator("#stills canvas").count() == 4
-    assert page.locator("button:not(.sort, .remark):visible").count() == 0
-    stills = page.locator("#stills canvas").evaluate_all("all => all.map(canvas => canvas.toDataURL())")
-    assert len(set(stills)) == 4
-    assert page.locator("details.chapter:not([open])").count() == 0
-    assert page.locator("details.part[open]").count() == 0
-    widths = page.locator(".chart:visible, #signals canvas, #curve").evaluate_all(
-        "all => all.map(each => each.getBoundingClientRect().width)"
-    )
-    assert len(widths) == page.locator(".drawn:visible, #signals canvas, #curve").count()
-    assert all(600 < width <= 700 for width in widths)  # of a sheet's 703 between its margins
-    sharp = page.locator("#signals canvas").evaluate_all("all => all.map(canvas => canvas.width / canvas.clientWidth)")
-    assert min(sharp) > 2.9  # dots to a pixel
-    assert page.evaluate("getComputedStyle(document.querySelector('.chart rect')).fill") == "rgb(255, 255, 255)"
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert page.locator("details[open]").count() == 0
-
-
-def test_paper_shows_the_chapters_that_are_open_and_what_is_unfolded_in_them(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-17")
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    assert page.locator("details.chapter[open]").evaluate_all("all => all.map(each => each.id)") == ["methods"]
-    assert page.locator("#methods details[open]").evaluate_all("all => all.map(each => each.id)") == ["methods-thesis-17"]
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert page.locator("#methods").get_attribute("open") is not None
-
-
 def test_parts_of_a_chapter_have_addresses(opened: Open) -> None:
     page = opened("#at=0&chapter=methods&section=methods-thesis-17")
     assert page.locator("#methods-thesis-17").get_attribute("open") is not None
@@ -289,13 +258,6 @@ FILLED = """() => {
     const xs = seen.get(canvas).points.filter(([x, y]) => y < canvas.clientHeight - 20).map(([x]) => x);
     return (Math.max(...xs) - Math.min(...xs)) / canvas.clientWidth;
 }"""
-
-
-def test_all_chapters_are_printed_on_few_pages(opened: Open) -> None:
-    """The thesis' own page, with all 24 runs, has 25 at most; this one has three runs."""
-    page = opened("#at=0")
-    pages = page.pdf(format="A4").count(b"/Type /Page\n")
-    assert 8 < pages <= 20
 
 
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (2560, 1440)])
@@ -320,22 +282,6 @@ def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None
     assert page.locator("#methods-thesis-24 .reading").first.inner_text().startswith("reference: modes 2, tolerance 1e-7; 2.0")
 
 
-def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
-    choices = page.locator("#methods .choices").first
-    first, second = choices.locator(".drawn").all()
-    for name, shown, other in (
-        ("solve time", first, second),
-        ("waiting time", second, first),
-        ("solve time", first, second),
-    ):
-        choices.get_by_role("radio", name=name).check()
-        shown.locator(".chart").wait_for()
-        assert shown.is_visible()
-        assert not other.is_visible()
-        assert len(shown.screenshot()) > 5000
-
-
 def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
     results = [made_up_result("example"), made_up_result("shaper-cutting")]
     write(content_of(results=results, facts=machine_facts()), tmp_path)
@@ -358,17 +304,6 @@ def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switc
         assert page.locator(".answer:visible").count() == 1
         assert page.locator(".answer:visible dt").count() == 8
     assert opened("#at=0").locator("#stress").count() == 0  # the thesis' page keeps its first screen
-
-
-def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
-    with page.expect_download() as waited:
-        page.locator("#methods .take").first.click()
-    picture = Path(waited.value.path()).read_text("utf-8")
-    assert waited.value.suggested_filename == "benchmark.svg"
-    assert picture.startswith("<svg xmlns=")
-    assert "solve time [s]" in picture
-    assert "var(" not in picture  # another program reads it
 
 
 def test_the_map_of_classes_is_read_by_keyboard_on_a_telephone(opened: Open) -> None:
