@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.cases.library import registered
-from quickreturn.cases.units import in_si
+from quickreturn.cases.units import in_si, shown_unit
 
 MINUS: Final = "−"
 #: A space at which no line breaks.
@@ -55,9 +55,9 @@ def _without_exponent(text: str) -> str:
     return f"{digits.removesuffix('1')}{of_ten}" if digits in ("1", "+1", "-1") else f"{digits}·{of_ten}"
 
 
-def typeset(unit: str) -> str:
-    """An SI unit as the page writes it: m/s² for m/s^2."""
-    return unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+def shown_in(unit: str) -> str:
+    """The unit in which the page shows a quantity with an SI unit: 10⁻⁶ for 1, as of strains, MPa for Pa, mm for m, m/s² for m/s^2."""
+    return "10⁻⁶" if unit == "1" else shown_unit(unit)[0].replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
 
 
 def within_turn(degrees: float) -> float:

@@ -33,7 +33,7 @@ class Shown:
 
     head: str  # heading
     form: str  # format in the page, e.g. ".2f"
-    unit: str = ""  # unit in the page; "": SI
+    unit: str = ""  # unit in the page; "": that in which the page shows the SI unit
     group: str = ""  # heading above this and its neighbours
     key: str = ""  # heading in the CSV file, without the unit; "": the measure's name
     in_terminal: str = ""  # format in the terminal, in SI; "": it is not shown there

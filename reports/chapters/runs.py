@@ -9,17 +9,19 @@ from quickreturn.cases.runs.comparison import CONSENSUS, REFERENCE, CaseResult, 
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import Run
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.differences import engines_of
 from quickreturn.reports.tables.cells import CASE, UNRESOLVABLE, status_cell
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Mark, Table, Value
-from quickreturn.reports.words import case_label, channel_name, listed, short_name
+from quickreturn.reports.words import case_label, channel_name, listed, short_name, shown_in
 
 #: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.
 SHOWN: Final = ("tip_acceleration", "strain_2")
 DIFFERENCE: Final = "Δ"
-_UNITS: Final = {"tip_acceleration": ("m/s²", ".2f")} | dict.fromkeys(CHANNELS[1:], ("10⁻⁶", ".1f"))
+#: Format of an amplitude in its unit.
+_FORMS: Final = {"tip_acceleration": ".2f"} | dict.fromkeys(CHANNELS[1:], ".1f")
 
 
 def runs(content: Content) -> Chapter:
@@ -92,7 +94,7 @@ def _number_columns() -> list[Column]:
     """Columns of numbers: those that every run has come first, the others may be empty."""
     columns = []
     for channel in SHOWN:
-        unit, _ = _UNITS[channel]
+        unit = shown_in(COLUMNS[channel].unit)
         columns += [
             Column(f"peak_{channel}", short_name(channel), unit, ".1f", group="peak"),
             Column(f"peak_{channel}_difference", DIFFERENCE, "%", "+.1f", group="peak"),
@@ -105,7 +107,7 @@ def _number_columns() -> list[Column]:
             Column(f"{key}_difference", DIFFERENCE, "%", "+.2f", group=group, meaning="(engine − reference) / reference"),
         ]
     for channel in CHANNELS:
-        unit, form = _UNITS[channel]
+        unit, form = shown_in(COLUMNS[channel].unit), _FORMS[channel]
         for half in HALVES:
             key, shown, group = f"{half}_{channel}_amplitude", channel in SHOWN, f"{channel_name(channel)}: amplitude"
             columns += [

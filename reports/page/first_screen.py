@@ -11,7 +11,7 @@ from quickreturn.cases.loads import Loads
 from quickreturn.cases.measures.number import Number
 from quickreturn.reports.page.answer import Answer, Contest, Cubic
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.results.loads import CaseLoads, from_p
+from quickreturn.reports.results.loads import NAMES, CaseLoads, from_p
 from quickreturn.reports.words import (
     case_label,
     counted,
@@ -31,13 +31,13 @@ from quickreturn.reports.words import (
 
 #: Largest number of simulations that are named where they miss their accuracy.
 MOST_NAMED: Final = 3
-#: Loads that the first screen gives besides the stress: the unit, and what they are.
+#: Loads that the first screen gives besides the stress -> what they are.
 _LOADS: Final = {
-    "crank_torque": ("N m", "largest torque of the drive"),
-    "pivot_force": ("N", "largest force in the bearing P of the arm"),
-    "crank_force": ("N", "largest force in the bearing O of the crank"),
-    "slider_force": ("N", "largest force at the slider"),
-    "tip_deflection": ("mm", "largest deflection of the tip"),
+    "crank_torque": "largest torque of the drive",
+    "pivot_force": "largest force in the bearing P of the arm",
+    "crank_force": "largest force in the bearing O of the crank",
+    "slider_force": "largest force at the slider",
+    "tip_deflection": "largest deflection of the tip",
 }
 
 Figure = tuple[str, str]
@@ -197,10 +197,10 @@ def machine_figures(case: CaseLoads) -> list[Figure]:
     loads, resonance = case.loads[case.lead], case.resonance
     stress = _largest(loads)
     shown = [(quantity(stress.value, "MPa"), f"largest stress in the arm, by bending{_error(stress)}"), safety_figure(case)]
-    for key, (unit, what) in _LOADS.items():
+    for key, what in _LOADS.items():
         peak = loads.peaks[key]
         if peak and peak.value:
-            shown.append((quantity(peak.value, unit), f"{what}, crank at {_angle(peak)}{_error(peak)}"))
+            shown.append((quantity(peak.value, NAMES[key][1]), f"{what}, crank at {_angle(peak)}{_error(peak)}"))
     if resonance:
         mean = f"first mode (mean {quantity(resonance.first_mode, 'Hz')}) over the crank’s frequency"
         off = off_by(case.shift_of_motion, resonance.first_mode)

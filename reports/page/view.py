@@ -20,21 +20,21 @@ from quickreturn.reports.looks import Look, looks
 from quickreturn.reports.page.packing import packed
 from quickreturn.reports.results.loads import CaseLoads
 from quickreturn.reports.results.runs import of_library
-from quickreturn.reports.words import per_unit
+from quickreturn.reports.words import per_unit, shown_in
 
 Array = NDArray[np.float64]
 
-#: Column that the curve can show -> its name, and its unit on the screen.
+#: Column that the curve can show -> its name.
 SIGNALS: Final = {
-    "tip_acceleration": ("tip acceleration", "m/s²"),
-    "tip_deflection": ("tip deflection", "mm"),
-    "strain_1": ("strain at gauge 1", "10⁻⁶"),
-    "strain_2": ("strain at gauge 2", "10⁻⁶"),
-    "strain_3": ("strain at gauge 3", "10⁻⁶"),
-    "slider_force": ("slider force", "N"),
-    "slider_position": ("slider position", "mm"),
-    "crank_speed": ("crank speed", "rad/s"),
-    "crank_torque": ("crank torque", "N m"),
+    "tip_acceleration": "tip acceleration",
+    "tip_deflection": "tip deflection",
+    "strain_1": "strain at gauge 1",
+    "strain_2": "strain at gauge 2",
+    "strain_3": "strain at gauge 3",
+    "slider_force": "slider force",
+    "slider_position": "slider position",
+    "crank_speed": "crank speed",
+    "crank_torque": "crank torque",
 }
 #: Places along the arm at which its stress is drawn.
 ALONG: Final = 61
@@ -83,7 +83,10 @@ class View:
             "axis": self.axis,
             "looks": {name: vars(look) for name, look in self.looks.items()},
             "engines": self.engines,
-            "signals": {name: {"label": label, "unit": unit, "factor": per_unit(unit)} for name, (label, unit) in SIGNALS.items()},
+            "signals": {
+                name: {"label": label, "unit": (unit := shown_in(COLUMNS[name].unit)), "factor": per_unit(unit)}
+                for name, label in SIGNALS.items()
+            },
             "units": {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)},
             "runs": self.runs,
         }

@@ -10,7 +10,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.results.differences import outward
 from quickreturn.reports.tables.table import Cell, Column
-from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, typeset
+from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, shown_in
 
 CASE: Final = Column("case", "run", words=case_label)
 QUANTITY_COLUMN: Final = Column("quantity", words=QUANTITY.__getitem__)
@@ -36,7 +36,7 @@ UNRESOLVABLE: Final = "n. r."
 def measure_column(name: str) -> Column:
     """The column of a measure that the tables of a run show."""
     shown = SHOWN[name]
-    unit = shown.unit or typeset(MEASURES[name].unit)
+    unit = shown.unit or shown_in(MEASURES[name].unit)
     return Column(shown.key or name.replace(".", "_"), shown.head, unit, shown.form, group=shown.group)
 
 
