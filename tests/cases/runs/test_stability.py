@@ -74,7 +74,8 @@ def test_run_and_sweep_have_the_same_multiplier() -> None:
     run = run_of(mechanism)
     asked = MeasureRequest(measures=("multiplier",), settings={"modes": "4", "tolerance": "1e-6"})
     alone = row([mechanism], asked)
-    assert measure("multiplier").of(SettledMotion(mechanism, run)) == (alone.values[0, 0], alone.errors[0, 0])
+    found = measure("multiplier").of(SettledMotion(mechanism, run))
+    assert (found.value, found.error) == (alone.values[0, 0], alone.errors[0, 0])
     behind = row([changed(mechanism, {"crank.torque": 1.1 * mechanism.crank.drive.torque}), mechanism], asked)  # type: ignore[union-attr]
     assert abs(behind.values[1, 0] - alone.values[0, 0]) < alone.errors[0, 0]
 
