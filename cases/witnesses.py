@@ -9,7 +9,7 @@ from typing import Any, Final
 from quickreturn.cases.loads.resonance import Resonance
 from quickreturn.cases.loads.stress import ArmStress, Factor
 from quickreturn.cases.measures.catalogue import MEASURES
-from quickreturn.cases.measures.cycle import Measure as CycleMeasure
+from quickreturn.cases.measures.cycle import ChannelMeasures
 from quickreturn.cases.resonance_curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.solving import Frequencies
@@ -21,7 +21,7 @@ from quickreturn.reference_model.witnesses import Witness
 
 #: Classes of results besides trajectories and measures -> what they are called.
 RESULTS: Final[dict[type[Any], str]] = {
-    CycleMeasure: "half cycle",
+    ChannelMeasures: "half cycle",
     ArmStress: "stress along the arm",
     Factor: "safety factor",
     Resonance: "distance to resonance",

@@ -88,7 +88,7 @@ class CrossValidation(Shown):
 
         rows = [
             {"case": result.case.name, "engine": name, "half": measure.half, "channel": measure.channel}
-            | {f"{name}{of}": value(name) for name in _NUMBERS for of, value in (("", measure.number), ("_estimate", measure.estimate))}
+            | {f"{name}{of}": getattr(measure, f"{name}{of}") for name in _NUMBERS for of in ("", "_estimate")}
             | {"unit": COLUMNS[measure.channel].unit}
             for result in self.results
             for name, run in result.runs.items()

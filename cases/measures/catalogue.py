@@ -19,10 +19,10 @@ from quickreturn.cases.loads.peak import of_vector
 from quickreturn.cases.loads.stress import ArmStress, arm_stress
 from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
-from quickreturn.cases.measures.number import NO_NUMBER, Number
+from quickreturn.cases.measures.number import NO_NUMBER, Number, or_nan
 from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, Shown, rms_over_time
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.estimates import NUMBER, TIME, or_nan
+from quickreturn.cases.runs.estimates import NUMBER, TIME
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.engines.accurate import Assessment
 from quickreturn.reference_model.columns import COLUMNS
@@ -190,9 +190,8 @@ def _consensus(half: str, motion: SettledMotion) -> Number:
 
 def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) -> Number:
     measure = motion.run.measure(half, channel)
-    if measure is None or (value := measure.number(quantity)) is None:
-        return NO_NUMBER
-    return Number(value, measure.estimate(quantity), FITTED * or_nan(measure.number(f"{quantity}_uncertainty")))
+    number = None if measure is None else measure.number(quantity)
+    return NO_NUMBER if number is None else replace(number, measurement=FITTED * number.measurement)
 
 
 def _multiplier(number: Callable[[PeriodicOrbit], tuple[float, float | None]], motion: SettledMotion) -> Number:

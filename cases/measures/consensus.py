@@ -18,6 +18,7 @@ class Consensus:
     half: str  # "pre" or "post"
     first_mode_frequency: float | None  # Hz
     uncertainty: float | None  # Hz, one standard deviation
+    first_mode_frequency_estimate: float | None = None  # an engine's estimate of its error, Hz; None if there is none
 
 
 def consensus(half: str, frequencies: Sequence[float], uncertainties: Sequence[float]) -> Consensus:

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Final
 
 import numpy as np
@@ -13,14 +13,18 @@ from quickreturn.cases.measures.consensus import Consensus, consensus
 from quickreturn.cases.measures.extremes import extremes, low_pass
 from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.measures.half_cycle import ChannelHalf, channel_half, half_cycle
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.measures.number import Number, or_nan
 from quickreturn.cases.measures.second_mode import agreeing, second_mode_frequency
 from quickreturn.cases.measures.time_scale import TimeScale
+from quickreturn.engines.error_parts import ErrorPart
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
 HALVES = ("pre", "post")
+#: Quantities of each channel, by the names of the fields of `ChannelMeasures`.
+VIBRATION: Final = ("first_mode_frequency", "first_mode_amplitude")
+EXTREMES: Final = ("minimum", "maximum")
 NO_VIBRATION = (FirstMode("the model has no vibration in this channel"), None)
 _KNOWN: Final = "half cycles made of a known vibration"
 _ACCURACY: Final = "tests/verification/test_measures_accuracy.py::test_bias_spread_and_reach"
@@ -37,12 +41,21 @@ _EXTREME: Final = Witness("a sine", 1e-6, "tests/cases/test_measures_cycle.py::t
 _CORNER: Final = Witness(
     "corners between samples", 0.0, "tests/cases/test_measures_cycle.py::test_a_corner_between_samples_is_missed_by_no_more_than_is_said"
 )
+_MACHINES: Final = Witness(
+    "`reference`, `exudyn` and `mujoco` on random machines: differences beyond both claims",
+    0.0,
+    "tests/verification/test_sensible_machines.py::test_two_hundred_machines_settle_and_engines_agree",
+)
 END_TOLERANCE = np.radians(5.0)  # largest distance, rad, of the first and last crank angle from that of the slider's farthest place
 
 
 @dataclass(frozen=True)
-class Measure:
-    """Measures of one channel in one half cycle; None if not resolvable: frequency and amplitude each by itself."""
+class ChannelMeasures:
+    """Measures of one channel in one half cycle; None if not resolvable: frequency and amplitude each by itself.
+
+    `..._estimate` is an engine's estimate of the error of a number, in its unit, None if there is none; `parts` has by quantity the parts
+    that add up to it, with the runs that show them.
+    """
 
     half: str  # "pre" (slider from farthest to nearest) or "post"
     channel: str  # name of the channel
@@ -56,6 +69,11 @@ class Measure:
     maximum: float  # greatest value, likewise
     maximum_uncertainty: float
     reason: str  # why the first mode's frequency, its amplitude or both are not resolvable, empty if both are
+    first_mode_frequency_estimate: float | None = None
+    first_mode_amplitude_estimate: float | None = None
+    minimum_estimate: float | None = None
+    maximum_estimate: float | None = None
+    parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)
 
     witnesses: ClassVar[Witnesses] = {
         "first_mode_frequency": FREQUENCY,
@@ -67,21 +85,27 @@ class Measure:
         ),
         **dict.fromkeys(("minimum", "maximum"), _EXTREME),
         **dict.fromkeys(("minimum_uncertainty", "maximum_uncertainty"), _CORNER),
+        **dict.fromkeys([f"{name}_estimate" for name in (*VIBRATION, *EXTREMES)], _MACHINES),
     }
+
+    def number(self, quantity: str) -> Number | None:
+        """The number called `quantity`, one of `VIBRATION` and `EXTREMES`, with its claims; None where it is not resolvable."""
+        value, estimate, uncertainty = (getattr(self, f"{quantity}{of}") for of in ("", "_estimate", "_uncertainty"))
+        return None if value is None else Number(value, estimate, or_nan(uncertainty), parts=self.parts.get(quantity, ()))
 
 
 @dataclass(frozen=True)
 class CycleMeasures:
     """Measures of a cycle: per half and channel, and the consensus per half, pre-return first."""
 
-    measures: tuple[Measure, ...]
+    measures: tuple[ChannelMeasures, ...]
     consensus: tuple[Consensus, ...]
 
 
 def measure_cycle(
     scale: TimeScale | None, time: Array, crank_angle: Array, channels: Mapping[str, Array], measured: bool = False
 ) -> CycleMeasures:
-    """Measure one full cycle.
+    """ChannelMeasures one full cycle.
 
     Args:
         scale: time scale of the mechanism; None for a rigid follower: only its extremes are measured.
@@ -100,7 +124,7 @@ def measure_cycle(
     signals = {name: CubicSpline(time, values) for name, values in channels.items()}
     filtered = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
     vibrating = [name for name in channels if scale is not None and name in scale.channels]
-    measures: list[Measure] = []
+    measures: list[ChannelMeasures] = []
     consensuses: list[Consensus] = []
     spans = list(itertools.pairwise(boundaries))
     halves = [half_cycle(scale, start, end, angle) for start, end in spans] if scale else []
@@ -113,7 +137,7 @@ def measure_cycle(
             low, high = extremes(time, filtered[name], start, end)
             vibration = first.frequency, first.frequency_uncertainty, first.amplitude, first.amplitude_uncertainty
             ends = low.value, low.uncertainty, high.value, high.uncertainty
-            measures.append(Measure(half, name, *vibration, second, *ends, first.reason))
+            measures.append(ChannelMeasures(half, name, *vibration, second, *ends, first.reason))
         consensuses.append(consensus_of(half, [measure for measure in measures if measure.half == half]))
     return CycleMeasures(tuple(measures), tuple(consensuses))
 
@@ -124,7 +148,7 @@ def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: b
     return {half: extremes(time, filtered, *boundaries[at : at + 2]) for at, half in enumerate(HALVES)}
 
 
-def consensus_of(half: str, measures: Sequence[Measure]) -> Consensus:
+def consensus_of(half: str, measures: Sequence[ChannelMeasures]) -> Consensus:
     """Consensus of those measures of a half that resolve the first mode's frequency."""
     pairs = [(measure.first_mode_frequency, measure.first_mode_frequency_uncertainty) for measure in measures]
     resolved = [(frequency, uncertainty) for frequency, uncertainty in pairs if frequency is not None and uncertainty is not None]

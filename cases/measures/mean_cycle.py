@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.measures.cycle import CycleMeasures, Measure, consensus_of
+from quickreturn.cases.measures.cycle import ChannelMeasures, CycleMeasures, consensus_of
 
 #: Number of cycles for means if no cycle repeats.
 AVERAGED: Final = 30
@@ -44,7 +44,7 @@ def mean_measures(cycles: Sequence[CycleMeasures]) -> CycleMeasures:
     return CycleMeasures(measures, tuple(consensus_of(half, [each for each in measures if each.half == half]) for half in halves))
 
 
-def _mean(measures: Sequence[Measure]) -> Measure:
+def _mean(measures: Sequence[ChannelMeasures]) -> ChannelMeasures:
     """Mean of the measures of one channel in one half of successive cycles."""
     numbers: dict[str, Any] = {"half": measures[0].half, "channel": measures[0].channel}
     for name in ("first_mode_frequency", "first_mode_amplitude", "second_mode_frequency", "minimum", "maximum"):
@@ -61,4 +61,4 @@ def _mean(measures: Sequence[Measure]) -> Measure:
         numbers[f"{name}_uncertainty"] = uncertainty
     reasons = [measure.reason for measure in measures if measure.reason]
     unresolved = numbers["first_mode_frequency"] is None or numbers["first_mode_amplitude"] is None
-    return Measure(**numbers, reason=max(set(reasons), key=reasons.count) if unresolved else "")
+    return ChannelMeasures(**numbers, reason=max(set(reasons), key=reasons.count) if unresolved else "")

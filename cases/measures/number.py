@@ -69,3 +69,8 @@ class Number:
 
 #: Where there is no number.
 NO_NUMBER: Final = Number()
+
+
+def or_nan(number: float | None) -> float:
+    """A number, nan if there is none."""
+    return math.nan if number is None else number

@@ -14,11 +14,11 @@ from itertools import product
 from typing import Any, Final, Literal
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.measures.cycle import HALVES, consensus_of, extremes_by_half
-from quickreturn.cases.measures.number import SAYS_NOTHING, TELLING, TELLING_OF_FREQUENCIES, VERDICTS, Number, Verdict
+from quickreturn.cases.measures.cycle import EXTREMES, HALVES, VIBRATION, consensus_of, extremes_by_half
+from quickreturn.cases.measures.number import SAYS_NOTHING, TELLING, TELLING_OF_FREQUENCIES, VERDICTS, Number, Verdict, or_nan
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, mean_estimate, or_nan
+from quickreturn.cases.runs.estimates import mean_estimate
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.reference_model.errors import ExitCode
 
@@ -305,12 +305,10 @@ def pair_of(
 def number_of(run: Run, quantity: str, half: str, channel: str) -> Number | None:
     """A run's number of a channel, with its claims; None if it cannot resolve it."""
     measure = run.measure(half, channel)
-    value = None if measure is None else measure.number(quantity)
-    if measure is None or value is None:
-        return None
-    uncertainty = or_nan(measure.number(f"{quantity}_uncertainty"))
-    unsettled = or_nan((run.settling_errors or {}).get(channel)) if quantity in EXTREMES else 0.0
-    return Number(float(value), measure.estimate(quantity), uncertainty, unsettled, measure.parts.get(quantity, ()))
+    number = None if measure is None else measure.number(quantity)
+    if number is None or quantity not in EXTREMES:
+        return number
+    return replace(number, settling=or_nan((run.settling_errors or {}).get(channel)))
 
 
 def _consensus(run: Run, half: str, channels: Sequence[str]) -> Number | None:
@@ -323,7 +321,7 @@ def _consensus(run: Run, half: str, channels: Sequence[str]) -> Number | None:
 def _relative_estimates(run: Run, half: str) -> Iterator[float]:
     """A run's relative error estimates in a half: of extremes relative to the channel's peak, of the consensus relative to itself."""
     for measure in run.measures:
-        peak, estimates = run.peak(measure.channel), [measure.estimate(name) for name in EXTREMES]
+        peak, estimates = run.peak(measure.channel), [getattr(measure, f"{name}_estimate") for name in EXTREMES]
         if measure.half == half and peak > 0.0:
             yield from (estimate / peak for estimate in estimates if estimate is not None)
     frequency, estimate = run.consensus_frequency(half), mean_estimate(run.measures, half)

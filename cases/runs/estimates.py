@@ -15,16 +15,15 @@ largest difference in the half cycle, and this bound is the estimate for an extr
 For cycles that repeat in statistics only, means are compared: of the measures, of the extremes, and of the signals at each crank angle.
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.measures.consensus import Consensus
-from quickreturn.cases.measures.cycle import CycleMeasures, Measure
+from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures
 from quickreturn.cases.measures.of_turn import OF_TURN, OfTurn, rms_over_time
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS
@@ -42,40 +41,8 @@ TIME: Final = "time"
 #: Key of the estimate of a number of `OF_TURN`.
 NUMBER: Final = "number"
 
-VIBRATION: Final = ("first_mode_frequency", "first_mode_amplitude")
 #: Column whose difference stands for that of the motion.
 MOTION: Final = "tip_deflection"
-EXTREMES: Final = ("minimum", "maximum")
-
-
-@dataclass(frozen=True)
-class EstimatedMeasure(Measure):
-    """A measure with the engine's estimates of the errors of its numbers, each in the number's unit; None if there is none.
-
-    `parts` has by quantity the parts that add up to the estimate, with the runs that show them.
-    """
-
-    first_mode_frequency_estimate: float | None = None
-    first_mode_amplitude_estimate: float | None = None
-    minimum_estimate: float | None = None
-    maximum_estimate: float | None = None
-    parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)
-
-    def number(self, quantity: str) -> float | None:
-        """The number called `quantity`: one of `VIBRATION` and `EXTREMES`, or the uncertainty of one."""
-        number: float | None = getattr(self, quantity)
-        return number
-
-    def estimate(self, quantity: str) -> float | None:
-        """Estimate of the error of the number called `quantity`."""
-        return self.number(f"{quantity}_estimate")
-
-
-@dataclass(frozen=True)
-class EstimatedConsensus(Consensus):
-    """A consensus with the estimate of its error, Hz; None where there is none."""
-
-    first_mode_frequency_estimate: float | None = None
 
 
 @dataclass(frozen=True)
@@ -104,7 +71,7 @@ class MeasuredCycle:
 
 def with_estimates(
     delivered: CycleMeasures, compared: Sequence[Compared[MeasuredCycle]]
-) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
+) -> tuple[tuple[ChannelMeasures, ...], tuple[Consensus, ...]]:
     """Measures and consensus with their estimates.
 
     An estimate is None if one run resolves the first mode and another does not. That of a consensus is the mean over its channels with an
@@ -119,19 +86,12 @@ def with_estimates(
         parts = {name: _of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION}
         parts |= dict.fromkeys(EXTREMES, _of_extremes(compared, measure.half, measure.channel))
         estimates: dict[str, Any] = {f"{name}_estimate": total(some) for name, some in parts.items()}
-        measures.append(EstimatedMeasure(**vars(measure), **estimates, parts=parts))
-    consensus = (
-        EstimatedConsensus(**vars(each), first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in delivered.consensus
-    )
+        measures.append(replace(measure, **estimates, parts=parts))
+    consensus = (replace(each, first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in delivered.consensus)
     return tuple(measures), tuple(consensus)
 
 
-def or_nan(number: float | None) -> float:
-    """A number, nan if there is none."""
-    return math.nan if number is None else number
-
-
-def mean_estimate(measures: Sequence[EstimatedMeasure], half: str, channels: Sequence[str] = CHANNELS) -> float | None:
+def mean_estimate(measures: Sequence[ChannelMeasures], half: str, channels: Sequence[str] = CHANNELS) -> float | None:
     """Error estimate (Hz) of the weighted mean of some channels' frequencies: the mean of their estimates; None if no channel has one."""
     weighted = [
         (measure.first_mode_frequency_uncertainty**-2.0, measure.first_mode_frequency_estimate)

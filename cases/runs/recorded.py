@@ -10,6 +10,7 @@ from a smooth course (noise, rounding, sampling), and from the difference of the
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import product
 from typing import Any, Final
 
@@ -18,12 +19,12 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
 from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION, EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.marching import columns_of
 from quickreturn.cases.runs.noise import noise_of, scatter
 from quickreturn.cases.runs.other_case import cases_of_pace
@@ -317,7 +318,7 @@ def _at_cuts(cycle: Mapping[str, Array], name: str, angle_noise: float) -> float
 
 def _measured(
     mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float
-) -> tuple[tuple[EstimatedMeasure, ...], tuple[EstimatedConsensus, ...]]:
+) -> tuple[tuple[ChannelMeasures, ...], tuple[Consensus, ...]]:
     """Measures of every column that does not grow, and the consensus on the first mode's frequency. `gap`: largest distance of rows, s."""
     time, angle = cycle["time"], cycle["crank_angle"]
     scale, reason = time_scale(mechanism), ""
@@ -328,11 +329,11 @@ def _measured(
             reason = f"rows lie up to {gap / ms:.3g} ms apart; the first mode takes {largest / ms:.3g} ms at most"
     channels = {name: cycle[name] for name in CHANNELS if name in cycle}
     of_cycle = measure_cycle(None if reason else scale, time, angle, channels, filtered)
-    measures = [EstimatedMeasure(**(vars(each) | ({"reason": reason} if reason else {})), **_NONE_CLAIMED) for each in of_cycle.measures]
+    measures = [replace(each, reason=reason or each.reason, **_NONE_CLAIMED) for each in of_cycle.measures]
     for name in (name for name in cycle if name not in (*CHANNELS, *GROWING)):
         of_column = measure_cycle(None, time, angle, {name: cycle[name]}, filtered).measures
-        measures += [EstimatedMeasure(**(vars(each) | {"reason": NOTHING_TO_FIT}), **_NONE_CLAIMED) for each in of_column]
-    return tuple(measures), tuple(EstimatedConsensus(**vars(each), first_mode_frequency_estimate=0.0) for each in of_cycle.consensus)
+        measures += [replace(each, reason=NOTHING_TO_FIT, **_NONE_CLAIMED) for each in of_column]
+    return tuple(measures), tuple(replace(each, first_mode_frequency_estimate=0.0) for each in of_cycle.consensus)
 
 
 #: Error estimates of a table's measures: no error is claimed for its model.

@@ -7,9 +7,10 @@ from typing import Any, ClassVar, Final
 
 import numpy as np
 
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import ChannelMeasures
 from quickreturn.cases.measures.steady_state import Outlook
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.orbit import Orbit
 from quickreturn.cases.runs.stability import Multiplier
 from quickreturn.engines.accurate import TIP
@@ -165,8 +166,8 @@ class Run:
     advice: str | None = None
     turn: int | None = None  # number of the measured turn if the request names one
     recording: Recording | None = None  # the recorded table whose run this is; None: an engine's
-    measures: tuple[EstimatedMeasure, ...] = ()
-    consensus: tuple[EstimatedConsensus, ...] = ()
+    measures: tuple[ChannelMeasures, ...] = ()
+    consensus: tuple[Consensus, ...] = ()
     unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
     extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> error estimate of its extremes
     turn_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> "rms", "change" -> error estimate over a turn
@@ -199,11 +200,11 @@ class Run:
         """The status of the run."""
         return Ending(self.status)
 
-    def measure(self, half: str, channel: str) -> EstimatedMeasure | None:
+    def measure(self, half: str, channel: str) -> ChannelMeasures | None:
         """The measure of a half and channel, or None if there is none."""
         return next((measure for measure in self.measures if (measure.half, measure.channel) == (half, channel)), None)
 
-    def consensus_of(self, half: str) -> EstimatedConsensus | None:
+    def consensus_of(self, half: str) -> Consensus | None:
         """The consensus of a half on the first-mode frequency; None if there is none, or where it is not resolvable."""
         return next((one for one in self.consensus if one.half == half and one.first_mode_frequency is not None), None)
 

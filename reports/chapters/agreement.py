@@ -5,9 +5,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION
 from quickreturn.cases.runs.comparison import CLASSES, REFERENCE, WORSE, CaseResult, Difference, Kind, not_judged
 from quickreturn.cases.runs.comparison import agreement as verdicts
-from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter

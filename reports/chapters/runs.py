@@ -3,11 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.cycle import EXTREMES, HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, REFERENCE, CaseResult, pair_of
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import Run
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.measures.cycle import Measure
+from quickreturn.cases.measures.cycle import ChannelMeasures
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
@@ -16,8 +16,8 @@ class MeasuredHalf:
 
     case: Case
     table: Run  # the recorded table
-    measure: Measure  # of the table
-    engines: Mapping[str, Measure]  # engine -> the same measure of its cycle
+    measure: ChannelMeasures  # of the table
+    engines: Mapping[str, ChannelMeasures]  # engine -> the same measure of its cycle
 
 
 def measured_halves(results: Sequence[CaseResult]) -> list[MeasuredHalf]:

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quickreturn.cases.measures.cycle import CycleMeasures, Measure
+from quickreturn.cases.measures.cycle import ChannelMeasures, CycleMeasures
 from quickreturn.cases.measures.mean_cycle import AVERAGED, BOUND, GROUPS, mean_measures, standard_error
 
 
-def measure(frequency: float | None = 17.0, maximum: float = 5.0) -> Measure:
+def measure(frequency: float | None = 17.0, maximum: float = 5.0) -> ChannelMeasures:
     known = frequency is not None
-    return Measure(
+    return ChannelMeasures(
         half="pre",
         channel="strain_1",
         first_mode_frequency=frequency,
@@ -28,12 +28,12 @@ def measure(frequency: float | None = 17.0, maximum: float = 5.0) -> Measure:
     )
 
 
-def mean(*found: Measure) -> Measure:
+def mean(*found: ChannelMeasures) -> ChannelMeasures:
     return mean_measures([CycleMeasures((each,), ()) for each in found]).measures[0]
 
 
 @pytest.mark.parametrize("one", [measure(), measure(None)])
-def test_the_mean_of_one_cycle_is_the_cycle_to_the_last_digit(one: Measure) -> None:
+def test_the_mean_of_one_cycle_is_the_cycle_to_the_last_digit(one: ChannelMeasures) -> None:
     assert mean(one) == one
 
 

@@ -9,11 +9,12 @@ import numpy as np
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import ChannelMeasures
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.trajectory import OPTIONAL, REQUIRED
@@ -79,7 +80,7 @@ def made_up_run(case: Case, engine: str, status: str = Ending.SETTLED, seed: int
     consensus, measures = [], []
     for half in ("pre", "post"):
         frequency = 17.0 * factor * (1.0 + 0.004 * random.standard_normal())
-        consensus.append(EstimatedConsensus(half, frequency, 0.1, 0.02))
+        consensus.append(Consensus(half, frequency, 0.1, 0.02))
         measures += [_measure(half, name, frequency, columns[name], random) for name in CHANNELS]
     return dataclasses.replace(run, consensus=tuple(consensus), measures=tuple(measures))
 
@@ -98,10 +99,10 @@ def _bending(mechanism: Mechanism, angle: np.ndarray, speed: float, motion: Rigi
     }
 
 
-def _measure(half: str, channel: str, frequency: float, values: np.ndarray, random: np.random.Generator) -> EstimatedMeasure:
+def _measure(half: str, channel: str, frequency: float, values: np.ndarray, random: np.random.Generator) -> ChannelMeasures:
     peak = float(np.max(np.abs(values)))
     resolvable = random.random() > 0.2
-    found = EstimatedMeasure(
+    found = ChannelMeasures(
         half=half,
         channel=channel,
         first_mode_frequency=frequency,

@@ -3,9 +3,8 @@
 import dataclasses
 from html.parser import HTMLParser
 
-from quickreturn.cases.measures.cycle import HALVES
+from quickreturn.cases.measures.cycle import EXTREMES, HALVES
 from quickreturn.cases.runs.comparison import CaseResult, Difference, compare
-from quickreturn.cases.runs.estimates import EXTREMES
 from quickreturn.cases.runs.request import PeriodicOrbit
 from tests.reports.plotted_results import made_up_result, with_run
 

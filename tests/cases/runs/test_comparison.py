@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
+from quickreturn.cases.measures.consensus import Consensus
+from quickreturn.cases.measures.cycle import ChannelMeasures
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Difference, compare, not_judged
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import EstimatedConsensus, EstimatedMeasure
 from quickreturn.cases.runs.request import Run
 
 CASE = load_case("thesis-24")
@@ -26,8 +27,8 @@ def run(
     """All numbers off by `off`, relative (extremes: to the peak), and claimed to be off by `claimed`; changes are of every measure."""
     settled = status in (Ending.SETTLED, Ending.INACCURATE)
 
-    def measure(half: str, channel: str) -> EstimatedMeasure:
-        found = EstimatedMeasure(
+    def measure(half: str, channel: str) -> ChannelMeasures:
+        found = ChannelMeasures(
             half=half,
             channel=channel,
             first_mode_frequency=17.0 * (1.0 + off),
@@ -56,7 +57,7 @@ def run(
         settling_errors=dict.fromkeys(CHANNELS, SETTLING * PEAK),
         unestimated="" if settled else status,
         measures=tuple(measure(half, channel) for half in halves for channel in CHANNELS),
-        consensus=tuple(EstimatedConsensus(half, 17.0 * (1.0 + off), 0.1) for half in halves),
+        consensus=tuple(Consensus(half, 17.0 * (1.0 + off), 0.1) for half in halves),
         cycle=dict(CYCLE) if settled else {},
     )
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.measures.consensus import Consensus
-from quickreturn.cases.measures.cycle import CycleMeasures, Measure
+from quickreturn.cases.measures.cycle import ChannelMeasures, CycleMeasures
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.estimates import EstimatedMeasure, MeasuredCycle, mean_estimate, turn_estimates, with_estimates
+from quickreturn.cases.runs.estimates import MeasuredCycle, mean_estimate, turn_estimates, with_estimates
 from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
 
 GRID = 360  # crank angles in a half
@@ -16,9 +16,9 @@ ANGLES = np.linspace(0.0, 2.0 * np.pi, 401)
 def measures(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS) -> CycleMeasures:
     """All numbers of all channels off by a multiple of `error` that tells them apart."""
 
-    def of(half: str, channel: str) -> Measure:
+    def of(half: str, channel: str) -> ChannelMeasures:
         known = channel in resolved
-        return Measure(
+        return ChannelMeasures(
             half=half,
             channel=channel,
             first_mode_frequency=17.0 + error if known else None,
@@ -105,8 +105,8 @@ def test_without_pairs_there_are_no_estimates() -> None:
 
 
 def test_a_mean_is_off_by_at_most_the_mean_of_what_its_channels_are_off_by() -> None:
-    def row(half: str, channel: str, uncertainty: float | None, estimate: float | None) -> EstimatedMeasure:
-        return EstimatedMeasure(
+    def row(half: str, channel: str, uncertainty: float | None, estimate: float | None) -> ChannelMeasures:
+        return ChannelMeasures(
             half, channel, 17.0, uncertainty, None, None, None, -1.0, 0.0, 1.0, 0.0, "", first_mode_frequency_estimate=estimate
         )
 

@@ -44,7 +44,10 @@ def test_claims_as_wide_as_the_numbers_make_no_engine_alike_and_no_set_up_the_sa
     result = reported_result("thesis-24")
     for engine, run in result.runs.items():
         estimates = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
-        wide = [{f"{name}_estimate": each.number(name) and abs(each.number(name) or 0.0) for name in estimates} for each in run.measures]
+        wide = [
+            {f"{name}_estimate": number and abs(number.value) for name in estimates for number in [each.number(name)]}
+            for each in run.measures
+        ]
         measures = tuple(dataclasses.replace(each, **changes) for each, changes in zip(run.measures, wide, strict=True))
         result = with_run(result, engine, measures=measures)
     result = compare(result.case, result.runs)

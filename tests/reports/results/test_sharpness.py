@@ -9,11 +9,10 @@ import pytest
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.cycle import measure_cycle
+from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare
-from quickreturn.cases.runs.estimates import EXTREMES, VIBRATION
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.results.sharpness import Sharpness, sharpness, smallest_found
 from tests.reports.reported_results import agreeing, reported_result

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult, compare
-from quickreturn.cases.runs.estimates import EstimatedConsensus
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis.experiment import statements
 from quickreturn.cases.thesis.modes import (
@@ -136,7 +136,7 @@ def test_recordings_of_the_experiment_alone_have_weight_in_a_verdict(run_24: Cas
 
 def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     """Neither an engine of another package nor a recorded table, however far off, though both are compared."""
-    wrong = dataclasses.replace(run_24.runs["mujoco"], engine="foreign", consensus=(EstimatedConsensus("pre", 99.0, 0.1, 0.1),))
+    wrong = dataclasses.replace(run_24.runs["mujoco"], engine="foreign", consensus=(Consensus("pre", 99.0, 0.1, 0.1),))
     others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
     before, after = content_of(results=[run_24]), content_of(results=[others])
     assert after.conclusions == before.conclusions
@@ -181,7 +181,7 @@ def counted_run(frequency: float, slow: float) -> Run:
     cycle = {"time": time, "crank_angle": np.pi * (1.0 + time)} | dict.fromkeys(
         ("tip_acceleration", "strain_1", "strain_2", "strain_3"), signal
     )
-    resolved = tuple(EstimatedConsensus(half, frequency, 0.1) for half in HALVES)
+    resolved = tuple(Consensus(half, frequency, 0.1) for half in HALVES)
     return Run(engine="x", estimate_of="total", status="settled", consensus=resolved, cycle=cycle)
 
 
