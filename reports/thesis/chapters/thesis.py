@@ -15,18 +15,13 @@ from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.results.differences import Summary, differences, summary_of
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.thesis.axes import axis_comparisons, fits_worse
-from quickreturn.reports.thesis.conclusions import ACCURATE, CANNOT_FOLLOW, HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion
+from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion
 from quickreturn.reports.thesis.data import ThesisData
 from quickreturn.reports.thesis.effects import effect_facts, symmetric_effects_differ
-from quickreturn.reports.thesis.raw_extremes import Excess, counted_excess
 from quickreturn.reports.thesis.sufficiency import Split
 from quickreturn.reports.thesis.unprinted import scatter_facts
 from quickreturn.reports.words import HALF, channel_name, counted, number, percent, percents
 
-#: Channels of strain, in which the slow bending is large.
-STRAINS: Final = CHANNELS[1:]
-#: Least difference between the halves, in an excess of frequency, that a reader of plots would notice.
-MARKED: Final = 0.02
 #: The verdicts on several statements, where they differ from those on one.
 _ON_SEVERAL: Final = {HOLDS: "hold", IN_PART: "hold in part", NOT: "do not hold"}
 
@@ -34,7 +29,7 @@ _ON_SEVERAL: Final = {HOLDS: "hold", IN_PART: "hold in part", NOT: "do not hold"
 def thesis(content: ThesisData) -> Chapter:
     """The chapter."""
     results = content.thesis_results
-    conclusions, excesses = content.conclusions, counted_excess(results)
+    conclusions = content.conclusions
     compared = differences(results, MODEL, "frequency")
     fitted = [difference.relative for difference in compared]
     of_halves = {half: [difference.ratio for difference in compared if difference.half == half] for half in HALF}
@@ -48,11 +43,9 @@ def thesis(content: ThesisData) -> Chapter:
             ("Cannot follow from the model:", [each.statement.words for each in conclusions if each.outcome == CANNOT_FOLLOW]),
             ("Not borne out by the numbers:", [each.statement.words for each in conclusions if each.outcome == NOT]),
         ],
-        "counted_words": counted_words(excesses, fitted) if excesses else None,
         "stiffness": stiffness_words(stiffness_reading(fitted)),
         "ratios": ratios(results),
         "statements": statements(conclusions),
-        "counted": counted_off_plots(excesses),
     }
     splits = content.splits if facts["effects_plot"] else []
     text = finding(splits, symmetric_effects_differ(content.finding), of_halves, [each.outcome for each in conclusions])
@@ -110,36 +103,6 @@ def model_error_words(worse: bool) -> str:
     )
 
 
-def counted_words(excesses: Sequence[Excess], fitted: Sequence[float]) -> tuple[str, str]:
-    """The excess of the frequency counted off plots, beside the fitted one (relative); and whether it explains the thesis' words."""
-    strains = {half: [each.median for each in excesses if each.half == half and each.channel in STRAINS] for half in HALF}
-    of_halves = " and ".join(f"{HALF[half]} {percents(min(each), max(each), '+.1f')}" for half, each in strains.items() if each)
-    fit = f", while a fit of the drifting oscillation gives {percents(min(fitted), max(fitted), '+.1f')}" if fitted else ""
-    how = (
-        "The thesis does not say how it took frequencies from its curves; a count of extremes by eye is the obvious way. With such a"
-        f" count, the single cubic’s excess in the three strains is {of_halves} (medians over the runs, range over channels and over what"
-        f" counts as an extreme){fit}."
-    )
-    larger = _larger_after(excesses)
-    held = (
-        f"The counted excess is larger after the return in every strain, by more than {percent(MARKED, '.0f')}, at {sum(larger)} of the"
-        f" {len(larger)} thresholds tried"
-    )
-    if not all(larger):
-        return how, f"{held}: the count depends on the reader, and explains the thesis’ description at best in part. This is an inference."
-    low, high = min(strains["pre"]), max(strains["pre"])
-    off = ""
-    if low < ACCURATE[0] - 1.0 or high > ACCURATE[1] - 1.0:
-        off = (
-            " But before the return, where the thesis finds the frequency right or slightly too high, the count is off by"
-            f" {percents(low, high, '+.0f')}: it does not explain that part of its words."
-        )
-    return how, (
-        f"{held}: the count takes the slow hump before the return for a peak. So the halves differ as the thesis says.{off} This is an"
-        " inference: a possible explanation of the difference between the halves, not a proof."
-    )
-
-
 def stiffness_words(stiffness: StiffnessReading) -> str:
     """The published bending stiffness beside that of ordinary aluminium, and beside the one that would undo the single cubic's excess."""
     published, (low, high) = stiffness.published.replace("*", " ").replace("^2", "²"), stiffness.below
@@ -154,18 +117,6 @@ def stiffness_words(stiffness: StiffnessReading) -> str:
         f" {percent(stiffness.needed, '.0f')} lower. Inference: the published value may have been tuned towards the measured frequencies"
         f"{', though not all the way' if high < stiffness.needed else ''}."
     )
-
-
-def _larger_after(excesses: Sequence[Excess]) -> list[bool]:
-    """For each threshold, whether the counted excess is larger after the return in every strain by more than `MARKED`."""
-    larger = []
-    for visible in dict.fromkeys(excess.visible for excess in excesses):
-        gaps = []
-        for channel in STRAINS:
-            medians = {excess.half: excess.median for excess in excesses if (excess.visible, excess.channel) == (visible, channel)}
-            gaps += [medians["post"] - medians["pre"]] if len(medians) == len(HALF) else []
-        larger.append(bool(gaps) and min(gaps) > MARKED)
-    return larger
 
 
 def ratios(results: Sequence[CaseResult]) -> Table:
@@ -207,27 +158,6 @@ def _peak_ratios(extremes: Sequence[Difference]) -> list[float]:
     for difference in extremes:
         peaks.setdefault(difference.case, []).append(difference)
     return [max(abs(d.mine.value) for d in pair) / max(abs(d.its.value) for d in pair) for pair in peaks.values()]
-
-
-def counted_off_plots(excesses: Sequence[Excess]) -> Table:
-    """Excess of frequencies that are counted off a plot."""
-    visible = Column("visible", "counted from", "% of range", ".1f")
-    table = Table(
-        "counted_off_plots",
-        """Excess of the single cubic's frequency over the converged one if both are counted off plots: the number of half oscillations
-        between visible extremes of the raw signal, over their time, in the halves where both models resolve the first mode. An extreme is
-        counted if its prominence, as a part of the signal's range, is at least the number in the first column. This report does not use
-        this measure elsewhere; see the text.""",
-        (visible, "channel", *_spread_columns("%", "+.1f")),
-    )
-    for threshold in dict.fromkeys(excess.visible for excess in excesses):
-        for channel in CHANNELS:
-            cells: dict[str, float] = {}
-            for excess in (excess for excess in excesses if (excess.visible, excess.channel) == (threshold, channel)):
-                cells |= _spread_cells(excess.half, excess)
-            if cells:
-                table.add(visible=threshold, channel=channel_name(channel), **cells)
-    return table
 
 
 def statements(conclusions: Sequence[Conclusion]) -> Table:

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.measures.consensus import Consensus
-from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult, compare
-from quickreturn.cases.runs.request import Run
 from quickreturn.cases.thesis.experiment import statements
 from quickreturn.cases.thesis.modes import (
     Span,
@@ -21,11 +19,8 @@ from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
-from quickreturn.reports.thesis.chapters import thesis as chapter
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from quickreturn.reports.thesis.measured import statement_values
-from quickreturn.reports.thesis.raw_extremes import VISIBLE, Excess, counted_excess, counted_frequency
-from tests.reports import pages
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import ALIKE, reported_result, with_frequencies
@@ -174,33 +169,6 @@ def test_figures_with_measured_curves_alone_are_told_apart(run_24: CaseResult) -
     assert strain.ratios["thesis"] == pytest.approx(peak / 1.5e-4)  # the axis reads 0.015 percent
 
 
-def counted_run(frequency: float, slow: float) -> Run:
-    """Two seconds of a sine on a slow part that is a single hump; the return is at 1 s."""
-    time = np.linspace(0.0, 2.0, 4001)
-    signal = np.sin(2.0 * np.pi * frequency * time) + slow * np.sin(0.5 * np.pi * time)
-    cycle = {"time": time, "crank_angle": np.pi * (1.0 + time)} | dict.fromkeys(
-        ("tip_acceleration", "strain_1", "strain_2", "strain_3"), signal
-    )
-    resolved = tuple(Consensus(half, frequency, 0.1) for half in HALVES)
-    return Run(engine="x", estimate_of="total", status="settled", consensus=resolved, cycle=cycle)
-
-
-def test_counting_extremes_of_a_pure_oscillation_gives_its_frequency() -> None:
-    run = counted_run(17.0, 0.0)
-    for half in ("pre", "post"):
-        # instants of the extremes are samples, 0.5 ms apart, in a second: 0.1 %
-        assert counted_frequency(run, half, "strain_2", 0.01) == pytest.approx(17.0, rel=1e-3)
-
-
-def test_the_excess_counted_off_plots_is_that_of_the_frequencies_where_there_is_no_slow_part() -> None:
-    result = reported_result("thesis-24")
-    runs = {"thesis": counted_run(18.7, 0.0), "reference": counted_run(17.0, 0.0)}
-    found = counted_excess([dataclasses.replace(result, runs=runs)])
-    assert len(found) == len(VISIBLE) * len(HALVES) * len(CHANNELS)
-    for excess in found:
-        assert excess.median == pytest.approx(0.1, abs=3e-3)  # twice the 0.1 % of a counted frequency, rounded up
-
-
 def test_ranges_of_the_crank_held_still_hold_the_known_frequencies_of_run_24(run_24: CaseResult) -> None:
     known = np.array([[20.354, 62.287, 112.95], [17.779, 45.604, 135.26], [10.925, 63.787, 123.83]])  # at 180, 90, 0 degrees
     converged = thesis_modes(run_24.case.mechanism).converged
@@ -213,20 +181,3 @@ def test_ranges_of_the_crank_held_still_hold_the_known_frequencies_of_run_24(run
 def test_the_third_mode_bends_gauges_1_and_3_against_gauge_2_and_the_first_all_alike(run_24: CaseResult) -> None:
     found = thesis_modes(run_24.case.mechanism)
     assert (found.alternating[2], found.alike[0], found.alternating[1]) == (1.0, 1.0, 0.0)
-
-
-@pytest.mark.parametrize(("before", "explained"), [(0.0, True), (0.04, True), (-0.2, False), (0.08, False)])
-def test_counts_that_miss_the_thesis_words_before_the_return_are_no_explanation_of_them(
-    monkeypatch: pytest.MonkeyPatch, before: float, explained: bool
-) -> None:
-    medians = {"pre": before, "post": 0.12}
-    excesses = [
-        Excess(median=median, lowest=median, highest=median, count=3, visible=visible, half=half, channel=channel)
-        for visible in VISIBLE
-        for half, median in medians.items()
-        for channel in CHANNELS
-    ]
-    monkeypatch.setattr(chapter, "counted_excess", lambda _: excesses)
-    told = pages.text_of(pages.one_run())
-    assert "So the halves differ as the thesis says." in told
-    assert ("it does not explain that part of its words" in told) is not explained

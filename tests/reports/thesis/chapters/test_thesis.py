@@ -1,15 +1,13 @@
 """What the thesis saw: the heading's sentences, and those on plots and stiffness."""
 
 import dataclasses
-from typing import Any
 
 import pytest
 
 from quickreturn.cases.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
 from quickreturn.cases.thesis.finding.effects import effects
-from quickreturn.reports.thesis.chapters.thesis import counted_words, finding, model_error_words, stiffness_words
+from quickreturn.reports.thesis.chapters.thesis import finding, model_error_words, stiffness_words
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE
-from quickreturn.reports.thesis.raw_extremes import Excess
 from quickreturn.reports.thesis.sufficiency import Split, splits
 from tests.reports.pages import finding_of, one_run, plain
 from tests.reports.thesis.made_up_finding import made_up_finding
@@ -65,34 +63,6 @@ def test_whether_the_machine_moves_as_the_converged_model_is_open() -> None:
     assert model_error_words(False).endswith(" Whether it does is open.")
     fits = "the only contact with the measurement that is left, and there the cubic fits better (see The experiment)."
     assert model_error_words(True).endswith(fits)
-
-
-def excesses(before: float, after: float) -> list[Excess]:
-    """The same excess in all channels, at two thresholds."""
-    known: dict[str, Any] = {"lowest": 0.0, "highest": 0.0, "count": 3}
-    halves = {"pre": before, "post": after}
-    names = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
-    return [
-        Excess(median=median, visible=visible, half=half, channel=name, **known)
-        for visible in (0.01, 0.02)
-        for half, median in halves.items()
-        for name in names
-    ]
-
-
-def test_counts_off_plots_explain_the_words_or_do_not() -> None:
-    how, so = map(plain, counted_words(excesses(0.02, 0.12), [0.11, 0.14]))
-    counts = "the single cubic’s excess in the three strains is pre-return +2.0 to +2.0 % and post-return +12.0 to +12.0 %"
-    fit = "while a fit of the drifting oscillation gives +11.0 to +14.0 %."
-    assert how.endswith(f"{counts} (medians over the runs, range over channels and over what counts as an extreme), {fit}")
-    larger = "The counted excess is larger after the return in every strain, by more than 2 %, at {} of the 2 thresholds tried"
-    assert so.startswith(f"{larger.format(2)}: the count takes the slow hump before the return for a peak. So the halves differ as the")
-    assert "it does not explain that part" not in so
-    off = "the count is off by +8 to +8 %: it does not explain that part of its words."
-    assert off in plain(counted_words(excesses(0.08, 0.12), [])[1])
-    how, so = counted_words(excesses(0.02, 0.03), [])
-    assert "while a fit" not in how
-    assert plain(so).startswith(f"{larger.format(0)}: the count depends on the reader")
 
 
 def test_the_stiffness_is_told_beside_that_of_aluminium() -> None:
