@@ -4,15 +4,12 @@ If a worker is killed, other workers compute its jobs again; a job that kills fo
 machine that runs the command. This module needs the package distributed, which the extra `cluster` installs.
 """
 
-import asyncio
 import multiprocessing
 from collections.abc import Generator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Final
 
-from distributed import Client, KilledWorker, Security, Status, get_worker
-from distributed.comm.core import connect
+from distributed import Client, KilledWorker, Status, get_worker
 
 from quickreturn.cases.jobs.isolation import isolated
 from quickreturn.cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
@@ -33,13 +30,13 @@ def cluster(address: str, limits: Limits | None = None, quiet: bool = True) -> "
     Raises:
         ExecutorError: there is no such scheduler, no worker, or one with other code or versions than this machine.
     """
-    place = f"cluster {address}"
     try:
-        with ThreadPoolExecutor(1) as elsewhere:  # a notebook's own thread runs a loop of events already
-            elsewhere.submit(asyncio.run, _answers(address)).result()
+        if not address:  # the client would look for one elsewhere
+            raise ValueError("missing port number in address ''")
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise ExecutorError(f"{place}: no scheduler answers there ({first_line(error)}); start one with `dask scheduler`") from error
-    client = Client(address, timeout=PATIENCE, set_as_default=False)
+        told = f"cluster {address}: no scheduler answers there ({first_line(error)}); start one with `dask scheduler`"
+        raise ExecutorError(told) from error
     try:
         _check(client, address)
     except BaseException:
@@ -74,12 +71,6 @@ class Cluster:
 
     def __exit__(self, *_: object) -> None:
         self._client.close()
-
-
-async def _answers(address: str) -> None:
-    """Raise OSError or ValueError if nothing answers at the address: a client without a scheduler would hang when it is closed."""
-    comm = await connect(address, PATIENCE, **Security().get_connection_args("client"))
-    await comm.close()
 
 
 def _check(client: Client, address: str) -> None:

@@ -51,11 +51,25 @@ def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outc
 
 def _shown(tally: Tally, title: str) -> contextlib.AbstractContextManager[Callable[[Outcome[Any]], None]]:
     """The display that suits standard error; the function that it yields is called with every outcome."""
-    if not sys.stderr.isatty():
-        return _in_lines(tally, title)
-    from quickreturn.cases.jobs.live_display import in_place
+    return _in_place(tally, title) if sys.stderr.isatty() else _in_lines(tally, title)
 
-    return in_place(tally, title)
+
+@contextlib.contextmanager
+def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
+    """Display in a terminal: a bar, and below it the jobs at work."""
+    from rich.console import Console, Group
+    from rich.live import Live
+    from rich.progress_bar import ProgressBar
+    from rich.table import Table
+    from rich.text import Text
+
+    def drawn() -> Group:
+        head = Table.grid(padding=(0, 1))
+        head.add_row(title, ProgressBar(total=tally.total, completed=tally.done, width=30), str(tally), tally.elapsed)
+        return Group(head, *(Text(f"  {line}", no_wrap=True, overflow="ellipsis") for line in tally.at_work()))
+
+    with Live(get_renderable=drawn, console=Console(stderr=True), transient=True, refresh_per_second=8):
+        yield lambda outcome: None
 
 
 @contextlib.contextmanager

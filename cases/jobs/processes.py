@@ -3,7 +3,7 @@
 import os
 import threading
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from functools import partial
 
@@ -59,21 +59,6 @@ def _outcome(job: Job[V], future: "Future[Outcome[V]]") -> Outcome[V]:
         raise ExecutorError("the connection to the machines that compute is lost; what they delivered is stored") from error
     except Exception as error:  # of whatever kind the executor raises
         return Outcome(job, failure=f"was lost ({type(error).__name__}: {str(error).partition('. ')[0]})")
-
-
-class Pool:
-    """Computes jobs by any executor of `concurrent.futures`, each job in a process of its own on the machine where that executor works.
-
-    The executor, e.g. a `ProcessPoolExecutor` or one of a cluster, stays open. Other arguments are those of `cases.jobs.job.Executor`.
-    """
-
-    def __init__(self, executor: Executor, at_once: int = 1, limits: Limits | None = None, quiet: bool = True) -> None:
-        self.at_once, self.limits, self.quiet = at_once, limits or default_limits(), quiet
-        self.submit = partial(executor.submit, isolated, limits=self.limits)
-
-    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
-        """See `cases.jobs.job.Executor`; `watch` is not called, because the executor does not report the start of a job."""
-        yield from computed(self.submit, jobs)
 
 
 class LocalProcesses:

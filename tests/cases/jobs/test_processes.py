@@ -8,7 +8,8 @@ import os
 import signal
 import threading
 import time
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ import pytest
 
 from quickreturn.cases.jobs.isolation import end_waiting, isolated
 from quickreturn.cases.jobs.job import Job, Limits, Outcome
-from quickreturn.cases.jobs.processes import LocalProcesses, Pool, computed
+from quickreturn.cases.jobs.processes import LocalProcesses, computed
 from tests.cases.jobs.jobs import GIB, done, gone
 
 
@@ -112,20 +113,17 @@ def test_brief_jobs_wait_for_the_first_of_their_kind(tmp_path: Path, monkeypatch
 def test_any_executor_of_futures_will_do() -> None:
     with ThreadPoolExecutor(2) as threads:
         jobs = [Job("good", operator.neg, (3,)), Job("dies", os.abort), Job("raises", operator.truediv, (1, 0))]
-        outcomes = {outcome.job.name: outcome for outcome in Pool(threads, 2, Limits(seconds=60.0)).run(jobs)}
+        submit = partial(threads.submit, isolated, limits=Limits(seconds=60.0))
+        outcomes = {outcome.job.name: outcome for outcome in computed(submit, jobs)}
     assert (outcomes["good"].value, outcomes["dies"].failure) == (-3, "killed by SIGABRT")
     assert isinstance(outcomes["raises"].error, ZeroDivisionError)
     assert all(outcomes[job.name].job is job for job in jobs)
 
 
 def test_what_the_executor_loses_is_named() -> None:
-    class Loses(Executor):
-        def submit(self, *_: Any, **__: Any) -> "Future[Any]":  # type: ignore[override]
-            future: Future[Any] = Future()
-            future.set_exception(RuntimeError("the machine burned down"))
-            return future
-
-    (outcome,) = Pool(Loses()).run([Job("job", len, ((),))])
+    future: Future[Outcome[Any]] = Future()
+    future.set_exception(RuntimeError("the machine burned down"))
+    (outcome,) = computed(lambda _: future, [Job("job", len, ((),))])
     assert (outcome.failure, outcome.error) == ("was lost (RuntimeError: the machine burned down)", None)
 
 
