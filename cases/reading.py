@@ -11,7 +11,8 @@ from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, attempted, together
 from quickreturn.cases.keys import PATHS, SECTIONS, Written, dimension_of, value_at
 from quickreturn.cases.units import QuantityError
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, Scene
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import MissingQuantity, Value, misfits_of_keys, replaced_by, scene_of
 
 _MOST_STEPS: Final = 2_000_000  # output steps: a table of a gigabyte

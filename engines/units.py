@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from quickreturn.engines.start import Field, Start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Mechanism, Scene, Slider
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.quantities import quantities_of
 from quickreturn.reference_model.scene_values import Changes, changed
+from quickreturn.reference_model.slider import Slider
 
 Array = NDArray[np.float64]
 _Scene = TypeVar("_Scene", bound=Scene)

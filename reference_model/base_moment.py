@@ -7,9 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.reference_model.mechanism import Mechanism, Slider
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import compliance_beyond
 from quickreturn.reference_model.rigid import crank_pace, pivot_torque, rigid_motion, static_deflection
+from quickreturn.reference_model.slider import Slider
 
 #: Angle by which the base turns too little without the shape, over the static deflection per length, above which it is used. A machine with
 #: 500 times as much has an error of 2e-2 in the deflection with four modes (`engines/LADDERS.md`, section 1).

@@ -28,3 +28,21 @@ class ToldError(Exception):
     def sentences(self) -> list[str]:
         """What the program prints: one sentence for each mistake."""
         return [f"{self.option} {self}".lstrip()]
+
+
+class ImpossibleMechanism(ToldError, ValueError):
+    """The parts do not fit together.
+
+    Attributes:
+        key: the quantity at fault, as `part.quantity`.
+        problem: a clause that follows the quantity's key and value.
+        accepted: what is accepted instead; may be empty.
+        others: quantities that may be at fault as well.
+    """
+
+    def __init__(self, key: str, problem: str, accepted: str = "", others: tuple[str, ...] = ()) -> None:
+        super().__init__(f"{key} {problem}" + (f"; {accepted}" if accepted else ""))
+        self.key = key
+        self.problem = problem
+        self.accepted = accepted
+        self.others = others

@@ -6,7 +6,7 @@ The functions are plain arithmetic: each model compiles them, or calls them as t
 import math
 from dataclasses import dataclass
 
-from quickreturn.reference_model.mechanism import Slider
+from quickreturn.reference_model.slider import Slider
 
 
 @dataclass(frozen=True, kw_only=True)

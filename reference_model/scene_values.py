@@ -4,22 +4,22 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final, TypeVar, cast
 
+from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import (
     Base,
     Crank,
     Follower,
     FollowerAlone,
-    ImpossibleMechanism,
     Material,
     Mechanism,
     PrescribedSpeed,
     Scene,
-    Slider,
     SpinUp,
     Tip,
     TorqueDrive,
 )
 from quickreturn.reference_model.quantities import Quantity, quantities_of
+from quickreturn.reference_model.slider import Slider
 
 Value = float | tuple[float, ...]
 #: Section -> key -> SI value.

@@ -13,8 +13,9 @@ from quickreturn.cases.measures.time_scale import TURN, time_scale
 from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
 from quickreturn.reference_model.columns import BENDING, COLUMNS
 from quickreturn.reference_model.joint import rollers
-from quickreturn.reference_model.mechanism import Mechanism, Slider, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.tip_force import WHOLE
 
 #: Largest number of letters in a line of prose.

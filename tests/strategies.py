@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Slider, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.slider import Slider
 
 Array = NDArray[np.float64]
 Drive = Literal["torque", "prescribed", "any"]

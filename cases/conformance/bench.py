@@ -24,7 +24,8 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism, Scene
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import AnyScene
 
 T = TypeVar("T")

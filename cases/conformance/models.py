@@ -15,7 +15,8 @@ from quickreturn.cases.mistakes import Finding
 from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import Crank, ImpossibleMechanism, Scene, TorqueDrive
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import Crank, Scene, TorqueDrive
 from quickreturn.reference_model.scene_values import value_at
 
 #: Factor by which a quantity is changed to see its effect, which is then proportional; and that of the inertias of base and tip, which are

@@ -19,7 +19,8 @@ from quickreturn.cases.mistakes import share_of
 from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, PrescribedSpeed, Scene
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene
 from quickreturn.reference_model.scene_values import OF_TORQUE, changed
 
 #: Part of the effect below which a quantity counts as without effect.

@@ -9,7 +9,8 @@ from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_b
 from quickreturn.cases.conformance.motion import MistakesInMildScene, findings
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed
 
 #: Duration of the motion, s: three quarters of a turn.

@@ -18,7 +18,8 @@ from quickreturn.cases.reading import changes_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.engines.registry import engine, engine_names
-from quickreturn.reference_model.mechanism import ImpossibleMechanism, Mechanism
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import Changes, Value
 
 #: Key of an axis whose values are engines.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.joint import joint_energy, joint_force, rollers
-from quickreturn.reference_model.mechanism import Slider
+from quickreturn.reference_model.slider import Slider
 
 Array = NDArray[np.float64]
 

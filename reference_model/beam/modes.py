@@ -13,8 +13,9 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.mechanism import Mechanism, Slider
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import modes_and_base_shape, supported_modes
+from quickreturn.reference_model.slider import Slider
 
 Array = NDArray[np.float64]
 

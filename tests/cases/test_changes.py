@@ -25,8 +25,9 @@ from quickreturn.cases.uncertainty.propagation import planned
 from quickreturn.cases.units import DIMENSIONS
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
-from quickreturn.reference_model.mechanism import Mechanism, Slider
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import values_of
+from quickreturn.reference_model.slider import Slider
 from tests.cases.scene_texts import SCENE
 
 _STIFFNESS, _MASS = 'bending_stiffness = "2128.22 lbf*in^2"', 'mass_per_length = "4.75987e-5 lbf*s^2/in^2"'

@@ -16,9 +16,10 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.columns import MOMENTS
-from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, Tip
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Tip
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 

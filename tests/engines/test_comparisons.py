@@ -13,7 +13,7 @@ from quickreturn.engines.own.staying_shapes import ShapeSettings
 from quickreturn.engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringSettings
 from quickreturn.engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
-from quickreturn.reference_model.mechanism import Slider
+from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 
 numbers = st.integers(1, 64)

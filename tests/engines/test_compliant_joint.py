@@ -20,8 +20,9 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.slider import Slider
 from tests.engines.energy import imbalance
 from tests.engines.exudyn.runs import bent_start
 from tests.engines.scenes import INCH, run_24

@@ -13,16 +13,9 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import (
-    LEAST_STUB,
-    Base,
-    Crank,
-    Follower,
-    ImpossibleMechanism,
-    Mechanism,
-    PrescribedSpeed,
-    Slider,
-)
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import LEAST_STUB, Base, Crank, Follower, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 
 FOLLOWER = 0.3  # m

@@ -17,7 +17,8 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.columns import BEARINGS, BENDING, ENDS, MOMENTS, PLACES, SHAPE
-from quickreturn.reference_model.mechanism import Follower, FollowerAlone, Mechanism, PrescribedSpeed, Scene, Slider
+from quickreturn.reference_model.mechanism import Follower, FollowerAlone, Mechanism, PrescribedSpeed, Scene
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.tip_force import tip_force
 from tests.engines.scenes import run_24
 from tests.reference_model.rigid_loads import rigid_bearing_forces

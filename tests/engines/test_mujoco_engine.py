@@ -20,7 +20,8 @@ from quickreturn.engines.mujoco.settings import LADDER, ChainSettings
 from quickreturn.engines.mujoco.simulation import _context
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import INCH, run_24
 
 ENGINE = MujocoEngine()

@@ -20,7 +20,8 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Crank, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.reference_model.mechanism import Crank, Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.slider import Slider
 from tests.engines.energy import from_nowhere
 from tests.engines.scenes import run_24
 

@@ -17,10 +17,11 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, Slider
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.scene_values import changed
+from quickreturn.reference_model.slider import Slider
 from tests.engines.energy import imbalance
 from tests.engines.scenes import run_24
 

@@ -11,7 +11,8 @@ from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.registry import MAIN, RIVALS, engine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.columns import BENDING, ENDS
-from quickreturn.reference_model.mechanism import FollowerAlone, ImpossibleMechanism, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed
 from quickreturn.reference_model.tip_force import share_of_force
 from tests.engines.energy import from_nowhere
 from tests.engines.scenes import run_24

@@ -13,7 +13,8 @@ from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Slider
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.slider import Slider
 from quickreturn.witness.engine import DerivedEngine, DerivedSettings
 from tests.engines.scenes import run_24
 

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.joint import Rollers
-from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, Mechanism, PrescribedSpeed, Slider, SpinUp, Tip
+from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, Mechanism, PrescribedSpeed, SpinUp, Tip
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
 from tests.engines.scenes import INCH, run_24
 

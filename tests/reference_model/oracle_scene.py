@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, recorded_columns
 from quickreturn.reference_model.compiled_state import state_of
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, ImpossibleMechanism, Mechanism, Slider, Tip, TorqueDrive
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.thesis import equations as thesis_equations
 from quickreturn.reference_model.thesis import kinematics
 from quickreturn.reference_model.thesis.dynamics import evaluate

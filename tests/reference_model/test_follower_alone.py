@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from quickreturn.reference_model.entries import KERNEL
-from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, ImpossibleMechanism, SpinUp, Tip
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, SpinUp, Tip
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.shapes import hermite_elements

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.columns import BENDING, MOMENTS, PLACES
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip_force import tip_force
 from tests.engines.scenes import run_24

@@ -15,8 +15,9 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.integration import REACHED_END
 from quickreturn.reference_model.joint import Rollers, joint_energy, joint_force, rollers
-from quickreturn.reference_model.mechanism import CONTACT_STIFFNESS, Mechanism, PrescribedSpeed, Slider
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.slider import CONTACT_STIFFNESS, Slider
 from quickreturn.reference_model.slider_constraint import ROLLERS, SliderConstraint
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import Array

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from quickreturn.reference_model.mechanism import Base, Mechanism, Slider
+from quickreturn.reference_model.mechanism import Base, Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, supported_modes
+from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import INCH, run_24
 from tests.verification.ladder.overhung_beam import determinant
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.rigid import mean_crank_speed, rigid_kinetostatics, rigid_motion
+from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 from tests.reference_model import beam_runs
 from tests.reference_model.beam_runs import Array, run, staying

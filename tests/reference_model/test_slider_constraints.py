@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.joint import Rollers
-from quickreturn.reference_model.mechanism import Slider
 from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
 from quickreturn.reference_model.thesis.frequencies import shape_frequencies
 from tests.engines.scenes import run_24

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.mechanism import PrescribedSpeed, Slider
+from quickreturn.reference_model.mechanism import PrescribedSpeed
+from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import balance, follower_energy, run
 from tests.reference_model.thesis_runs import period, thesis, undriven

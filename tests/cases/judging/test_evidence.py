@@ -13,7 +13,8 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Mechanism, Slider
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.slider import Slider
 from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation, error_of
 
 SCENE = TrialScene(mechanism=load_case("thesis-24").mechanism, duration=10.0, output_step=0.1, horizon=10.0)

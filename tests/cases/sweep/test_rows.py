@@ -14,9 +14,10 @@ from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.rows import LEFT, MeasureRequest, row
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Slider
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.scene_values import changed
+from quickreturn.reference_model.slider import Slider
 from tests.reference_model.multipliers import floquet_multipliers
 
 RPM = math.pi / 30.0

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.reference_model.mechanism import Slider
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reports.page.view import _scene
 from tests.engines.scenes import run_24
 

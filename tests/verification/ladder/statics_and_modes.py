@@ -25,7 +25,8 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Follower, Mechanism, PrescribedSpeed, Slider, TorqueDrive
+from quickreturn.reference_model.mechanism import Follower, Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.slider import Slider
 from tests.verification.ladder.overhung_beam import Mode, Sag, cubic_frequencies, cubic_sag, natural_modes, sag
 from tests.verification.ladder.rigid_loop import RigidLoop, rigid_loop
 from tests.verification.row import Row, smoothed
