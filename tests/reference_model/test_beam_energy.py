@@ -11,7 +11,7 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 from tests.reference_model.beam_runs import balance, follower_energy, run, with_fine_tables
-from tests.reference_model.thesis_runs import period, undriven
+from tests.reference_model.thesis.thesis_runs import period, undriven
 
 EVERYTHING = run_24(
     gravity=(2.0, -9.81),

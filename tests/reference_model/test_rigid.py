@@ -14,7 +14,7 @@ from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 from tests.reference_model import beam_runs
 from tests.reference_model.beam_runs import Array, run, staying
-from tests.reference_model.thesis_runs import error, rigid, thesis
+from tests.reference_model.thesis.thesis_runs import error, rigid, thesis
 
 STIFF = {"bending_stiffness": math.inf}
 

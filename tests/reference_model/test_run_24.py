@@ -11,7 +11,7 @@ from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
 from tests.reference_model import beam_runs
 from tests.reference_model.beam_runs import Array, run, staying
-from tests.reference_model.thesis_runs import error, thesis
+from tests.reference_model.thesis.thesis_runs import error, thesis
 
 
 @pytest.fixture(scope="module")

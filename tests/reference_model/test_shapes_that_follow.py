@@ -17,7 +17,7 @@ from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.beam_runs import Array, fine_family, places_of, run, with_fine_tables
 from tests.reference_model.beam_states import ALONE, elements_of, modes_of
-from tests.reference_model.thesis_runs import error
+from tests.reference_model.thesis.thesis_runs import error
 
 LONG_CRANK = run_24(crank={"length": 5.0 * INCH}, tip={"center_of_mass": 0.0127})
 FRACTIONS = np.array([0.0, 0.2, 0.55, 0.9, 1.0])

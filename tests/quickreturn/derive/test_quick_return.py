@@ -17,7 +17,7 @@ from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24
 from tests.quickreturn.derive.descriptions import described
 from tests.reference_model.beam_states import EVERYTHING, rates
-from tests.reference_model.oracle_scene import draw_case, mechanism_of
+from tests.reference_model.thesis.oracle_scene import draw_case, mechanism_of
 
 DESCRIBED = described("quick_return")
 #: Rounding in systems of condition up to 1e4.

@@ -11,8 +11,8 @@ from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis import dynamics, equations, kinematics, observables
 from quickreturn.reference_model.thesis.parameters import ThesisParameters, build_parameters
-from tests.reference_model.mutation import Hunt, Source, plain
-from tests.reference_model.oracle_scene import (
+from tests.reference_model.mutation.mutation import Hunt, Source, plain
+from tests.reference_model.thesis.oracle_scene import (
     Array,
     Equations,
     Values,

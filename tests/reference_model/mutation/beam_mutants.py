@@ -34,7 +34,7 @@ from tests.reference_model.beam_states import (
 )
 from tests.reference_model.by_hand import by_hand, sizes
 from tests.reference_model.derived_beam import DerivedBeam, State
-from tests.reference_model.mutation import Hunt, Source, plain
+from tests.reference_model.mutation.mutation import Hunt, Source, plain
 
 Array = NDArray[np.float64]
 Functions = Mapping[str, Any]

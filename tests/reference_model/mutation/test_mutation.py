@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.reference_model.mutants import HUNTS
-from tests.reference_model.mutation import Hunt, original
+from tests.reference_model.mutation.mutants import HUNTS
+from tests.reference_model.mutation.mutation import Hunt, original
 
 #: The quick tests take one site in so many.
 APART = 8

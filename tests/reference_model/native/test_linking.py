@@ -36,7 +36,7 @@ def own(x, n, z):
     return max(x ** n, x ** 2, 1.0) + int(x) + abs(z / (1j + z) * z ** 2)
 own(2.0, 3, 1j)
 """
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def total(x, y):

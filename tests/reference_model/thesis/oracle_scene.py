@@ -28,8 +28,8 @@ from quickreturn.reference_model.thesis.parameters import (
     state_size,
     workspace_at,
 )
-from tests.reference_model.derived_thesis import of_shapes, one_cubic
 from tests.reference_model.random_states import random_case
+from tests.reference_model.thesis.derived_thesis import of_shapes, one_cubic
 
 Array = NDArray[np.float64]
 Values = dict[str, Array]

@@ -9,7 +9,7 @@ import pytest
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.shapes import hermite_elements
 from quickreturn.reference_model.thesis.parameters import UnsuitableShapes, build_parameters, build_workspace
-from tests.reference_model.oracle_scene import (
+from tests.reference_model.thesis.oracle_scene import (
     ABSENT,
     COMPILED,
     build,

@@ -1,9 +1,9 @@
-"""Changes of the hand-derived equations that the computer's derivation notices: `python -m tests.reference_model.mutants`."""
+"""Changes of the hand-derived equations that the computer's derivation notices: `python -m tests.reference_model.mutation.mutants`."""
 
 from typing import Final
 
-from tests.reference_model import beam_mutants, joint_mutants, thesis_mutants
-from tests.reference_model.mutation import Hunt
+from tests.reference_model.mutation import beam_mutants, joint_mutants, thesis_mutants
+from tests.reference_model.mutation.mutation import Hunt
 
 HUNTS: Final[dict[str, Hunt]] = {"beam": beam_mutants.HUNT, "joint": joint_mutants.HUNT, "thesis": thesis_mutants.HUNT}
 
