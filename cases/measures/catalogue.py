@@ -19,7 +19,7 @@ from quickreturn.cases.loads.peak import of_vector
 from quickreturn.cases.loads.stress import ArmStress, arm_stress
 from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
-from quickreturn.cases.measures.number import NO_NUMBER, Number, or_nan
+from quickreturn.cases.measures.number import NO_NUMBER, Number
 from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, Shown, rms_over_time
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import NUMBER, TIME
@@ -183,14 +183,15 @@ def _left(motion: SettledMotion) -> float:
 
 def _consensus(half: str, motion: SettledMotion) -> Number:
     consensus = motion.run.consensus_of(half)
-    if consensus is None or consensus.first_mode_frequency is None:
-        return NO_NUMBER
-    return Number(consensus.first_mode_frequency, consensus.first_mode_frequency_estimate, FITTED * or_nan(consensus.uncertainty))
+    return _fitted(None if consensus is None else consensus.number)
 
 
 def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) -> Number:
     measure = motion.run.measure(half, channel)
-    number = None if measure is None else measure.number(quantity)
+    return _fitted(None if measure is None else measure.number(quantity))
+
+
+def _fitted(number: Number | None) -> Number:
     return NO_NUMBER if number is None else replace(number, measurement=FITTED * number.measurement)
 
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quickreturn.cases.measures.number import Number, or_nan
+
 #: Correlation of the errors of two channels in a half: they share the path of the frequency and much of the slow part. Measured 0.66 in the
 #: thesis' steady states, 0.4 in those of random scenes, 0.2 on synthetic halves whose path is the mechanism's own and 0.6 to 0.8 where it
 #: drifts.
@@ -19,6 +21,12 @@ class Consensus:
     first_mode_frequency: float | None  # Hz
     uncertainty: float | None  # Hz, one standard deviation
     first_mode_frequency_estimate: float | None = None  # an engine's estimate of its error, Hz; None if there is none
+
+    @property
+    def number(self) -> Number | None:
+        """The frequency with its claims; None where it is not resolvable."""
+        frequency = self.first_mode_frequency
+        return None if frequency is None else Number(frequency, self.first_mode_frequency_estimate, or_nan(self.uncertainty))
 
 
 def consensus(half: str, frequencies: Sequence[float], uncertainties: Sequence[float]) -> Consensus:

@@ -312,10 +312,8 @@ def number_of(run: Run, quantity: str, half: str, channel: str) -> Number | None
 
 
 def _consensus(run: Run, half: str, channels: Sequence[str]) -> Number | None:
-    consensus = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))])
-    if consensus.first_mode_frequency is None:
-        return None
-    return Number(consensus.first_mode_frequency, mean_estimate(run.measures, half, channels), or_nan(consensus.uncertainty))
+    number = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))]).number
+    return None if number is None else replace(number, estimate=mean_estimate(run.measures, half, channels))
 
 
 def _relative_estimates(run: Run, half: str) -> Iterator[float]:

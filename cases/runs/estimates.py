@@ -17,6 +17,7 @@ For cycles that repeat in statistics only, means are compared: of the measures, 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -115,13 +116,13 @@ def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dic
         return {}
     delivered = compared[0].run
     moves = delivered.rms.get(MOTION, 0.0)
-    relative = _total(compared, MOTION, _rms_apart) / moves if moves > 0.0 else 0.0
-    estimates = {TIME: {"change": _total(compared, TIME, _change_apart)}}
+    relative = _total(compared, partial(_rms_apart, MOTION)) / moves if moves > 0.0 else 0.0
+    estimates = {TIME: {"change": _total(compared, partial(_apart, "change", TIME))}}
     for name in delivered.rms:
         at_least = 2.0 * relative * abs(delivered.change[name])
         estimates[name] = {
-            "change": _total(compared, name, _change_apart) + at_least,
-            "rms": _total(compared, name, _difference_of_rms) + ASIDE * _total(compared, name, _rms_apart),
+            "change": _total(compared, partial(_apart, "change", name)) + at_least,
+            "rms": _total(compared, partial(_apart, "rms", name)) + ASIDE * _total(compared, partial(_rms_apart, name)),
         }
     return estimates | {each.name: {NUMBER: _of_number(compared, each)} for each in OF_TURN if each.name in delivered.numbers}
 
@@ -129,28 +130,21 @@ def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dic
 def _of_number(compared: Sequence[Compared[MeasuredCycle]], measure: OfTurn) -> float:
     """Estimate of the error of a number; at least its size times `ASIDE` of the largest relative difference of its columns."""
     rms, value = compared[0].run.rms, compared[0].run.numbers[measure.name]
-    apart = [_total(compared, name, _rms_apart) / rms[name] for name in measure.columns if rms.get(name, 0.0) > 0.0]
-    return _total(compared, measure.name, _number_apart) + ASIDE * max(apart, default=0.0) * abs(value)
+    apart = [_total(compared, partial(_rms_apart, name)) / rms[name] for name in measure.columns if rms.get(name, 0.0) > 0.0]
+    return _total(compared, partial(_apart, "numbers", measure.name)) + ASIDE * max(apart, default=0.0) * abs(value)
 
 
-def _total(compared: Sequence[Compared[MeasuredCycle]], name: str, apart: Callable[[MeasuredCycle, MeasuredCycle, str], float]) -> float:
-    """The sum of the parts of an error that the compared runs show in a column."""
-    return sum(runs.part(lambda one, other: apart(one, other, name)).error for runs in compared)
+def _total(compared: Sequence[Compared[MeasuredCycle]], apart: Callable[[MeasuredCycle, MeasuredCycle], float]) -> float:
+    """The sum of the parts of an error that the compared runs show."""
+    return sum(runs.part(apart).error for runs in compared)
 
 
-def _change_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
-    return abs(one.change[name] - other.change[name])
+def _apart(of: str, name: str, one: MeasuredCycle, other: MeasuredCycle) -> float:
+    """Difference of two cycles in one of their numbers: `rms`, `change` or `numbers`."""
+    return abs(float(getattr(one, of)[name] - getattr(other, of)[name]))
 
 
-def _number_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
-    return abs(one.numbers[name] - other.numbers[name])
-
-
-def _difference_of_rms(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
-    return abs(one.rms[name] - other.rms[name])
-
-
-def _rms_apart(one: MeasuredCycle, other: MeasuredCycle, name: str) -> float:
+def _rms_apart(name: str, one: MeasuredCycle, other: MeasuredCycle) -> float:
     """RMS difference of a column at equal crank angles."""
     halves = [one.signals[half, name].mean(axis=0) - other.signals[half, name].mean(axis=0) for half in ("pre", "post")]
     return float(np.sqrt(np.mean(np.concatenate(halves) ** 2)))

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from quickreturn.cases.measures.cycle import EXTREMES, HALVES
+from quickreturn.cases.measures.cycle import EXTREMES, HALVES, VIBRATION
+from quickreturn.cases.measures.number import Number
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, REFERENCE, CaseResult, pair_of
 from quickreturn.cases.runs.endings import Ending
@@ -126,30 +127,25 @@ def _peak_cells(run: Run, other: Run | None, channel: str) -> dict[str, Value | 
 
 
 def _frequency_cells(run: Run, other: Run | None, half: str, mark: Mark) -> dict[str, Cell]:
-    key = f"{half}_frequency"
-    if not run.usable:
-        return {key: Cell(None, note=run.status)}
-    consensus = run.consensus_of(half)
-    if consensus is None:
-        measures = [(channel, run.measure(half, channel)) for channel in CHANNELS]
-        reasons = [f"{channel_name(channel)}: {measure.reason if measure else ''}" for channel, measure in measures]
-        return {key: Cell(None, UNRESOLVABLE, "; ".join(reasons), "open")}
+    consensus, measures = run.consensus_of(half), [(channel, run.measure(half, channel)) for channel in CHANNELS]
+    reason = "; ".join(f"{channel_name(channel)}: {measure.reason if measure else ''}" for channel, measure in measures)
     difference = _difference(run, other, CONSENSUS, half, None, mark)
-    return {key: Cell(consensus.first_mode_frequency), f"{key}_uncertainty": Cell(consensus.uncertainty), f"{key}_difference": difference}
+    return _number_cells(f"{half}_frequency", run, consensus.number if consensus else None, reason, difference)
 
 
 def _amplitude_cells(run: Run, other: Run | None, half: str, channel: str) -> dict[str, Cell]:
-    key = f"{half}_{channel}_amplitude"
-    measure = run.measure(half, channel) if run.usable else None
-    if measure is None:
+    measure, amplitude = run.measure(half, channel), VIBRATION[1]
+    number, reason = (None, "") if measure is None else (measure.number(amplitude), measure.reason)
+    return _number_cells(f"{half}_{channel}_amplitude", run, number, reason, _difference(run, other, amplitude, half, channel))
+
+
+def _number_cells(key: str, run: Run, number: Number | None, reason: str, difference: Cell) -> dict[str, Cell]:
+    """A number with its uncertainty and its difference from the reference; or why there is none."""
+    if not run.usable:
         return {key: Cell(None, note=run.status)}
-    if measure.first_mode_amplitude is None:
-        return {key: Cell(None, UNRESOLVABLE, measure.reason, "open")}
-    return {
-        key: Cell(measure.first_mode_amplitude),
-        f"{key}_uncertainty": Cell(measure.first_mode_amplitude_uncertainty),
-        f"{key}_difference": _difference(run, other, "first_mode_amplitude", half, channel),
-    }
+    if number is None:
+        return {key: Cell(None, UNRESOLVABLE, reason, "open")}
+    return {key: Cell(number.value), f"{key}_uncertainty": Cell(number.measurement), f"{key}_difference": difference}
 
 
 def _difference(run: Run, other: Run | None, quantity: str, half: str, channel: str | None, mark: Mark = "") -> Cell:
