@@ -12,6 +12,7 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
+from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.request import Run
@@ -31,8 +32,8 @@ if TYPE_CHECKING:
 
     from quickreturn.reports.drawing.style import Drawing
 
-#: Numbers of a measure, as columns of `CrossValidation.frame`.
-_NUMBERS = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
+#: Numbers of a channel, as columns of `CrossValidation.frame`.
+_NUMBERS = (*VIBRATION, *EXTREMES)
 
 
 class CrossValidation(Shown):
