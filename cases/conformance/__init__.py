@@ -5,8 +5,8 @@ explains the difference: a sign, a unit, an exchanged column, an ignored quantit
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Final
 
 from quickreturn.cases.conformance.alone import alone
 from quickreturn.cases.conformance.bench import Bench, engine_from, truth
@@ -24,7 +24,7 @@ from quickreturn.cases.jobs.job import Executor, Job, Limits, Outcome
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.registry import UnknownEngine
 
-__all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job"]
+__all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job", "trial"]
 
 
 @dataclass(frozen=True)
@@ -75,30 +75,42 @@ def conform(
     """
     name = engine_from(engine).name
     executor = executor or ThisProcess(quiet)
-    if seconds is not None:
-        limits = Limits(2.0 * seconds + _TO_BEGIN, executor.limits.memory)
-        jobs: list[Job[Any]] = [Job(_QUICK_TRIAL, quick_trial, (groups, engine, seconds), limits=limits)]
-        (outcome,) = watched(executor, jobs, f"engine {name}")
-        checks = outcome.value or {_QUICK_TRIAL: _checks_by(_QUICK_TRIAL, outcome)}
-    else:
-        # here, because the process of a job may not start processes
-        other = elsewhere(engine) if "repetition" in groups else NOT_TRIED
-        jobs = [Job(group, checks_of, (group, engine, other)) for group in groups]
-        outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
-        checks = {group: _checks_by(group, outcomes[group]) for group in groups}
+    # here, because the process of a job may not start processes
+    other = elsewhere(engine) if seconds is None and "repetition" in groups else NOT_TRIED
+    parts = {group: (group,) for group in groups} if seconds is None else {_QUICK_TRIAL: groups}
+    limits = None if seconds is None else Limits(2.0 * seconds + _TO_BEGIN, executor.limits.memory)
+    jobs = [Job(part, trial, (part, of_part, engine, other, seconds), limits=limits) for part, of_part in parts.items()]
+    outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}
+    checks = {group: made for part in parts for group, made in _checks_by(part, outcomes[part]).items()}
     return Conformance(name, _verdict(checks), tuple(check for of_group in checks.values() for check in of_group))
 
 
-def quick_trial(groups: tuple[str, ...], engine: AnyEngine | str, seconds: float) -> dict[str, list[Check]]:
-    """The checks of some groups one after the other, the motion first, until the time (s) is over; others are left out."""
-    bench = _bench(engine, seconds)
-    if isinstance(bench, Check):
-        return {_QUICK_TRIAL: [bench]}
-    truth(bench.mild)  # what is compiled and computed once for all engines takes no time of the trial
-    bench.begin()
-    checks = {group: _checks(group, bench, NOT_TRIED) for group in groups if GROUPS[group].quick}
-    left_out = Check("", "not judged", f"{LEFT_OUT}: a quick trial does not make it", NOT_QUICK)
-    return checks | {group: [replace(left_out, check=group)] for group in groups if group not in checks}
+def trial(
+    part: str, groups: tuple[str, ...], engine: AnyEngine | str, other: OtherProcesses = NOT_TRIED, seconds: float | None = None
+) -> dict[str, list[Check]]:
+    """The checks of some groups one after the other.
+
+    Args:
+        part: name of this part of the trial, for a check that says why there are no others.
+        groups: names of the groups.
+        engine: as for `conform`.
+        other: its results in other processes.
+        seconds: limit of wall time, for quick groups alone; checks that do not fit into it are left out. None: no limit.
+    """
+    try:
+        bench = Bench(engine_from(engine), seconds)
+        if seconds is None:
+            bench.expected = sum(_expected(bench, GROUPS[group]) for group in groups)
+    except Refusal as refusal:
+        return {part: [Check(part, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]}
+    except Exception as error:  # an author's engine may raise anything
+        return {part: [raising(part, error)]}
+    if seconds is not None:
+        truth(bench.mild)  # what is compiled and computed once for all engines takes no time of the trial
+        bench.begin()
+    checks = {group: _checks(group, bench, other) for group in groups if seconds is None or GROUPS[group].quick}
+    cause = f"{LEFT_OUT}: a quick trial does not make it"
+    return checks | {group: [Check(group, "not judged", cause, NOT_QUICK)] for group in groups if group not in checks}
 
 
 def _verdict(checks: Mapping[str, list[Check]]) -> bool | None:
@@ -114,24 +126,6 @@ def _verdict(checks: Mapping[str, list[Check]]) -> bool | None:
 def job(engine: str) -> Job[Conformance]:
     """The stored form of `conform` for an installed engine: for this version and code of the engine."""
     return Job(f"conformance of {engine}", conform, (engine,), "conformance", (engine,))
-
-
-def checks_of(group: str, engine: AnyEngine | str, other: OtherProcesses = NOT_TRIED) -> list[Check]:
-    """The checks of one group; engine as for `conform`; `other`: its results in other processes."""
-    bench = _bench(engine, None, group)
-    return [bench] if isinstance(bench, Check) else _checks(group, bench, other)
-
-
-def _bench(engine: AnyEngine | str, seconds: float | None, group: str = _QUICK_TRIAL) -> Bench | Check:
-    """The engine on the scenes of a trial, or a check that says why there is none."""
-    try:
-        bench = Bench(engine_from(engine), seconds)
-        bench.expected = _expected(bench, GROUPS[group]) if group in GROUPS else 0
-    except Refusal as refusal:
-        return Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)
-    except Exception as error:  # an author's engine may raise anything
-        return raising(group, error)
-    return bench
 
 
 def _checks(group: str, bench: Bench, other: OtherProcesses) -> list[Check]:
@@ -157,10 +151,10 @@ def _expected(bench: Bench, group: Group) -> int:
     return plain + estimated * len(others)
 
 
-def _checks_by(group: str, outcome: Outcome[Any]) -> list[Check]:
-    """The checks of a group from its process, or one on how the process ended. UnknownEngine, Refusal: the engine cannot be used."""
+def _checks_by(part: str, outcome: Outcome[dict[str, list[Check]]]) -> dict[str, list[Check]]:
+    """The checks of a part from its process, or one on how the process ended. UnknownEngine, Refusal: the engine cannot be used."""
     if isinstance(outcome.error, (Refusal, UnknownEngine)):
         raise outcome.error
     if outcome.failure.startswith(STOPPED):
-        return [Check(group, "not judged", f"{LEFT_OUT}: it was {outcome.failure}", NOT_QUICK)]
-    return outcome.value or [Check(group, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]
+        return {part: [Check(part, "not judged", f"{LEFT_OUT}: it was {outcome.failure}", NOT_QUICK)]}
+    return outcome.value or {part: [Check(part, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]}

@@ -9,7 +9,7 @@ from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compare
 from quickreturn.cases.conformance.checks import Check, Fault, check_by, some
 from quickreturn.cases.conformance.models import acts_as_if
 from quickreturn.cases.conformance.motion import findings
-from quickreturn.cases.conformance.quantities import followed
+from quickreturn.cases.conformance.quantities import followed, tell_of_rows
 from quickreturn.cases.conformance.scenes import BASE, Change
 from quickreturn.cases.mistakes import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
@@ -75,9 +75,7 @@ def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
     run, right, off = bench.run(motion), truth(motion).columns, bench.errors(motion)
     if not wrong:
         return f"{len(off)} columns, the worst off by {share_of(max(off.values()))}"
-    if all(finding.explained for finding in wrong.values()):
-        told.update(wrong)
-        raise Fault("; ".join(finding.cause for finding in list(wrong.values())[:3]), next(iter(wrong.values())).advice)
+    tell_of_rows(wrong, told, len(wrong))
     moves = {name: run[name] for name in compared_columns(run, DECISIVE, right) if name not in told}
     if model := acts_as_if(motion, moves, bench.tolerances(motion)):
         raise Fault(model.finding.cause, model.finding.advice)

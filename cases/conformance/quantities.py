@@ -1,11 +1,14 @@
-"""Every quantity of the scene changed in turn, and all at once: the engine follows as `reference` does, or refuses."""
+"""Every quantity of the scene changed in turn, and all at once: the engine follows as `reference` does, or refuses.
+
+All at once, because quantities that are right one by one may be wrong in pairs.
+"""
 
 import contextlib
 import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -13,14 +16,13 @@ from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compare
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by, some
 from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, known_mistakes
 from quickreturn.cases.conformance.scenes import CHANGES, Change
-from quickreturn.cases.conformance.together import together
 from quickreturn.cases.explanation import UNEXPLAINED, Hypothesis, explain
-from quickreturn.cases.mistakes import share_of
+from quickreturn.cases.mistakes import Finding, share_of
 from quickreturn.cases.variation import Variation
-from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.errors import ImpossibleMechanism
-from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene
 from quickreturn.reference_model.scene_values import OF_TORQUE, changed
 
 #: Part of the effect below which a quantity counts as without effect.
@@ -36,6 +38,35 @@ _RIGID: Final = ("crank_angle", "crank_speed", "follower_angle", "slider_positio
 #: Part of the quantities above which, if so many are ignored, the whole scene counts as ignored.
 _MOST: Final = 0.6
 _IGNORED: Final = "is ignored in silence: another value changes nothing"
+#: Duration of the motion, s: three quarters of a turn.
+_TOGETHER: Final = 0.4
+#: Output step, s: an engine may integrate powers over its rows, and the pivot's damper slows the light base at a rate of 1 over 0.6 ms.
+_FINE_ROWS: Final = 5e-4
+#: Optional features of a scene: name -> values. Each is added if the engine accepts it.
+PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "crank.initial_angle": {"crank.initial_angle": 2.3},
+    "mechanism.gravity": {"mechanism.gravity": (5.0, -7.0)},
+    "base.damping": {"base.damping": 0.03},
+    "follower.damping": {"follower.damping": 2.0},
+    "tip.center_of_mass": {"tip.center_of_mass": 0.06, "tip.inertia": 4e-4},
+    "tip.force": {"tip.force": (-1.0, 1.5), "tip.force_from": 3.3, "tip.force_to": 5.3},
+    "slider.mass": {"slider.mass": 0.3},
+    "slider.inertia": {"slider.inertia": 1e-3},
+    "slider.joint_stiffness": {"slider.joint_stiffness": 2e4},
+    "slider.joint_damping": {"slider.joint_damping": 40.0},
+    "slider.joint_stiffness_minus": {
+        "slider.joint_stiffness": math.inf, "slider.joint_stiffness_plus": 2e4, "slider.joint_stiffness_minus": 8e3
+    },
+    "slider.preload": {"slider.preload": 1.0},
+    "slider.contact_damping": {"slider.contact_damping": 2.0},
+    "slider.friction": {"slider.friction": 0.2, "slider.friction_speed": 0.1},
+    "slider.friction_force": {"slider.friction_force": 0.5, "slider.friction_speed": 0.1},
+    "base.friction_torque": {"base.friction_torque": 0.03},
+    "follower.material_damping": {"follower.material_damping": 1e-3},
+}  # fmt: skip
+#: Largest part of an error that remains if a quantity that causes it is left out of the scene.
+_VANISHES: Final = 0.3
+_NAME: Final = "quantities together"
 
 
 def quantities(bench: Bench) -> Iterator[Check]:
@@ -46,15 +77,15 @@ def quantities(bench: Bench) -> Iterator[Check]:
         yield Check("quantities", "not judged", "there is no trajectory in the mild scene", "mend that first")
         return
     if bench.seconds is not None:
-        yield from together(bench, wrong)
-        yield from _each(bench, wrong)
-        return
+        yield _together(bench, wrong)
     checks = list(_each(bench, wrong))
     yield from checks
+    if bench.seconds is not None:
+        return
     if any(check.status == "failed" for check in checks):
-        yield Check("quantities together", "not judged", "one by one they are not followed", "mend those first")
+        yield Check(_NAME, "not judged", "one by one they are not followed", "mend those first")
     else:
-        yield from together(bench, wrong)
+        yield _together(bench, wrong)
 
 
 def _each(bench: Bench, wrong: MistakesInMildScene) -> Iterator[Check]:
@@ -111,7 +142,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
     if worst is None and left <= _APART and _HALF_TO_DOUBLE[0] <= share <= _HALF_TO_DOUBLE[1]:
         return f"coarse: its effect is {share:.2g} times that in reference" if left > 0.1 else ""
     if worst and not wrong:
-        _tell_of_rows(bench, after, told)
+        tell_of_rows(findings(bench, after, told), told)
     if acts_as is not None and effect.left(given, (before, after), acts_as) <= UNEXPLAINED:
         return f"it is followed beside the mistake in the mild scene, {acts_as.name}"
     if mistake := _mistake(change, context, given, right, effect, worst, None if worst is None or wrong else share):
@@ -148,12 +179,11 @@ class _Effects:
         return math.inf
 
 
-def _tell_of_rows(bench: Bench, after: Motion, told: set[str]) -> None:
-    """Fault if only one or two columns are wrong with the change: then their rows are wrong, not the quantity."""
-    wrong = findings(bench, after, told)
-    if 0 < len(wrong) <= 2 and all(finding.explained for finding in wrong.values()):
+def tell_of_rows(wrong: Mapping[str, Finding], told: set[str], most: int = 2) -> None:
+    """Fault if at most so many columns are wrong, each by a mistake of its own: their rows are wrong. Their names are added to `told`."""
+    if 0 < len(wrong) <= most and all(finding.explained for finding in wrong.values()):
         told.update(wrong)
-        raise Fault("; ".join(finding.cause for finding in wrong.values()), next(iter(wrong.values())).advice)
+        raise Fault("; ".join(finding.cause for finding in list(wrong.values())[:3]), next(iter(wrong.values())).advice)
 
 
 def _worst(bench: Bench, motions: Sequence[Motion], names: Sequence[str]) -> str | None:
@@ -193,3 +223,57 @@ def _mistake(
         if explained := explain(shown, due, tried, coarse=among is None):
             return explained.words
     return ""
+
+
+def _together(bench: Bench, wrong: MistakesInMildScene) -> Check:
+    """A check of the scene with everything: its columns, and the quantities that are wrong together."""
+    if wrong.motion:
+        return Check(_NAME, "not judged", "the motion in the mild scene is wrong already", "mend that first")
+    return check_by(_NAME, _look, bench, wrong)
+
+
+def _look(bench: Bench, wrong: MistakesInMildScene) -> str:
+    scene, parts = everything(bench)
+    motion = Motion(scene, _TOGETHER, _FINE_ROWS)
+    try:
+        wrong_columns = findings(bench, motion, wrong.columns)
+    except EngineFailure as failure:
+        raise Fault(f"with {', '.join(parts)} at once the run breaks down: {failure.cause}", failure.advice) from failure
+    if not wrong_columns:
+        return f"{len(parts)} at once: {', '.join(parts)}"
+    tell_of_rows(wrong_columns, set())
+    off = bench.errors(motion)
+    worst = max(wrong_columns, key=lambda name: off[name])
+    told = f"with everything at once {worst} is off by {share_of(off[worst])}"
+    if not (concerned := [name for name in parts if _vanishes_without(bench, name, parts, worst, off[worst])]):
+        raise Fault(f"{told}; no single quantity is to blame ({', '.join(parts)})", "leave out one after the other")
+    names = " and ".join(concerned) if len(concerned) <= 2 else some(concerned)
+    raise Fault(f"{told}; it is not without {names.replace(' and ', ', nor without ')}", f"look where {names} act together")
+
+
+def everything(bench: Bench) -> tuple[Mechanism, list[str]]:
+    """The scene, and its optional features. Raises Unjudged if the engine accepts none."""
+    scene, parts = bench.scene, list[str]()
+    for name in PARTS:
+        try:
+            other = changed(scene, PARTS[name])
+            bench.engine.check(other)
+        except (Refusal, ImpossibleMechanism):  # or a part of a joint that the engine does not have
+            continue
+        scene, parts = other, [*parts, name]
+    if len(parts) < 2:
+        raise Unjudged("the engine accepts nothing beside what the mild scene has")
+    return scene, parts
+
+
+def _vanishes_without(bench: Bench, name: str, parts: list[str], column: str, off: float) -> bool:
+    """Whether a column is right in the scene without one of its parts."""
+    scene = bench.scene
+    try:
+        for other in parts:
+            if other != name:
+                scene = changed(scene, PARTS[other])
+        bench.engine.check(scene)
+        return bench.errors(Motion(scene, _TOGETHER, _FINE_ROWS)).get(column, 0.0) <= _VANISHES * off
+    except (Refusal, EngineFailure, ImpossibleMechanism):  # a damper needs its spring
+        return False

@@ -6,7 +6,7 @@ a mistake.
 
 import dataclasses
 import pickle
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -36,6 +36,9 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "follower": {"follower.bending_stiffness": 9.0, "follower.mass_per_length": 0.5},
 }
 _FIRST: Final = "the mild scene"
+#: Scenes that one process computes one after the other, and those that have a process each; names that are no part's are the mild scene.
+IN_TURN: Final = (_FIRST, "the second time", *PARTS, "behind other scenes")
+ALONE: Final = (_FIRST, "in another process", *PARTS)
 _KEEP: Final = "keep nothing between runs: no class attribute, module variable, random number or clock"
 
 #: Scene -> its columns in a process.
@@ -55,15 +58,15 @@ class OtherProcesses:
 NOT_TRIED: Final = OtherProcesses(reason="not tried")
 
 
-def scenes_in_turn(engine: AnyEngine | str) -> dict[str, dict[str, Array]]:
-    """Columns of the mild scene, of the same again, of each of `PARTS` changed, and of the mild scene after them."""
+def columns_of(engine: AnyEngine | str, names: tuple[str, ...]) -> dict[str, dict[str, Array]]:
+    """Columns of scenes, one after the other in this process: with one of `PARTS` changed, or of the mild scene for any other name."""
     tested = engine_from(engine)
-    return {name: _columns(tested, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
-
-
-def one_scene(engine: AnyEngine | str, name: str) -> dict[str, Array]:
-    """Columns of the scene with one of `PARTS` changed, or of the mild scene for any other name."""
-    return _columns(engine_from(engine), name)
+    bench = Bench(tested)
+    settings, found = bench.settings(bench.scene), dict[str, dict[str, Array]]()
+    for name in names:
+        run = Motion(_scene(bench, name), _DURATION).by(tested, settings)
+        found[name] = {column: run[column] for column in compared_columns(run)}
+    return found
 
 
 def elsewhere(engine: AnyEngine | str) -> OtherProcesses:
@@ -73,26 +76,20 @@ def elsewhere(engine: AnyEngine | str) -> OtherProcesses:
     except Exception as error:  # of whatever kind pickle makes it
         return OtherProcesses(reason=f"pickle raised {type(error).__name__}: {error}")
     if engine_from(engine).compiles:  # compiled and loaded code may differ in the last digits: all processes shall load it
-        answers(LocalProcesses(1), [Job("compiling", one_scene, (engine, _FIRST))], "other processes")
-    names = (_FIRST, "in another process", *PARTS)
-    jobs: list[Job[Any]] = [Job("scenes in turn", scenes_in_turn, (engine,)), *(Job(name, one_scene, (engine, name)) for name in names)]
-    first, *others = answers(LocalProcesses(2), jobs, "other processes")
-    for outcome in (first, *others):
+        answers(LocalProcesses(1), [Job("compiling", columns_of, (engine, (_FIRST,)))], "other processes")
+    jobs = [Job("scenes in turn", columns_of, (engine, IN_TURN)), *(Job(name, columns_of, (engine, (name,))) for name in ALONE)]
+    outcomes = answers(LocalProcesses(2), jobs, "other processes")
+    for outcome in outcomes:
         if outcome.failure.startswith(STOPPED):
             return OtherProcesses(reason=f"{LEFT_OUT}: it was {outcome.failure}")
         if outcome.value is None:
             return OtherProcesses(reason=outcome.explanation)
-    return OtherProcesses(first.value or {}, {name: outcome.value or {} for name, outcome in zip(names, others, strict=True)})
+    in_turn, *alone = (outcome.value or {} for outcome in outcomes)
+    return OtherProcesses(in_turn, {name: columns for of_process in alone for name, columns in of_process.items()})
 
 
 def _scene(bench: Bench, name: str) -> Mechanism:
     return changed(bench.scene, PARTS.get(name, {}))
-
-
-def _columns(engine: AnyEngine, name: str) -> dict[str, Array]:
-    bench = Bench(engine)
-    run = Motion(_scene(bench, name), _DURATION).by(engine, bench.settings(bench.scene))
-    return {column: run[column] for column in compared_columns(run)}
 
 
 def repetition(bench: Bench, other: OtherProcesses) -> Iterator[Check]:
@@ -103,7 +100,7 @@ def repetition(bench: Bench, other: OtherProcesses) -> Iterator[Check]:
     if other.reason:
         # a class that exists in this process alone: its last digits may depend on threads, which its own error covers
         try:
-            in_turn: Results = {name: _columns(bench.engine, name) for name in (_FIRST, "the second time", *PARTS, "behind other scenes")}
+            in_turn: Results = columns_of(bench.engine, IN_TURN)
         except EngineFailure as failure:
             yield Check("twice the same", "not judged", failure.cause, failure.advice)
             return
@@ -120,24 +117,23 @@ def repetition(bench: Bench, other: OtherProcesses) -> Iterator[Check]:
 
 
 def _same(bench: Bench, first: Mapping[str, Array], second: Mapping[str, Array], when: str) -> None:
-    """Fault if a column differs by more than rounding, and by more than a small part of the engine's own error."""
-    if _differing(first, second, {}) and (name := _differing(first, second, _errors(bench))):
+    """Fault if a column differs."""
+    if name := _differing(bench, first, second):
         raise Fault(f"{name} comes out another way {when}", _KEEP)
 
 
-def _errors(bench: Bench) -> Mapping[str, float]:
-    """Allowed differences of columns because of the engine's own error, in their units. Computed only if needed, because it takes time."""
-    part = _OF_ERROR[bench.engine.estimates]
-    return {name: part * error for name, error in (bench.estimates(Motion(bench.scene, _DURATION)) or {}).items()}
+def _differing(bench: Bench, first: Mapping[str, Array], second: Mapping[str, Array]) -> str:
+    """The first column that differs by more than rounding, and by more than a small part of the engine's own error; "" if none does."""
 
+    def among(names: Iterable[str], allowed: Mapping[str, float]) -> list[str]:
+        same_length = {name: len(first[name]) == len(second[name]) for name in names}
+        return [name for name, same in same_length.items() if not same or rms(first[name] - second[name]) > allowed.get(name, 0.0)]
 
-def _differing(first: Mapping[str, Array], second: Mapping[str, Array], errors: Mapping[str, float]) -> str:
-    """The first column that differs; "" if none does."""
-    for name, values in first.items():
-        allowed = max(_SAME * (rms(values) + 1e-12), errors.get(name, 0.0))
-        if len(values) != len(second[name]) or rms(values - second[name]) > allowed:
-            return name
-    return ""
+    names = among(first, {name: _SAME * (rms(values) + 1e-12) for name, values in first.items()})
+    if names:  # its own error is computed only if needed, because that takes time
+        part, errors = _OF_ERROR[bench.engine.estimates], bench.estimates(Motion(bench.scene, _DURATION)) or {}
+        names = among(names, {name: part * error for name, error in errors.items()})
+    return names[0] if names else ""
 
 
 def _same_there(bench: Bench, other: OtherProcesses) -> None:
@@ -153,7 +149,7 @@ def _same_there(bench: Bench, other: OtherProcesses) -> None:
 
 def _nothing_kept(bench: Bench, part: str, behind: Mapping[str, Array], fresh: Mapping[str, Array]) -> None:
     """Fault if a scene gives other results after other scenes than in a new process; it names the kept part, if it is a single one."""
-    if not _differing(fresh, behind, {}) or not (name := _differing(fresh, behind, _errors(bench))):
+    if not (name := _differing(bench, fresh, behind)):
         return
     scene = _scene(bench, part)
     names = [column for column in DECISIVE if column in fresh and rms(fresh[column]) > 0.0]

@@ -25,8 +25,8 @@ _ROWS: Final = 120
 _SAME: Final = 0.02
 #: Allowed departure of a column from its own interpolation, as a multiple of the interpolation error.
 _INTERPOLATED: Final = 2.0
-#: Largest number of columns that are reported one by one.
-_ONE_BY_ONE: Final = 3
+#: Largest number of columns that are named.
+_NAMED: Final = 3
 _AT_ITS_INSTANT: Final = (
     "compute it from the state at the instant of the row, not from rows before and after: end a step of the solver there, or interpolate"
 )
@@ -64,21 +64,11 @@ def output_steps(bench: Bench) -> tuple[dict[str, Check], dict[str, Check]]:
                 late[column] = Check(f"{name}: {column}", "failed", f"{column} {explained.words}", IN_TIME)
             else:
                 changed[column] = off / max(_swing(fine), 1e-300)
-        depending |= _changed(name, told, changed)
+        worst = sorted(changed, key=lambda column: -changed[column])
+        first = ", ".join(f"{column} by {share_of(changed[column])}" for column in worst[:_NAMED])
+        more = f", and {len(worst) - _NAMED} more columns" if len(worst) > _NAMED else ""
+        depending |= dict.fromkeys(changed, Check(name, "failed", f"with {told} columns change: {first}{more}", _AT_ITS_INSTANT))
     return late, depending or {"": Check(name, "passed" if not late else "not judged")}
-
-
-def _changed(name: str, told: str, shares: Mapping[str, float]) -> dict[str, Check]:
-    """Columns that change with the output step, with the part of their range: one by one, or together if there are many."""
-    if len(shares) <= _ONE_BY_ONE:
-        return {
-            column: Check(f"{name}: {column}", "failed", f"{column} changes by {share_of(share)} with {told}", _AT_ITS_INSTANT)
-            for column, share in shares.items()
-        }
-    worst = sorted(shares, key=lambda column: -shares[column])
-    first = ", ".join(f"{column} by {share_of(shares[column])}" for column in worst[:_ONE_BY_ONE])
-    more = f", and {len(worst) - _ONE_BY_ONE} more columns"
-    return dict.fromkeys(shares, Check(name, "failed", f"with {told} {first} change{more}", _AT_ITS_INSTANT))
 
 
 def allowed(column: str, values: Array, tolerances: Mapping[str, float] | None, part: float, times: float = 1.0) -> float:

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.conformance import GROUPS, checks_of, conform
+from quickreturn.cases.conformance import GROUPS, conform, trial
 from quickreturn.cases.conformance.alone import CHANGES as ALONE
 from quickreturn.cases.conformance.bench import Bench
 from quickreturn.cases.conformance.checks import Fault, check_by
-from quickreturn.cases.conformance.quantities import followed
-from quickreturn.cases.conformance.repetition import PARTS, OtherProcesses, elsewhere, one_scene, repetition, scenes_in_turn
+from quickreturn.cases.conformance.quantities import PARTS as PARTS_AT_ONCE
+from quickreturn.cases.conformance.quantities import everything, followed
+from quickreturn.cases.conformance.repetition import ALONE as SCENES_ALONE
+from quickreturn.cases.conformance.repetition import IN_TURN, PARTS, OtherProcesses, columns_of, elsewhere, repetition
+from quickreturn.cases.conformance.resolution import does_something, stated_errors
 from quickreturn.cases.conformance.scenes import BASE, CHANGES
-from quickreturn.cases.conformance.settings import does_something, stated_errors
-from quickreturn.cases.conformance.together import PARTS as PARTS_AT_ONCE
-from quickreturn.cases.conformance.together import everything
 from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import AnyEngine, Comparison, Simulation
 from quickreturn.engines.exudyn.engine import ExudynEngine
@@ -183,7 +183,7 @@ def test_coarse_engines_that_say_so_are_not_accused(coarse: AnyEngine) -> None:
 def test_last_digits_may_differ(part: float, status: str) -> None:
     """By a part of the engine's own error; here in the force, by some millionths of it."""
     bench = Bench(ReferenceEngine())
-    errors, found = bench.estimates(dataclasses.replace(bench.mild, duration=0.1)), scenes_in_turn(bench.engine)
+    errors, found = bench.estimates(dataclasses.replace(bench.mild, duration=0.1)), columns_of(bench.engine, IN_TURN)
     assert errors is not None
     first = found["the mild scene"]
     other = first | {"slider_force": first["slider_force"] + part * errors["slider_force"]}
@@ -206,11 +206,11 @@ def in_this_process(kind: type[Keeps]) -> OtherProcesses:
 
     def begun_anew(name: str) -> dict[str, Any]:
         kind.kept.clear()
-        return one_scene(kind(), name)
+        return columns_of(kind(), (name,))[name]
 
     kind.kept.clear()
-    in_turn = scenes_in_turn(kind())
-    return OtherProcesses(in_turn, {name: begun_anew(name) for name in ("the mild scene", "in another process", *PARTS)})
+    in_turn = columns_of(kind(), IN_TURN)
+    return OtherProcesses(in_turn, {name: begun_anew(name) for name in SCENES_ALONE})
 
 
 @pytest.mark.parametrize("results", [in_this_process, pytest.param(lambda kind: elsewhere(kind()), marks=pytest.mark.verify)])
@@ -262,7 +262,7 @@ def test_an_exception_in_check_costs_one_quantity() -> None:
 
 
 def test_an_exception_in_the_first_check_is_told() -> None:
-    (check,) = checks_of("motion", type("Raising", (ReferenceEngine,), {"check": lambda self, mechanism: 1 / 0})())
+    (check,) = trial("motion", ("motion",), type("Raising", (ReferenceEngine,), {"check": lambda self, mechanism: 1 / 0})())["motion"]
     assert check.status == "failed"
     assert "ZeroDivisionError" in check.cause
 
