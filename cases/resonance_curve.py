@@ -27,21 +27,9 @@ from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.reference_model.columns import OBSERVED
-from quickreturn.reference_model.continuation import (
-    FIRST_STEP,
-    MOST_POINTS,
-    Branch,
-    BranchPoint,
-    Ending,
-    NotConverged,
-    Stretch,
-    enough,
-    first_point,
-    stretch,
-    towards,
-    turned,
-)
+from quickreturn.reference_model.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
 from quickreturn.reference_model.cycle_family import CycleFamily
+from quickreturn.reference_model.fixed_points import BranchPoint, NotConverged, first_point, towards
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.poincare import CycleBroken

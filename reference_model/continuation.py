@@ -1,24 +1,30 @@
 """Follows the fixed points of a map along a parameter, through folds (DERIVATION.md, section 10).
 
-Pseudo-arclength continuation: E. L. Allgower and K. Georg, Introduction to Numerical Continuation Methods, 2003, chapters 2 and 6. The
-map's Jacobian is taken at every point, because the multipliers, which decide on stability, are its eigenvalues. It then serves as the
-matrix of all corrections on the way to the next point, so that a correction costs one application of the map.
+Pseudo-arclength continuation: E. L. Allgower and K. Georg, Introduction to Numerical Continuation Methods, 2003, chapters 2 and 6.
 """
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from quickreturn.reference_model.periodic import eigenvalues, instability
+from quickreturn.reference_model.fixed_points import (
+    Array,
+    BranchPoint,
+    Family,
+    NotConverged,
+    along,
+    corrected,
+    differentiated,
+    first_point,
+    moved,
+    rescaled_tangent,
+    towards,
+)
 from quickreturn.reference_model.poincare import CycleBroken
-
-Array = NDArray[np.float64]
 
 #: First, smallest and largest arclength (scaled, equation 10.9) between two points. Where the smallest fails, the branch ends.
 FIRST_STEP: Final = 0.02
@@ -27,62 +33,10 @@ LONGEST_STEP: Final = 0.2
 #: Angle (rad) between the tangents at two successive points: the one aimed at, and the largest accepted.
 TURN: Final = 0.25
 MOST_TURN: Final = 0.6
-#: Disturbance for derivatives over a quantity's size, of the order of their error; at least `LEAST_DISTURBANCE` times the image's error.
-DISTURBANCE: Final = 1e-4
-LEAST_DISTURBANCE: Final = 1e3
-#: Corrections end at the length `CORRECTED` (scaled variables), and fail where one is longer than `CONTRACTION` times the previous one.
-CORRECTED: Final = 1e-6
-CONTRACTION: Final = 0.5
-MOST_CORRECTIONS: Final = 8
 #: Precision of a special point over the step; and largest value of a test function over those at the step's ends that is a zero, no jump.
 LOCATED: Final = 1e-5
 ZERO: Final = 1e-3
 MOST_POINTS: Final = 5000
-
-
-class NotConverged(Exception):
-    """The corrections towards a fixed point did not converge."""
-
-
-@dataclass(frozen=True)
-class Image:
-    """The image of a point x under the map."""
-
-    point: Array  # P(x), shape (m,)
-    sizes: Array  # scale of each quantity, by which differences are divided, shape (m,)
-    noise: Array  # error of the image, shape (m,)
-
-
-class Family(Protocol):
-    """A map P(x, a) that depends smoothly on a parameter, and whose fixed points form curves (equation 10.8)."""
-
-    def image(self, point: Array, parameter: float) -> Image:
-        """The image of x for the parameter a. Raises CycleBroken: there is none."""
-
-
-@dataclass(frozen=True)
-class BranchPoint:
-    """A fixed point on the branch."""
-
-    parameter: float  # a
-    point: Array  # x, shape (m,)
-    arclength: float  # from the branch's first point, in the scaled variables; negative on the other side of it
-    sizes: Array  # scale of each quantity in x, shape (m,)
-    width: float  # of the parameter's range: the scale of a
-    jacobian: Array  # of the map, shape (m, m)
-    matrix: Array  # scaled derivatives (equation 10.9), shape (m, m + 1)
-    tangent: Array  # of the branch in the scaled variables, shape (m + 1,), towards growing arclength
-    special: str = ""  # "" or what happens here: "fold", "period doubling", "torus"
-
-    @cached_property
-    def multipliers(self) -> NDArray[np.complex128]:
-        """Floquet multipliers (equation 10.7), largest modulus first."""
-        return eigenvalues(self.jacobian)
-
-    @property
-    def instability(self) -> str:
-        """How the point is unstable, see `periodic.instability`; "" for a stable point."""
-        return instability(self.multipliers)
 
 
 @dataclass(frozen=True)
@@ -166,49 +120,6 @@ def turned(point: BranchPoint) -> BranchPoint:
     return replace(point, arclength=-point.arclength, tangent=-point.tangent)
 
 
-def first_point(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
-    """The fixed point at a given parameter near a point; `limits`: the parameter's range. Raises CycleBroken, NotConverged."""
-    start = _differentiated(family, point, parameter, limits)
-    border = np.append(np.zeros(len(point)), 1.0)
-    fixed, _ = corrected(family, start, point, parameter, border)
-    return towards(_differentiated(family, fixed, parameter, limits), 1.0)
-
-
-def corrected(
-    family: Family, at: BranchPoint, point: Array, parameter: float, border: Array, tolerance: float = CORRECTED
-) -> tuple[Array, float]:
-    """The fixed point in a hyperplane through a given point, and its parameter, by Broyden's method (equation 10.10).
-
-    Args:
-        family: the map.
-        at: a point of the branch near by, whose matrix the method begins with.
-        point: x to begin with, shape (m,).
-        parameter: a to begin with.
-        border: normal of the hyperplane in the scaled variables, shape (m + 1,).
-        tolerance: length of the last correction in the scaled variables.
-
-    Raises:
-        CycleBroken, NotConverged: the corrections do not converge.
-    """
-    inverse = np.linalg.inv(np.vstack([at.matrix, border]))
-    last, missed, step = math.inf, np.empty(0), np.empty(0)
-    for _ in range(MOST_CORRECTIONS):
-        image = family.image(point, parameter)
-        before, missed = missed, np.append((image.point - point) / at.sizes, 0.0)
-        if len(before):  # Broyden's update by the change that the last step has caused
-            change = inverse @ (missed - before)
-            inverse = inverse + np.outer(step - change, step @ inverse) / (step @ change)
-        step = -inverse @ missed
-        point, parameter = point + step[:-1] * at.sizes, parameter + float(step[-1]) * at.width
-        length = float(np.max(np.abs(step)))
-        if length < max(tolerance, float(np.max(image.noise / at.sizes))):
-            return point, parameter
-        if not length < CONTRACTION * last:
-            break
-        last = length
-    raise NotConverged(f"the corrections ended at {last:.1g} of the motion's size")
-
-
 class _Walk:
     """Walks along the branch, from a point in the direction of its tangent."""
 
@@ -249,7 +160,7 @@ class _Walk:
 
     def _step(self, here: BranchPoint, step: float) -> BranchPoint:
         """The next point, on the range's limit if the step would pass it. Raises CycleBroken; NotConverged, also for too sharp a turn."""
-        point, parameter = _moved(here, step)
+        point, parameter = moved(here, step)
         point, parameter = corrected(self._family, here, point, parameter, here.tangent)
         limited = min(max(parameter, self._limits[0]), self._limits[1])
         if limited != parameter:
@@ -258,7 +169,7 @@ class _Walk:
             point = here.point + part * (point - here.point)
             point, parameter = corrected(self._family, here, point, limited, np.append(np.zeros(len(point)), 1.0))
             parameter = limited
-        there = _along(here, _differentiated(self._family, point, parameter, self._limits), step)
+        there = along(here, differentiated(self._family, point, parameter, self._limits), step)
         if _turn(here, there) > MOST_TURN and step > 2.0 * LEAST_STEP:
             raise NotConverged("the branch turns too sharply")
         return there
@@ -273,13 +184,13 @@ class _Walk:
                 located.append((place, kind))
         for place, kind in sorted(located):
             point, parameter = self._between(here, there, place)
-            yield replace(_along(here, _differentiated(self._family, point, parameter, self._limits), place), special=kind)
+            yield replace(along(here, differentiated(self._family, point, parameter, self._limits), place), special=kind)
 
     def _between(self, here: BranchPoint, there: BranchPoint, place: float) -> tuple[Array, float]:
         """The branch's point, and its parameter, in the plane across the tangent of `here` at the distance `place` from it."""
         whole = there.arclength - here.arclength
-        point, parameter = _moved(here, place)
-        straight, beyond = _moved(here, whole)
+        point, parameter = moved(here, place)
+        straight, beyond = moved(here, whole)
         bent = (place / whole) ** 2
         return corrected(
             self._family, here, point + bent * (there.point - straight), parameter + bent * (there.parameter - beyond), here.tangent
@@ -304,7 +215,7 @@ class _Walk:
         def test_at(place: float) -> float:
             if place not in values:
                 point, parameter = self._between(here, there, place)
-                values[place] = test(_differentiated(self._family, point, parameter, self._limits))
+                values[place] = test(differentiated(self._family, point, parameter, self._limits))
             return values[place]
 
         place = float(brentq(test_at, 0.0, whole, xtol=LOCATED * whole))
@@ -322,50 +233,9 @@ def _torus_test(here: BranchPoint) -> float:
     return float(np.abs(pairs[0])) - 1.0 if len(pairs) else -1.0
 
 
-def _differentiated(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
-    """A fixed point with its derivatives, and with a tangent in either of the two directions (equations 10.5 and 10.9)."""
-    low, high = limits
-    image = family.image(point, parameter)
-    columns = []
-    for i, disturbance in enumerate(np.maximum(DISTURBANCE * image.sizes, LEAST_DISTURBANCE * image.noise)):
-        moved = point.copy()
-        moved[i] += disturbance
-        columns.append((family.image(moved, parameter).point - image.point) / disturbance)
-    change = math.copysign(DISTURBANCE * (high - low), 0.5 * (low + high) - parameter)  # into the range: beyond it there may be no machine
-    by_parameter = (family.image(point, parameter + change).point - image.point) / change
-    jacobian, m = np.column_stack(columns), len(point)
-    matrix = np.empty((m, m + 1))
-    matrix[:, :m] = (jacobian - np.eye(m)) * image.sizes / image.sizes[:, None]
-    matrix[:, m] = by_parameter * (high - low) / image.sizes
-    tangent = np.linalg.svd(matrix)[2][-1]
-    return BranchPoint(parameter, point, 0.0, image.sizes, high - low, jacobian, matrix, tangent)
-
-
-def towards(here: BranchPoint, sign: float) -> BranchPoint:
-    """The point with its tangent towards a growing (1) or falling (-1) parameter."""
-    return replace(here, tangent=here.tangent * math.copysign(sign, sign * here.tangent[-1]))
-
-
-def _along(before: BranchPoint, here: BranchPoint, step: float) -> BranchPoint:
-    """The point `here` at an arclength `step` after `before`, with its tangent in the direction of that point's."""
-    sign = math.copysign(1.0, float(here.tangent @ _rescaled_tangent(before, here)))
-    return replace(here, arclength=before.arclength + step, tangent=sign * here.tangent)
-
-
-def _rescaled_tangent(before: BranchPoint, here: BranchPoint) -> Array:
-    """The unit tangent at `before` in the scaled variables of `here`."""
-    tangent = before.tangent * np.append(before.sizes / here.sizes, 1.0)
-    return np.asarray(tangent / np.linalg.norm(tangent))
-
-
 def _turn(before: BranchPoint, here: BranchPoint) -> float:
     """Angle between the tangents at two points, rad."""
-    return math.acos(min(1.0, abs(float(here.tangent @ _rescaled_tangent(before, here)))))
-
-
-def _moved(here: BranchPoint, step: float) -> tuple[Array, float]:
-    """Point and parameter at a distance `step` from a point along its tangent."""
-    return here.point + step * here.tangent[:-1] * here.sizes, here.parameter + step * float(here.tangent[-1]) * here.width
+    return math.acos(min(1.0, abs(float(here.tangent @ rescaled_tangent(before, here)))))
 
 
 def _returned(here: BranchPoint, there: BranchPoint, first: BranchPoint) -> bool:
@@ -374,4 +244,4 @@ def _returned(here: BranchPoint, there: BranchPoint, first: BranchPoint) -> bool
         return False
     ahead = np.append((first.point - here.point) / here.sizes, (first.parameter - here.parameter) / here.width)
     step = there.arclength - here.arclength
-    return bool(np.linalg.norm(ahead) < step and ahead @ here.tangent > 0.0 and _rescaled_tangent(first, here) @ here.tangent > 0.5)
+    return bool(np.linalg.norm(ahead) < step and ahead @ here.tangent > 0.0 and rescaled_tangent(first, here) @ here.tangent > 0.5)

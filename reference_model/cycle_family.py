@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.continuation import BranchPoint, Image, corrected
+from quickreturn.reference_model.fixed_points import BranchPoint, Image, corrected
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.periodic import periodic_orbit

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.continuation import Branch, Image, NotConverged, branch, first_point
+from quickreturn.reference_model.continuation import Branch, branch
 from quickreturn.reference_model.cycle_family import CycleFamily
+from quickreturn.reference_model.fixed_points import Image, NotConverged, first_point
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.poincare import CycleBroken
 from tests.engines.scenes import run_24
