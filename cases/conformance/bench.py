@@ -129,10 +129,6 @@ class Bench:
         """Begin to count the limited time."""
         self._began = time.monotonic()
 
-    def check(self, scene: Scene) -> None:
-        """Raises Refusal if the engine cannot model a scene of either kind."""
-        check_scene(self.engine, scene)
-
     def settings(self, scene: Scene) -> Settings:
         """The engine's default settings for a scene."""
         settings: Settings = self.engine.settings_for(self.engine.default_accuracy, scene)

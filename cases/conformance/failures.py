@@ -11,6 +11,7 @@ from quickreturn.cases.conformance.bench import Bench, Motion
 from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.scene import check_scene
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.scene_values import changed
@@ -41,7 +42,7 @@ def failures(bench: Bench) -> Iterator[Check]:
 
 def _attempt(bench: Bench, motion: Motion) -> Trajectory | EngineFailure:
     """The engine's trajectory, or the failure that it reports. Fault: it fails without a report."""
-    bench.check(motion.scene)
+    check_scene(bench.engine, motion.scene)
     try:
         return motion.by(bench.engine, bench.settings(bench.scene))  # those for the mild scene, like a fixed step
     except EngineFailure as failure:

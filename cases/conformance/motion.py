@@ -47,7 +47,7 @@ _COARSE: Final = 0.02
 def motion(bench: Bench) -> Iterator[Check]:
     """All checks of a trajectory, in order; what needs other output steps comes last if the time is limited."""
     try:
-        late, depending, wrong_columns, model = known_mistakes(bench)
+        late, depending, wrong_columns, model = mistakes_in_mild_scene(bench)
     except EngineFailure as failure:
         yield Check("a trajectory", "failed", f"none is delivered in a mild scene: {failure.cause}", failure.advice)
         return
@@ -87,15 +87,10 @@ class MistakesInMildScene(NamedTuple):
         return self.model is not None or not all(finding.explained for finding in self.findings.values())
 
 
-def known_mistakes(bench: Bench) -> MistakesInMildScene:
-    """As `mistakes_in_mild_scene`, for other checks; without other output steps if the time is limited."""
-    return mistakes_in_mild_scene(bench, steps=bench.seconds is None)
-
-
 @functools.lru_cache(maxsize=1)
-def mistakes_in_mild_scene(bench: Bench, *, steps: bool = True) -> MistakesInMildScene:
-    """The mistakes in the mild scene's trajectory, with `steps` also with other output steps. EngineFailure: there is no trajectory."""
-    run, (late, depending) = bench.run(bench.mild), output_steps(bench) if steps else ({}, {})
+def mistakes_in_mild_scene(bench: Bench) -> MistakesInMildScene:
+    """The mistakes in the mild scene's trajectory, and with other output steps unless the time is limited. EngineFailure: there is none."""
+    run, (late, depending) = bench.run(bench.mild), output_steps(bench) if bench.seconds is None else ({}, {})
     wrong = findings(bench, bench.mild, late)
     if len(wrong) < 2:
         return MistakesInMildScene(late, depending, wrong, None)

@@ -14,13 +14,14 @@ import numpy as np
 
 from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, possible_results, solution, truth
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by, some
-from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, known_mistakes
+from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, mistakes_in_mild_scene
 from quickreturn.cases.conformance.scenes import CHANGES, Change
 from quickreturn.cases.explanation import UNEXPLAINED, Hypothesis, explain
 from quickreturn.cases.mistakes import Finding, share_of
 from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.relative import rms
+from quickreturn.engines.scene import check_scene
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene
 from quickreturn.reference_model.scene_values import OF_TORQUE, changed
@@ -72,7 +73,7 @@ _NAME: Final = "quantities together"
 def quantities(bench: Bench) -> Iterator[Check]:
     """A check for each of `CHANGES`, and one of all together, which comes first if there is no time for all."""
     try:
-        wrong = known_mistakes(bench)
+        wrong = mistakes_in_mild_scene(bench)
     except EngineFailure:
         yield Check("quantities", "not judged", "there is no trajectory in the mild scene", "mend that first")
         return
@@ -118,7 +119,7 @@ def followed(bench: Bench, scene: Scene, change: Change, wrong: bool, told: set[
     if after.scene == before.scene:
         return "the scene has it already"
     try:
-        bench.check(after.scene)
+        check_scene(bench.engine, after.scene)
         runs = [bench.run(motion) for motion in (before, after)]
     except EngineFailure as failure:
         kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # "raised" or "returned": words for what no adapter reports

@@ -17,7 +17,7 @@ import numpy as np
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.conformance.bench import Bench, Motion, Truth, solution, truth
 from quickreturn.cases.conformance.checks import Check, Fault, Unjudged, check_by
-from quickreturn.cases.conformance.motion import MistakesInMildScene, known_mistakes
+from quickreturn.cases.conformance.motion import MistakesInMildScene, mistakes_in_mild_scene
 from quickreturn.cases.conformance.quantities import everything
 from quickreturn.cases.conformance.scenes import OUTPUT_STEP
 from quickreturn.cases.jobs.tally import span
@@ -67,7 +67,7 @@ def resolution(bench: Bench) -> Iterator[Check]:
     coarse, default = bench.engine.settings_for(max(_COARSE, bench.engine.default_accuracy), bench.scene), bench.settings(bench.scene)
     yield check_by("ladder: ends", _ends, bench, coarse)
     try:
-        wrong, right = known_mistakes(bench), _truth(bench)
+        wrong, right = mistakes_in_mild_scene(bench), _truth(bench)
         errors, above = _climb(bench, right, coarse, _RUN), _climb(bench, right, default, 2)
         finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), right)
     except EngineFailure as failure:
