@@ -27,12 +27,12 @@ from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.reference_model.columns import OBSERVED
-from quickreturn.reference_model.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
-from quickreturn.reference_model.cycle_family import CycleFamily
-from quickreturn.reference_model.fixed_points import BranchPoint, NotConverged, first_point, towards
+from quickreturn.reference_model.cycles.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
+from quickreturn.reference_model.cycles.cycle_family import CycleFamily
+from quickreturn.reference_model.cycles.fixed_points import BranchPoint, NotConverged, first_point, towards
+from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit
+from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.periodic import NoPeriodicOrbit
-from quickreturn.reference_model.poincare import CycleBroken
 from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
@@ -76,7 +76,7 @@ _OF_CURVES: Final = "tests/quickreturn/test_resonance.py"
 _FOLDS: Final = Witness(
     "maps whose folds have a closed form",
     4e-4,
-    "tests/reference_model/test_continuation.py::test_both_folds_of_a_cubic",
+    "tests/reference_model/cycles/test_continuation.py::test_both_folds_of_a_cubic",
 )
 _MARCHES: Final = Witness(
     "marches of `mujoco` and `exudyn` from a neighbouring speed",

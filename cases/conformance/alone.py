@@ -12,7 +12,7 @@ from quickreturn.cases.conformance.motion import findings
 from quickreturn.cases.conformance.quantities import followed, tell_of_rows
 from quickreturn.cases.conformance.scenes import BASE, Change
 from quickreturn.cases.conformance.scenes import CHANGES as IN_A_MECHANISM
-from quickreturn.cases.mistakes import share_of
+from quickreturn.cases.mistakes.diagnosis import share_of
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.scene import check_scene
 from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp

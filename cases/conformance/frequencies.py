@@ -9,8 +9,8 @@ import numpy as np
 from quickreturn.cases.conformance.bench import Bench
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by
 from quickreturn.cases.conformance.scenes import OUTPUT_STEP
-from quickreturn.cases.explanation import Hypothesis, explain
-from quickreturn.cases.mistakes import share_of
+from quickreturn.cases.mistakes.diagnosis import share_of
+from quickreturn.cases.mistakes.explanation import Hypothesis, explain
 from quickreturn.cases.units import in_si
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.settings import Settings

@@ -10,8 +10,8 @@ import numpy as np
 
 from quickreturn.cases.conformance.bench import Motion, possible_results, solution
 from quickreturn.cases.conformance.checks import Array
-from quickreturn.cases.explanation import Hypothesis, explain
-from quickreturn.cases.mistakes import Finding
+from quickreturn.cases.mistakes.diagnosis import Finding
+from quickreturn.cases.mistakes.explanation import Hypothesis, explain
 from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms

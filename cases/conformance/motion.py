@@ -16,8 +16,8 @@ from quickreturn.cases.conformance.checks import TELL_THE_AUTHOR, Array, Check, 
 from quickreturn.cases.conformance.models import WrongModel, acts_as_if
 from quickreturn.cases.conformance.rows import output_steps, pieces
 from quickreturn.cases.conformance.scenes import OUTPUT_STEP, SOFT
-from quickreturn.cases.explanation import Hypothesis, explain
-from quickreturn.cases.mistakes import Finding, diagnose, lateness, share_of
+from quickreturn.cases.mistakes.diagnosis import Finding, diagnose, lateness, share_of
+from quickreturn.cases.mistakes.explanation import Hypothesis, explain
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import Start, standard_start

@@ -16,8 +16,8 @@ from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compare
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by, some
 from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, mistakes_in_mild_scene
 from quickreturn.cases.conformance.scenes import CHANGES, Change
-from quickreturn.cases.explanation import UNEXPLAINED, Hypothesis, explain
-from quickreturn.cases.mistakes import Finding, share_of
+from quickreturn.cases.mistakes.diagnosis import Finding, share_of
+from quickreturn.cases.mistakes.explanation import UNEXPLAINED, Hypothesis, explain
 from quickreturn.cases.variation import Variation
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.relative import rms

@@ -13,11 +13,11 @@ import numpy as np
 
 from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, engine_from, solution
 from quickreturn.cases.conformance.checks import LEFT_OUT, NOT_QUICK, Array, Check, Fault, Unjudged, check_by
-from quickreturn.cases.explanation import Hypothesis, explain
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.mistakes.explanation import Hypothesis, explain
 from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Mechanism

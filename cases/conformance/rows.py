@@ -10,8 +10,8 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.conformance.bench import Bench, compared_columns, solution
 from quickreturn.cases.conformance.checks import Array, Check, Fault, LeftOut, some
 from quickreturn.cases.conformance.scenes import OUTPUT_STEP
-from quickreturn.cases.explanation import explain
-from quickreturn.cases.mistakes import IN_TIME, lateness, share_of
+from quickreturn.cases.mistakes.diagnosis import IN_TIME, lateness, share_of
+from quickreturn.cases.mistakes.explanation import explain
 from quickreturn.cases.units import in_si
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms

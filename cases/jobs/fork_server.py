@@ -26,7 +26,7 @@ PRELOAD: Final = (
     "quickreturn.engines.accurate",
     "quickreturn.engines.registry",
     "quickreturn.engines.own.simulation",
-    "quickreturn.reference_model.periodic",
+    "quickreturn.reference_model.cycles.periodic",
     "quickreturn.engines.exudyn.simulation",
     "quickreturn.engines.mujoco.simulation",
     "quickreturn.cases.runs.steady_state",

@@ -10,10 +10,10 @@ from scipy.interpolate import CubicSpline
 from threadpoolctl import threadpool_limits
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.explanation import Hypothesis
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
-from quickreturn.cases.mistakes import diagnose, share_of
+from quickreturn.cases.mistakes.diagnosis import diagnose, share_of
+from quickreturn.cases.mistakes.explanation import Hypothesis
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.noise import white_noise
 from quickreturn.cases.runs.other_case import OtherCases, other_cases

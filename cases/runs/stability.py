@@ -68,14 +68,14 @@ class Multiplier:
 
     @property
     def _instability(self) -> str:
-        from quickreturn.reference_model.periodic import instability_of
+        from quickreturn.reference_model.cycles.periodic import instability_of
 
         return instability_of(self.value)
 
 
 def nearly_one(state: "FoundOrbit") -> bool:
     """Whether the stability of a motion needs its multiplier's error."""
-    from quickreturn.reference_model.periodic import NEARLY_ONE
+    from quickreturn.reference_model.cycles.periodic import NEARLY_ONE
 
     return abs(state.multipliers[0]) > NEARLY_ONE
 

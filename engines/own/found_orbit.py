@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from quickreturn.engines.base import NoSteadyState, SteadyState
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.start import Start
+from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier
 
 
 @dataclass(frozen=True)

@@ -219,9 +219,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             return None
         from quickreturn.engines.own.found_orbit import FoundOrbit
         from quickreturn.engines.own.simulation import OwnSimulation
+        from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, periodic_orbit
+        from quickreturn.reference_model.cycles.poincare import turn_to
         from quickreturn.reference_model.model import BeamModel
-        from quickreturn.reference_model.periodic import NoPeriodicOrbit, PeriodicOrbit, periodic_orbit
-        from quickreturn.reference_model.poincare import turn_to
 
         begin = self.prepare(mechanism, start, settings)
         model = begin.model

@@ -15,8 +15,8 @@ from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.jobs.records import encoded
 from quickreturn.cases.resonance_curve import MULTIPLIER_TOLERANCE, checked_scenes, job, job_around, range_of
-from quickreturn.reference_model.cycle_family import CycleFamily
-from quickreturn.reference_model.fixed_points import Array, Image
+from quickreturn.reference_model.cycles.cycle_family import CycleFamily
+from quickreturn.reference_model.cycles.fixed_points import Array, Image
 from quickreturn.reports.drawing.style import picture
 from quickreturn.reports.results.around import Around
 from tests.quickreturn.conftest import Call

@@ -9,9 +9,9 @@ import pytest
 
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import usable_engine
-from quickreturn.reference_model.continuation import Branch, branch
-from quickreturn.reference_model.cycle_family import CycleFamily
-from quickreturn.reference_model.fixed_points import BranchPoint
+from quickreturn.reference_model.cycles.continuation import Branch, branch
+from quickreturn.reference_model.cycles.cycle_family import CycleFamily
+from quickreturn.reference_model.cycles.fixed_points import BranchPoint
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from tests.engines.scenes import run_24
 

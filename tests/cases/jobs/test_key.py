@@ -105,7 +105,7 @@ USES = {
         "sweep.study runs.comparison",
     ),
     "judging.matrix.trial": ("variation judging.evidence", "runs.differences"),
-    "conformance.conform": ("variation mistakes explanation conformance.quantities", "runs.comparison"),
+    "conformance.conform": ("variation mistakes.diagnosis mistakes.explanation conformance.quantities", "runs.comparison"),
     "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.differences sweep.rows"),
     "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
     "solving.answer_to": ("solving", "document runs.steady_state"),

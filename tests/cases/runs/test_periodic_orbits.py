@@ -24,10 +24,10 @@ from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings, as_texts
 from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model.cycles.periodic import periodic_orbit
+from quickreturn.reference_model.cycles.poincare import PoincareMap
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.periodic import periodic_orbit
-from quickreturn.reference_model.poincare import PoincareMap
 
 Array = NDArray[np.float64]
 

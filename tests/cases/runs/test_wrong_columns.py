@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.steady_state import on_common_grid
-from quickreturn.cases.mistakes import Finding, diagnose
+from quickreturn.cases.mistakes.diagnosis import Finding, diagnose
 from quickreturn.cases.recorded import table_of
 from quickreturn.cases.runs.differences import NEAR, explanations
 from quickreturn.cases.runs.marching import channels_of

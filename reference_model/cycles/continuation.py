@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from quickreturn.reference_model.fixed_points import (
+from quickreturn.reference_model.cycles.fixed_points import (
     Array,
     BranchPoint,
     Family,
@@ -24,7 +24,7 @@ from quickreturn.reference_model.fixed_points import (
     rescaled_tangent,
     towards,
 )
-from quickreturn.reference_model.poincare import CycleBroken
+from quickreturn.reference_model.cycles.poincare import CycleBroken
 
 #: First, smallest and largest arclength (scaled, equation 10.9) between two points. Where the smallest fails, the branch ends.
 FIRST_STEP: Final = 0.02

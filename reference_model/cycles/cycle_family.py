@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.fixed_points import BranchPoint, Image, corrected
+from quickreturn.reference_model.cycles.fixed_points import BranchPoint, Image, corrected
+from quickreturn.reference_model.cycles.periodic import periodic_orbit
+from quickreturn.reference_model.cycles.poincare import PoincareMap
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.periodic import periodic_orbit
-from quickreturn.reference_model.poincare import PoincareMap
 from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]

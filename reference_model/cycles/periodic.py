@@ -14,8 +14,8 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.cycles.poincare import CycleBroken, Passage, PoincareMap
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.poincare import CycleBroken, Passage, PoincareMap
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
-from quickreturn.cases.explanation import Hypothesis, explain
-from quickreturn.cases.usual_mistakes import DIGITS, fitted_mistakes, usual_mistakes
+from quickreturn.cases.mistakes.explanation import Hypothesis, explain
+from quickreturn.cases.mistakes.usual import DIGITS, fitted_mistakes, usual_mistakes
 from quickreturn.engines.relative import rms, scale
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Scene

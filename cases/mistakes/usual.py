@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.explanation import Hypothesis
+from quickreturn.cases.mistakes.explanation import Hypothesis
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import BEARINGS, COLUMNS, PLACES, SHAPE
@@ -44,7 +44,7 @@ _UNITS: Final[dict[str, dict[str, str]]] = {
 
 
 def usual_mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism: Scene) -> Iterator[Hypothesis]:
-    """The mistakes in a column that need no fitted number; arguments as for `mistakes.diagnose`."""
+    """The mistakes in a column that need no fitted number; arguments as for `diagnosis.diagnose`."""
     for mistake in _mistakes(name, expected, right, mechanism):
         yield mistake if mistake.size is not None else replace(mistake, size=rms(mistake.prediction))
 

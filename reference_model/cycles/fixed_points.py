@@ -12,7 +12,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.periodic import eigenvalues, instability
+from quickreturn.reference_model.cycles.periodic import eigenvalues, instability
 
 Array = NDArray[np.float64]
 

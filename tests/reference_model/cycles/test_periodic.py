@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.entries import KERNEL
-from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
-from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.periodic import (
+from quickreturn.reference_model.cycles.periodic import (
     NoPeriodicOrbit,
     PeriodicOrbit,
     largest_multiplier,
     periodic_orbit,
 )
+from quickreturn.reference_model.entries import KERNEL
+from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.model import BeamModel
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 from tests.reference_model.multipliers import floquet_multipliers
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.continuation import Branch, branch
-from quickreturn.reference_model.cycle_family import CycleFamily
-from quickreturn.reference_model.fixed_points import Image, NotConverged, first_point
+from quickreturn.reference_model.cycles.continuation import Branch, branch
+from quickreturn.reference_model.cycles.cycle_family import CycleFamily
+from quickreturn.reference_model.cycles.fixed_points import Image, NotConverged, first_point
+from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
-from quickreturn.reference_model.poincare import CycleBroken
 from tests.engines.scenes import run_24
 
 Array = NDArray[np.float64]
