@@ -22,7 +22,7 @@ from tests.properties.runs import (
     assert_close,
     energy_size,
 )
-from tests.reference_model.beam_runs import with_fine_tables
+from tests.reference_model.motion.beam_runs import with_fine_tables
 from tests.strategies import Scene, scenes
 
 #: Part of the energies that the tables of the shapes that follow the slider may lose or find: the tabulated derivative by the slider's

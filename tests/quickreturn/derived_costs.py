@@ -17,9 +17,9 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider_constraint import CLOSED
 from quickreturn.witness.description import constants, quick_return
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_states import rates
-from tests.reference_model.by_hand import by_hand, sizes
-from tests.reference_model.derived_beam import TERMS, DerivedBeam
+from tests.reference_model.motion.beam_states import rates
+from tests.reference_model.motion.by_hand import by_hand, sizes
+from tests.reference_model.motion.derived_beam import TERMS, DerivedBeam
 
 EVALUATIONS = 300
 REPETITIONS = 15

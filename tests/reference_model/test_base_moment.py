@@ -12,7 +12,7 @@ from quickreturn.reference_model.mechanism import Base, Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import compliance_beyond, modes_and_base_shape, supported_modes
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_runs import run, staying
+from tests.reference_model.motion.beam_runs import run, staying
 from tests.reference_model.thesis.thesis_runs import error
 
 LIGHT, HEAVY = 0.0, 1.5e-5  # kg m^2; the latter is run 24's

@@ -20,8 +20,8 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import CONTACT_STIFFNESS, Slider
 from quickreturn.reference_model.slider_constraint import ROLLERS, SliderConstraint
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_runs import Array
-from tests.reference_model.beam_states import rates
+from tests.reference_model.motion.beam_runs import Array
+from tests.reference_model.motion.beam_states import rates
 
 #: Weight (m/s²) across a follower that lies along n1.
 WEIGHT: Final = 9.81

@@ -17,8 +17,8 @@ from quickreturn.reference_model.moving_boundaries.model import MovingBoundaries
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_runs import Array, balance, run
-from tests.reference_model.moving_support import monodromy
+from tests.reference_model.motion.beam_runs import Array, balance, run
+from tests.reference_model.motion.moving_support import monodromy
 from tests.reference_model.multipliers import linear_multipliers
 
 SPEED = 10.0 / 0.60176535  # rad/s, of run 24

@@ -12,8 +12,8 @@ from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, To
 from quickreturn.reference_model.rigid import mean_crank_speed, rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
-from tests.reference_model import beam_runs
-from tests.reference_model.beam_runs import Array, run, staying
+from tests.reference_model.motion import beam_runs
+from tests.reference_model.motion.beam_runs import Array, run, staying
 from tests.reference_model.thesis.thesis_runs import error, rigid, thesis
 
 STIFF = {"bending_stiffness": math.inf}

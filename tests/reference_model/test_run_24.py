@@ -9,8 +9,8 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
-from tests.reference_model import beam_runs
-from tests.reference_model.beam_runs import Array, run, staying
+from tests.reference_model.motion import beam_runs
+from tests.reference_model.motion.beam_runs import Array, run, staying
 from tests.reference_model.thesis.thesis_runs import error, thesis
 
 

@@ -6,7 +6,7 @@ import pytest
 from quickreturn.reference_model.compiled_state import state_at, state_without_slider_at
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.state import State
-from tests.reference_model.beam_states import Array
+from tests.reference_model.motion.beam_states import Array
 
 
 @compiled

@@ -13,7 +13,7 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.shapes import clamped_free_modes
 from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import INCH, run_24
-from tests.reference_model.beam_runs import run
+from tests.reference_model.motion.beam_runs import run
 from tests.reference_model.thesis.thesis_runs import error, thesis
 
 CHANNELS = ("tip_deflection", "tip_acceleration", "slider_force", "follower_angle")

@@ -16,7 +16,7 @@ from quickreturn.reference_model.shapes import decoupled, hermite_elements
 from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24
 from tests.quickreturn.derive.descriptions import described
-from tests.reference_model.beam_states import EVERYTHING, rates
+from tests.reference_model.motion.beam_states import EVERYTHING, rates
 from tests.reference_model.thesis.oracle_scene import draw_case, mechanism_of
 
 DESCRIBED = described("quick_return")

@@ -15,7 +15,7 @@ from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.shapes import hermite_elements
 from quickreturn.reference_model.state import State as Parts
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_states import (
+from tests.reference_model.motion.beam_states import (
     ALONE,
     APART,
     BY_FORCE,
@@ -32,8 +32,8 @@ from tests.reference_model.beam_states import (
     elements_of,
     modes_of,
 )
-from tests.reference_model.by_hand import by_hand, sizes
-from tests.reference_model.derived_beam import DerivedBeam, State
+from tests.reference_model.motion.by_hand import by_hand, sizes
+from tests.reference_model.motion.derived_beam import DerivedBeam, State
 from tests.reference_model.mutation.mutation import Hunt, Source, plain
 
 Array = NDArray[np.float64]

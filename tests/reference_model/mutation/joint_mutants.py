@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.joint import Rollers
+from tests.reference_model.motion.roller_law import force_of_rollers, sliding_share
 from tests.reference_model.mutation.mutation import Hunt, Source
-from tests.reference_model.roller_law import force_of_rollers, sliding_share
 
 SOURCE: Final = Source(modules=(joint,), no_equations=frozenset({"rollers", "joint_in_words"}), stand_ins={}, entry=dict)
 #: Rollers with clearance, and with preload.

@@ -28,7 +28,7 @@ from quickreturn.reference_model.thesis.parameters import (
     state_size,
     workspace_at,
 )
-from tests.reference_model.random_states import random_case
+from tests.reference_model.motion.random_states import random_case
 from tests.reference_model.thesis.derived_thesis import of_shapes, one_cubic
 
 Array = NDArray[np.float64]

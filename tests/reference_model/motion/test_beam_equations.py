@@ -14,7 +14,7 @@ import pytest
 
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_states import (
+from tests.reference_model.motion.beam_states import (
     ALONE,
     APART,
     BARE,
@@ -34,8 +34,8 @@ from tests.reference_model.beam_states import (
     modes_of,
     rates,
 )
-from tests.reference_model.by_hand import by_hand, sizes
-from tests.reference_model.derived_beam import TERMS, DerivedBeam, State
+from tests.reference_model.motion.by_hand import by_hand, sizes
+from tests.reference_model.motion.derived_beam import TERMS, DerivedBeam, State
 
 #: Of a term's largest element: rounding, a hundredfold.
 SAME: Final = 1e-12

@@ -27,8 +27,8 @@ from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER,
 from quickreturn.witness.description import UNITS, Follower, constants, quick_return
 from quickreturn.witness.recovery import columns
 from tests.engines.scenes import run_24
-from tests.reference_model.derived_lines import chord_line, follower_alone, lever
-from tests.reference_model.roller_law import force_of_rollers, sliding_share
+from tests.reference_model.motion.derived_lines import chord_line, follower_alone, lever
+from tests.reference_model.motion.roller_law import force_of_rollers, sliding_share
 
 Array = NDArray[np.float64]
 Values = dict[str, Any]

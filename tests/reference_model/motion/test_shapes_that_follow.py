@@ -15,8 +15,8 @@ from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import INCH, run_24
-from tests.reference_model.beam_runs import Array, fine_family, places_of, run, with_fine_tables
-from tests.reference_model.beam_states import ALONE, elements_of, modes_of
+from tests.reference_model.motion.beam_runs import Array, fine_family, places_of, run, with_fine_tables
+from tests.reference_model.motion.beam_states import ALONE, elements_of, modes_of
 from tests.reference_model.thesis.thesis_runs import error
 
 LONG_CRANK = run_24(crank={"length": 5.0 * INCH}, tip={"center_of_mass": 0.0127})

@@ -10,7 +10,7 @@ from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Ti
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_runs import balance, follower_energy, run, with_fine_tables
+from tests.reference_model.motion.beam_runs import balance, follower_energy, run, with_fine_tables
 from tests.reference_model.thesis.thesis_runs import period, undriven
 
 EVERYTHING = run_24(

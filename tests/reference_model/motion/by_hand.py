@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import BEARINGS, BENDING, SHAPE
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import BeamWorkspace
-from tests.reference_model.derived_beam import State
+from tests.reference_model.motion.derived_beam import State
 
 Array = NDArray[np.float64]
 Values = dict[str, Any]

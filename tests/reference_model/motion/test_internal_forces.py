@@ -15,7 +15,7 @@ from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip_force import tip_force
 from tests.engines.scenes import run_24
-from tests.reference_model.beam_runs import Array, run
+from tests.reference_model.motion.beam_runs import Array, run
 from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 from tests.reference_model.thesis.thesis_runs import rigid
 
