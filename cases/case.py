@@ -5,13 +5,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from quickreturn.cases.copies import in_words, name_of_copy
-from quickreturn.cases.document import Document, check_mapping, header_of, read_document
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.keys import PATHS, shown_value
-from quickreturn.cases.reading import in_si, read
 from quickreturn.cases.shown import Cell, Rows, Shown
-from quickreturn.cases.written import as_toml
+from quickreturn.cases.text.copies import in_words, name_of_copy
+from quickreturn.cases.text.document import Document, check_mapping, header_of, read_document
+from quickreturn.cases.text.reading import in_si, read
+from quickreturn.cases.text.written import as_toml
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import Changes, changed_values, values_of
 
@@ -126,7 +126,7 @@ class Case(Shown):
 
 
 def case_of(document: Document) -> Case:
-    """The case that a document describes. CaseError: as `reading.read`."""
+    """The case that a document describes. CaseError: as `text.reading.read`."""
     return Case(**read(document)._asdict(), source=document.source, document=document)
 
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 from numbers import Real
 
 from quickreturn.cases.case import Case, case_of
-from quickreturn.cases.document import OVERRIDE, Document, read_document
 from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown
 from quickreturn.cases.library import case_names, library_case, library_document
 from quickreturn.cases.library.hard import IMPOSSIBLE
-from quickreturn.cases.reading import misfit
-from quickreturn.cases.text_file import read_text, similar_file
+from quickreturn.cases.text.document import OVERRIDE, Document, read_document
+from quickreturn.cases.text.reading import misfit
+from quickreturn.cases.text.text_file import read_text, similar_file
 
 
 def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None, by: str = OVERRIDE) -> Case:
@@ -23,7 +23,7 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None, by:
 
     Args:
         name_or_path: e.g. "thesis-24" or "my/scene.toml".
-        overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}; see `cases.document.Document.overridden_by`.
+        overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}; see `cases.text.document.Document.overridden_by`.
         by: source of the overrides, for messages.
 
     Raises:

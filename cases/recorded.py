@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
-from quickreturn.cases.text_file import read_text
+from quickreturn.cases.text.text_file import read_text
 from quickreturn.cases.units import DIMENSIONS, PURE_UNITS, QuantityError, in_si, plain_number, unit_size
 from quickreturn.reference_model.columns import COLUMNS
 

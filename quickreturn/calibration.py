@@ -7,11 +7,11 @@ from typing import Any, Final
 
 from quickreturn import questions
 from quickreturn.accuracy import checked
-from quickreturn.cases.broken_toml import broken_toml
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all, texts_given
 from quickreturn.cases.jobs.job import Job, Limits
 from quickreturn.cases.sweep.rows import MeasureRequest
-from quickreturn.cases.text_file import read_text
+from quickreturn.cases.text.broken_toml import broken_toml
+from quickreturn.cases.text.text_file import read_text
 from quickreturn.cases.uncertainty import calibration
 from quickreturn.cases.uncertainty.calibration import frees_of
 from quickreturn.cases.uncertainty.fit import Fit

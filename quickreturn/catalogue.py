@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case, with_times
-from quickreturn.cases.document import check_mapping
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.library import CatalogueLine, case_names, catalogue
 from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.text.document import check_mapping
 
 T = TypeVar("T")
 AnyCase = str | os.PathLike[str] | Case | CatalogueLine

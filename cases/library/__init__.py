@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Final
 
 from quickreturn.cases.case import Case, case_of
-from quickreturn.cases.document import Document, header_of, read_document
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.library import hard
-from quickreturn.cases.text_file import read_text
+from quickreturn.cases.text.document import Document, header_of, read_document
+from quickreturn.cases.text.text_file import read_text
 
 __all__ = ["CatalogueLine", "Entry", "case_names", "catalogue", "library_case", "library_document", "registered"]
 

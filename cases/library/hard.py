@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.case import case_of
-from quickreturn.cases.document import Document
+from quickreturn.cases.text.document import Document
 from quickreturn.cases.variation import Variation
 from quickreturn.reference_model.scene_values import changed_values
 

@@ -10,13 +10,13 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.copies import in_words
 from quickreturn.cases.errors import Argument, CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.keys import PATHS, Written, si_value, text_of, unit_given
-from quickreturn.cases.reading import changes_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
+from quickreturn.cases.text.copies import in_words
+from quickreturn.cases.text.reading import changes_of
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism

@@ -5,7 +5,7 @@ from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.case import Case, case_of
-from quickreturn.cases.document import Document
+from quickreturn.cases.text.document import Document
 from quickreturn.cases.thesis.data import read_table, read_toml
 from quickreturn.reference_model.scene_values import changed_values
 

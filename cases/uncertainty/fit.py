@@ -8,9 +8,9 @@ import numpy as np
 from scipy import stats
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.copies import LONGEST_NAME
 from quickreturn.cases.keys import text_of, unit_given
 from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.text.copies import LONGEST_NAME
 from quickreturn.cases.uncertainty.parameters import Parameter, changes
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 

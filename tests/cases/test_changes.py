@@ -14,10 +14,10 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.keys import PATHS, si_text, unit_given
-from quickreturn.cases.reading import changes_of
 from quickreturn.cases.resonance_curve import checked_scenes, job, range_of
 from quickreturn.cases.sweep.grid import OF_START, Grid, axis, scenes_of
 from quickreturn.cases.sweep.rows import Impossible, MeasureRequest
+from quickreturn.cases.text.reading import changes_of
 from quickreturn.cases.thesis.finding.effects import effects
 from quickreturn.cases.uncertainty.calibration import _Search, frees_of
 from quickreturn.cases.uncertainty.parameters import Parameter, changes

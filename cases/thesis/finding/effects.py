@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from quickreturn.cases.reading import changes_of
+from quickreturn.cases.text.reading import changes_of
 from quickreturn.cases.thesis.data import read_toml
 from quickreturn.cases.thesis.runs import run_case
 from quickreturn.reference_model.mechanism import Mechanism

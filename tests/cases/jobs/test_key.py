@@ -101,15 +101,15 @@ def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
 #: Function of a stored job -> some of the modules that it uses, and some that it does not.
 USES = {
     "sweep.grid.measured_row": (
-        "document copies units reading measures.catalogue loads.stress runs.steady_state",
+        "text.document text.copies units text.reading measures.catalogue loads.stress runs.steady_state",
         "sweep.study runs.comparison",
     ),
     "judging.matrix.trial": ("variation judging.evidence", "runs.differences"),
     "conformance.conform": ("variation mistakes.diagnosis mistakes.explanation conformance.quantities", "runs.comparison"),
     "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.differences sweep.rows"),
     "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
-    "solving.answer_to": ("solving", "document runs.steady_state"),
-    "resonance_curve.resonance_curve": ("copies reading loads.peak", "runs.comparison"),
+    "solving.answer_to": ("solving", "text.document runs.steady_state"),
+    "resonance_curve.resonance_curve": ("text.copies text.reading loads.peak", "runs.comparison"),
     "benchmark.measurement.pinned": ("trials.truth trials.methods", "runs.comparison"),
     "classes.measurement.measured": ("classes.groups trials.truth", "runs.comparison"),
     "thesis.finding.response.respond": ("measures.half_cycle runs.marching", "runs.comparison"),

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.keys import si_text
 from quickreturn.cases.library import library_case
-from quickreturn.cases.reading import changes_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.grid import Grid, axis, scenes_of
 from quickreturn.cases.sweep.rows import OPEN, Impossible
+from quickreturn.cases.text.reading import changes_of
 from quickreturn.cases.units import LENGTH, parse_quantity
 
 RPM = math.pi / 30.0

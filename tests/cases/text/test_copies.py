@@ -8,8 +8,8 @@ import pytest
 
 from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case, with_times
-from quickreturn.cases.copies import LONGEST_NAME
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.text.copies import LONGEST_NAME
 from tests.cases.scene_texts import SCENE
 
 

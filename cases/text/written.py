@@ -9,8 +9,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.document import Document
 from quickreturn.cases.keys import PATHS, SECTIONS, dimension_of, si_text
+from quickreturn.cases.text.document import Document
 from quickreturn.reference_model.scene_values import ALTERNATIVES, DESCRIPTIONS, OPTIONAL_SECTIONS, SPIN_UP
 
 _WIDTH: Final = 110  # characters of a line of prose

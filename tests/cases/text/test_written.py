@@ -12,7 +12,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.keys import PATHS, SECTIONS
 from quickreturn.cases.library import case_names
-from quickreturn.cases.written import as_toml
+from quickreturn.cases.text.written import as_toml
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, SpinUp
 from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.strategies import scenes

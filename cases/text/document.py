@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from quickreturn.cases.broken_toml import broken_toml
-from quickreturn.cases.copies import LONGEST_TITLE
 from quickreturn.cases.errors import CaseError, as_written, attempted, nearest_or_all, shortened, together
 from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of
+from quickreturn.cases.text.broken_toml import broken_toml
+from quickreturn.cases.text.copies import LONGEST_TITLE
 from quickreturn.reference_model.scene_values import changed_values, replaced_by
 
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
