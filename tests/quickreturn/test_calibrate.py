@@ -11,9 +11,9 @@ from tests.quickreturn.conftest import Call
 
 @pytest.fixture
 def table(call: Call) -> str:
-    """The name of a table of a short stretch, computed with the case's own values."""
+    """The name of a table of a little more than a turn, computed with the case's own values."""
     names = ("time", "crank_angle", "tip_deflection", "strain_2")
-    rows = np.column_stack([computed("reference")[name] for name in names])
+    rows = np.column_stack([computed("reference")[name][:401] for name in names])
     np.savetxt("table.csv", rows, delimiter=",", header=",".join(names), comments="")
     return "table.csv"
 

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from quickreturn.cases.loads import loads_of_run, resonance
-from quickreturn.cases.loads.stress import section_modulus
+from quickreturn.cases.loads.stress import ArmStress, section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.reports.chapters.strength import finding, lacking, mode_sentences, stress_sentences
 from quickreturn.reports.page.chapters import chapters_of
@@ -23,6 +23,15 @@ from tests.reports.reported_results import reported_result
 @pytest.fixture(scope="module")
 def example() -> CaseResult:
     return reported_result("example")
+
+
+@pytest.fixture(scope="module")
+def stress(example: CaseResult) -> ArmStress:
+    """The arm's stress in the example by reference."""
+    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
+    assert loads is not None
+    assert loads.stress is not None
+    return loads.stress
 
 
 @pytest.fixture(scope="module")
@@ -81,17 +90,14 @@ def test_the_keys_that_are_missing_are_named(known: CaseLoads) -> None:
     assert told["both"] == ("No safety factor", ["yield_strength", "fatigue_strength"])
 
 
-def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseResult) -> None:
+def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseResult, stress: ArmStress) -> None:
     page, told = read(one_run(example)), text_of(one_run(example))
-    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
-    assert loads is not None
-    assert loads.stress is not None
     rows = {(row[1][0], row[2][1]): row for row in page.tables["strength.csv"]}
     for name, unit in (("stress", "MPa"), ("crank_torque", "N m"), ("pivot_force", "N"), ("slider_force", "N"), ("tip_deflection", "mm")):
         value = float(rows["reference", name][3][1])
         assert quantity(value, unit).replace("\N{NO-BREAK SPACE}", " ") in told
         assert rows["reference", name][4][0] != "–"  # each with its error
-    assert float(rows["reference", "stress"][3][1]) == loads.stress.largest.value
+    assert float(rows["reference", "stress"][3][1]) == stress.largest.value
     place = float(rows["reference", "stress"][6 - 1][1])
     assert f"{1e3 * place:.0f} mm from P" in told
     first = resonance(example.case.mechanism)
@@ -111,29 +117,21 @@ def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseRes
     ],
 )
 @pytest.mark.parametrize("key", ["yield_strength", "fatigue_strength"])
-def test_a_factor_below_one_is_told_in_a_sentence(example: CaseResult, key: str, part: float, sentence: str) -> None:
-    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
-    assert loads is not None
-    assert loads.stress is not None
-    borne = loads.stress.largest if key == "yield_strength" else loads.stress.amplitude
+def test_a_factor_below_one_is_told_in_a_sentence(example: CaseResult, stress: ArmStress, key: str, part: float, sentence: str) -> None:
+    borne = stress.largest if key == "yield_strength" else stress.amplitude
     strengths = dict.fromkeys(("yield_strength", "fatigue_strength")) | {key: part * borne.value}
     assert sentence in loads_of_case(with_strength(example, **strengths)).verdict
 
 
-def test_one_factor_below_one_is_enough(example: CaseResult) -> None:
-    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
-    assert loads is not None
-    assert loads.stress is not None
-    material = {"yield_strength": 0.5 * loads.stress.largest.value, "fatigue_strength": loads.stress.amplitude.value}
+def test_one_factor_below_one_is_enough(example: CaseResult, stress: ArmStress) -> None:
+    material = {"yield_strength": 0.5 * stress.largest.value, "fatigue_strength": stress.amplitude.value}
     told = loads_of_case(with_strength(example, **material)).verdict
     assert told == "The arm does not hold: the safety factor is 0.5 against yielding and 1 against fatigue."
 
 
 @pytest.mark.parametrize(("part", "words"), [(0.3, "30 % of it: the safety factor is 0.5 (0.38"), (2.0, " or more)")])
-def test_an_error_of_tens_of_percent_lets_nobody_judge(example: CaseResult, part: float, words: str) -> None:
+def test_an_error_of_tens_of_percent_lets_nobody_judge(example: CaseResult, stress: ArmStress, part: float, words: str) -> None:
     run = example.runs["reference"]
-    stress = loads_of_case(example).loads["reference"].stress
-    assert stress is not None
     moment = stress.largest.value * section_modulus(example.case.mechanism.follower)
     unsure = {name: dict.fromkeys(("pre", "post"), part * moment) for name in run.cycle}
     result = with_run(
