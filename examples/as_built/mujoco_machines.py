@@ -1,0 +1,227 @@
+"""Run 24 as users of MuJoCo build it: an XML model for each construction, simulated by `mj_step` alone.
+
+    python mujoco_machines.py            # the names
+    python mujoco_machines.py NAME FILE  # 2 s of that construction as a CSV table
+
+The follower is a chain of equal links on hinges of stiffness EI/h, damped by its material. A construction says how the crank's pin rides
+along it, with which parameters of the contact, and how MuJoCo integrates.
+"""
+
+import csv
+import math
+import sys
+import time
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import mujoco
+import numpy as np
+
+#: Run 24, SI, with material damping (s) in place of damping against the base.
+SCENE: Final = {
+    "pivot_distance": 0.4572,
+    "crank_length": 0.1016,
+    "crank_mass": 17.5126835,
+    "crank_center": 0.0762,
+    "crank_inertia": 4.51939316e-05,
+    "torque": 1.12984829,
+    "crank_damping": 0.0679903552,
+    "crank_speed": 16.617773,
+    "base_inertia": 1.69477244e-05,
+    "base_damping": 2.25969658e-06,
+    "length": 0.635,
+    "mass_per_length": 0.328181484,
+    "bending_stiffness": 6.10759695,
+    "thickness": 0.003175,
+    "width": 0.0381,
+    "material_damping": 1e-4,
+    "tip_mass": 0.0507867822,
+    "tip_inertia": 2.21450265e-06,
+}
+#: Radius of a roller or pin, m.
+RADIUS: Final = 0.005
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A construction. `joint`: "slot" (a pin between two walls), "rollers" (two spheres about the arm), "carriages" (see `_carriages`)."""
+
+    joint: str = "slot"
+    links: int = 13
+    step: float = 1e-4  # s
+    solref: float | None = None  # time constant of the contact, s; None: MuJoCo's default, 0.02
+    friction: float | None = 0.0  # of the contact; None: MuJoCo's default, 1
+    integrator: str = "implicitfast"
+    armature: float = 0.0  # kg m^2
+    stiffness: float = 1.0  # of a hinge, over EI/h
+    output: float = 1e-3  # s, of the table
+
+
+STIFF: Final = Machine(solref=2e-4)
+MACHINES: Final = {
+    "slot, all defaults, 2 ms": Machine(step=2e-3, friction=None, integrator="Euler", output=2e-3),
+    "slot, all defaults, 0.5 ms": Machine(step=5e-4, friction=None, integrator="Euler"),
+    "slot, default contact, 0.1 ms": Machine(),
+    "slot, contact 5 ms": replace(STIFF, solref=5e-3),
+    "slot, contact 1 ms": replace(STIFF, solref=1e-3),
+    "slot, contact 2 steps": STIFF,
+    "slot, contact 2 steps, 26 links, 0.025 ms": replace(STIFF, links=26, step=2.5e-5, solref=5e-5),
+    "slot, contact 2 steps, armature, 0.25 ms": replace(STIFF, step=2.5e-4, solref=5e-4, armature=1e-5),
+    "slot, contact 2 steps, default friction": replace(STIFF, friction=None),
+    "slot, contact 2 steps, hinges 3 EI/h": replace(STIFF, stiffness=3.0),
+    "slot, contact 2 steps, discrete, 0.5 ms": replace(STIFF, integrator="discrete", step=5e-4, solref=1e-3),
+    "slot, contact 2 steps, discrete, 0.1 ms": replace(STIFF, integrator="discrete"),
+    "rollers, contact 2 steps": replace(STIFF, joint="rollers"),
+    "slide on the middle link and connect": replace(STIFF, joint="carriage"),
+}
+
+
+def xml(machine: Machine, held: bool = False) -> str:
+    """The model. With the crank `held` it has no coordinate of its own."""
+    s, n = SCENE, machine.links
+    h = s["length"] / n
+    contact = "" if machine.solref is None else f' solref="{machine.solref} 1"'
+    if machine.friction is not None:
+        contact += ' condim="1"' if machine.friction == 0.0 else f' condim="3" friction="{machine.friction} 0 0"'
+    link, carriage = "", machine.joint == "carriage"
+    for k in reversed(range(n)):
+        if k == 0:
+            joint = f'<joint name="link0" axis="0 0 1" damping="{s["base_damping"]}" armature="{s["base_inertia"]}"/>'
+        else:
+            k_hinge = machine.stiffness * s["bending_stiffness"] / h
+            damping = k_hinge * s["material_damping"]
+            joint = f'<joint name="link{k}" axis="0 0 1" stiffness="{k_hinge}" damping="{damping}" armature="{machine.armature}"/>'
+        mass = s["mass_per_length"] * h
+        inertia = mass * h**2 / 12.0
+        body = f'<inertial pos="{h / 2} 0 0" mass="{mass}" diaginertia="{inertia} {inertia} {inertia}"/>' + joint
+        if machine.joint == "slot":
+            for side in (1, -1):
+                where = f'size="{h / 2} {RADIUS / 2} {s["width"] / 2}" pos="{h / 2} {side * 1.5 * RADIUS} 0"'
+                body += f'<geom type="box" {where} contype="1" conaffinity="2"{contact}/>'
+        elif machine.joint == "rollers":
+            half = f"{h / 2} {s['thickness'] / 2} {s['width'] / 2}"
+            body += f'<geom type="box" size="{half}" pos="{h / 2} 0 0" contype="1" conaffinity="2"{contact}/>'
+        elif carriage and k == n // 2:
+            inner = '<inertial pos="0 0 0" mass="1e-3" diaginertia="1e-8 1e-8 1e-8"/><joint name="slide" type="slide" axis="1 0 0"/>'
+            body += f'<body name="carriage" pos="0 0 0">{inner}</body>'
+        if k == n - 1:
+            inertia = s["tip_inertia"]
+            at_tip = f'<inertial pos="0 0 0" mass="{s["tip_mass"]}" diaginertia="{inertia} {inertia} {inertia}"/>'
+            body += f'<body name="tip" pos="{h} 0 0">{at_tip}</body>'
+        link = f'<body name="link{k}" pos="{h if k else s["pivot_distance"]} 0 0">{body}{link}</body>'
+    pin = f'contype="2" conaffinity="1"{contact}'
+    if machine.joint == "slot":
+        slider = f'<geom type="sphere" size="{RADIUS}" pos="{s["crank_length"]} 0 0" mass="0" {pin}/>'
+    elif machine.joint == "rollers":
+        y = s["thickness"] / 2 + RADIUS
+        spheres = "".join(f'<geom type="sphere" size="{RADIUS}" pos="0 {side * y} 0" mass="0" {pin}/>' for side in (1, -1))
+        inertial = '<inertial pos="0 0 0" mass="1e-3" diaginertia="1e-8 1e-8 1e-8"/>'
+        slider = f'<body pos="{s["crank_length"]} 0 0">{inertial}<joint name="slider" axis="0 0 1"/>{spheres}</body>'
+    else:
+        slider = ""
+    i = s["crank_inertia"]
+    crank = f'<inertial pos="{s["crank_center"]} 0 0" mass="{s["crank_mass"]}" diaginertia="{i} {i} {i}"/>'
+    if not held:
+        crank += f'<joint name="crank" axis="0 0 1" damping="{s["crank_damping"]}"/>'
+    tied = (
+        f'<equality><connect body1="carriage" body2="crank" anchor="0 0 0" solref="{2 * machine.step} 1"/></equality>' if carriage else ""
+    )
+    return f"""<mujoco>
+  <compiler angle="radian"/>
+  <option timestep="{machine.step}" gravity="0 0 0" integrator="{machine.integrator}" jacobian="dense"/>
+  <worldbody><body name="crank" {'quat="0 0 0 1"' if held else ""}>{crank}{slider}</body>{link}</worldbody>{tied}
+</mujoco>"""
+
+
+def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndarray], float]:
+    """Columns of a table, and the processor time of the solve, s. It is shorter if MuJoCo lost the motion and began anew."""
+    model = mujoco.MjModel.from_xml_string(xml(machine))
+    data = mujoco.MjData(model)
+    s, n = SCENE, machine.links
+    h = s["length"] / n
+    where = {mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, k): k for k in range(model.njnt)}
+    crank, first = where["crank"], where["link0"]
+    hinges = [where[f"link{k}"] for k in range(n)]
+    # the standard start: crank at 180 deg, follower straight, as the rigid mechanism moves
+    reach = s["pivot_distance"] + s["crank_length"]
+    data.qpos[crank], data.qvel[crank] = math.pi, s["crank_speed"]
+    data.qpos[first], data.qvel[first] = math.pi, s["crank_speed"] * s["crank_length"] / reach
+    if "slider" in where:
+        data.qvel[where["slider"]] = data.qvel[first] - data.qvel[crank]
+    if "slide" in where:
+        data.qpos[where["slide"]] = reach - (n // 2) * h
+    data.qfrc_applied[crank] = s["torque"]
+    rows, steps, spent = [], round(machine.output / machine.step), 0.0
+    for k in range(round(duration / machine.output) + 1):
+        if k:
+            began = time.process_time()
+            mujoco.mj_step(model, data, steps)
+            spent += time.process_time() - began
+        if data.time < (k - 0.5) * machine.output:  # after a bad acceleration MuJoCo begins anew, with a warning in a log file
+            break
+        q1, alpha = data.qpos[crank], np.cumsum(data.qpos[hinges])
+        e = np.exp(1j * alpha)
+        corners = np.concatenate([[0.0], np.cumsum(h * e)])
+        local = (s["crank_length"] * np.exp(1j * q1) - s["pivot_distance"] - corners[:-1]) / e
+        nearest = local[np.argmin(np.abs(local.real - h / 2.0))]
+        deflection = (corners[-1] / e[0]).imag
+        rows.append((k * machine.output, q1, deflection, abs(nearest.imag)))
+    names = ("time", "crank_angle", "tip_deflection", "constraint_gap")
+    return dict(zip(names, np.array(rows).T, strict=True)), spent
+
+
+def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> tuple[float, float]:
+    """Frequency (Hz) and damping ratio of the first mode with the crank held at 180 deg, after the tip was held aside."""
+    model = mujoco.MjModel.from_xml_string(xml(machine, held=True))
+    data, n = mujoco.MjData(model), machine.links
+    h = SCENE["length"] / n
+    hinges = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"link{k}") for k in range(n)]
+    reach = SCENE["pivot_distance"] + SCENE["crank_length"]
+    data.qpos[hinges[0]] = math.pi
+    # a force on the tip: the moment falls from the slider to the tip, and to the pivot
+    places = h * np.arange(1, n)
+    inboard = places / reach * (SCENE["length"] - reach)
+    bend = np.where(places < reach, inboard, SCENE["length"] - places)
+    data.qpos[hinges[1:]] = bend
+    shape = h * np.concatenate([[0.0, 0.0], np.cumsum(np.cumsum(data.qpos[hinges[1:]]))])  # of the corners, from the first link's line
+    at_pin = np.interp(reach, h * np.arange(n + 1), shape)
+    size = deflection / (shape[-1] - at_pin * SCENE["length"] / reach)
+    data.qpos[hinges[1:]] *= size
+    data.qpos[hinges[0]] -= size * at_pin / reach
+    signal, steps = [], max(1, round(1e-3 / machine.step))
+    slide = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, "slide")
+    if slide >= 0:
+        data.qpos[slide] = reach - (n // 2) * h
+    for _ in range(round(duration / (steps * machine.step))):
+        mujoco.mj_step(model, data, steps)
+        signal.append(-np.imag(h * np.exp(1j * np.cumsum(data.qpos[hinges])).sum()))
+    return ring(np.array(signal), steps * machine.step)
+
+
+def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
+    """Frequency (Hz) and damping ratio of the largest peak of the spectrum: phase and size of the signal about it, smoothed by a window."""
+    window, times = np.hanning(len(signal) // 4), step * np.arange(len(signal))
+    if not np.isfinite(signal).all():
+        return math.nan, math.nan
+    spectrum = np.abs(np.fft.rfft((signal - signal.mean()) * np.hanning(len(signal))))
+    near = np.fft.rfftfreq(len(signal), step)[np.argmax(spectrum)]
+    slow = np.convolve((signal - signal.mean()) * np.exp(-2j * np.pi * near * times), window, "valid")
+    middle = times[: len(slow)]
+    turning = np.polyfit(middle, np.unwrap(np.angle(slow)), 1)[0]
+    rate = -np.polyfit(middle, np.log(np.abs(slow)), 1)[0]
+    frequency = near + float(turning) / (2.0 * math.pi)
+    return frequency, float(rate) / (2.0 * math.pi * frequency)
+
+
+def main(arguments: list[str]) -> Any:
+    """The names, or a table of one construction."""
+    if len(arguments) != 2 or arguments[0] not in MACHINES:
+        return print(*MACHINES, sep="\n")
+    columns, _ = simulate(MACHINES[arguments[0]])
+    with open(arguments[1], "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([list(columns), *np.array(list(columns.values())).T.tolist()])
+    return None
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

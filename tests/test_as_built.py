@@ -1,0 +1,59 @@
+"""The constructions of `examples/as_built/`: the statements of docs/as-built.md, and its numbers."""
+
+import math
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def measure(module_monkeypatch: pytest.MonkeyPatch) -> Any:
+    module_monkeypatch.syspath_prepend(str(ROOT / "examples" / "as_built"))
+    import measure
+
+    return measure
+
+
+@pytest.fixture(scope="module")
+def module_monkeypatch() -> Any:
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        yield monkeypatch
+    for name in ("measure", "mujoco_machines"):
+        sys.modules.pop(name, None)
+
+
+def test_the_frequency_and_damping_of_a_known_ring_are_found(measure: Any) -> None:
+    t = 1e-3 * np.arange(1000)
+    signal = 2.0 + np.exp(-0.02 * 2.0 * np.pi * 18.0 * t) * np.cos(2.0 * np.pi * 18.0 * t) + 0.2 * np.cos(2.0 * np.pi * 71.0 * t)
+    frequency, damping = measure.mujoco_machines.ring(signal, 1e-3)
+    assert frequency == pytest.approx(18.0, rel=2e-3)
+    assert damping == pytest.approx(0.02, rel=0.05)
+
+
+def test_the_defaults_lose_the_machine_and_a_stiff_contact_keeps_it(measure: Any) -> None:
+    machines = measure.mujoco_machines
+    lost, _ = machines.simulate(machines.MACHINES["slot, all defaults, 0.5 ms"], 0.1)
+    assert lost["time"][-1] < 0.05
+    kept, _ = machines.simulate(machines.STIFF, 0.3)
+    assert kept["time"][-1] == pytest.approx(0.3)
+    assert kept["constraint_gap"].max() < 5e-5
+
+
+@pytest.mark.verify
+def test_the_table_of_the_document_comes_out_again(measure: Any) -> None:
+    """In the same order; to a fifth of each error, and for errors above 1, where chaos decides, to a factor of two."""
+    rows = (ROOT / "docs" / "as-built.md").read_text(encoding="utf-8").splitlines()
+    told = [float(found[1]) / 100.0 for row in rows if (found := re.match(r"\| [^|]+ \| \**([\d.]+) %", row))]
+    deflection, frequency, damping = measure.truth()
+    assert (frequency, damping) == (pytest.approx(20.354, abs=1e-3), pytest.approx(0.0064, abs=5e-5))
+    found = [measure.measured(name, deflection, frequency) for name in measure.mujoco_machines.MACHINES]
+    errors = [each.error for each in found if each.end >= 2.0]
+    assert len(told) == len(errors) == 12
+    for right, error in zip(told, errors, strict=True):
+        assert abs(math.log(error / right)) < (math.log(2.0) if right > 1.0 else 0.2)
