@@ -3,19 +3,26 @@
 import dataclasses
 from typing import Any
 
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Follower, FollowerAlone, Mechanism, SpinUp, Tip, TorqueDrive
 
 INCH = 0.0254  # m
 POUND_FORCE = 4.4482216152605  # N
 POUND_MASS = POUND_FORCE / INCH  # kg, of lbf s²/in
 
+#: A follower alone with everything on: tip body beyond the end, gravity, both dampings, inertia of the base.
+FOLLOWER_ALONE = FollowerAlone(
+    spin_up=SpinUp(speed=7.0, time=1.5),
+    base=Base(inertia=0.02, damping=0.05),
+    follower=Follower(
+        length=0.8, mass_per_length=0.4, bending_stiffness=5.0, thickness=3e-3, width=4e-2, damping=0.3, strain_gauges=(0.2, 0.4, 0.6)
+    ),
+    tip=Tip(mass=0.06, inertia=4e-4, center_of_mass=0.03),
+    gravity=(1.5, -9.0),
+)
+
 
 def run_24(**changes: Any) -> Mechanism:
-    """Run 24 (crank 4 in, six plates, 16.6 rad/s), SI.
-
-    A change given as a dict replaces quantities within a part, anything else replaces the part:
-    `run_24(follower={"damping": 0.0}, tip=None, gravity=(0.0, -9.81))`.
-    """
+    """Run 24 (crank 4 in, six plates, 16.6 rad/s), SI, with changes as of `with_parts`."""
     mechanism = Mechanism(
         pivot_distance=18.0 * INCH,
         crank=Crank(
@@ -37,6 +44,15 @@ def run_24(**changes: Any) -> Mechanism:
         ),
         tip=Tip(mass=2.90e-4 * POUND_MASS, inertia=1.96e-5 * POUND_MASS * INCH**2),
     )
+    return with_parts(mechanism, **changes)
+
+
+def with_parts(mechanism: Mechanism, **changes: Any) -> Mechanism:
+    """A mechanism with changes of its parts.
+
+    A change given as a dict replaces quantities within a part, anything else replaces the part:
+    `with_parts(run_24(), follower={"damping": 0.0}, tip=None, gravity=(0.0, -9.81))`.
+    """
     for part, change in changes.items():
         if isinstance(change, dict):
             change = dataclasses.replace(getattr(mechanism, part), **change)

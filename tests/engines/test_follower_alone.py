@@ -1,5 +1,7 @@
 """The follower alone in every engine that has a model of it, with every part of the scene on."""
 
+from dataclasses import replace
+
 import pytest
 
 from quickreturn.engines.base import Refusal
@@ -9,18 +11,11 @@ from quickreturn.engines.scene import describe_scene, simulate_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import FollowerTrajectory
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
-from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, SpinUp, Tip
+from quickreturn.reference_model.mechanism import SpinUp
 from quickreturn.reference_model.spin_up import base_motion
+from tests.engines.scenes import FOLLOWER_ALONE
 
-SCENE = FollowerAlone(
-    spin_up=SpinUp(speed=7.0, time=1.0),
-    base=Base(inertia=0.02, damping=0.05),
-    follower=Follower(
-        length=0.8, mass_per_length=0.4, bending_stiffness=5.0, thickness=3e-3, width=4e-2, damping=0.3, strain_gauges=(0.2, 0.4, 0.6)
-    ),
-    tip=Tip(mass=0.06, inertia=4e-4, center_of_mass=0.03),
-    gravity=(0.2, -0.5),
-)
+SCENE = replace(FOLLOWER_ALONE, spin_up=SpinUp(speed=7.0, time=1.0), gravity=(0.2, -0.5))
 DURATION, STEP = 1.2, 0.01
 
 

@@ -9,25 +9,16 @@ from scipy.optimize import brentq
 
 from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.errors import ImpossibleMechanism
-from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, SpinUp, Tip
+from quickreturn.reference_model.mechanism import Base, FollowerAlone, Tip
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.shapes import hermite_elements
 from quickreturn.reference_model.spin_up import base_motion
 from quickreturn.reference_model.thesis.model import ThesisModel
+from tests.engines.scenes import FOLLOWER_ALONE as SCENE
 
 Array = NDArray[np.float64]
 
-#: Everything on: tip body beyond the end, gravity, both dampings, inertia of the base.
-SCENE = FollowerAlone(
-    spin_up=SpinUp(speed=7.0, time=1.5),
-    base=Base(inertia=0.02, damping=0.05),
-    follower=Follower(
-        length=0.8, mass_per_length=0.4, bending_stiffness=5.0, thickness=3e-3, width=4e-2, damping=0.3, strain_gauges=(0.2, 0.4, 0.6)
-    ),
-    tip=Tip(mass=0.06, inertia=4e-4, center_of_mass=0.03),
-    gravity=(1.5, -9.0),
-)
 BARE = dataclasses.replace(
     SCENE,
     base=Base(),

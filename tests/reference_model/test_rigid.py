@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.rigid import mean_crank_speed, rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.slider import Slider
-from tests.engines.scenes import run_24
+from tests.engines.scenes import run_24, with_parts
 from tests.reference_model.motion import beam_runs
 from tests.reference_model.motion.beam_runs import Array, run, staying
 from tests.reference_model.thesis.thesis_runs import error, rigid, thesis
@@ -22,11 +22,7 @@ STIFF = {"bending_stiffness": math.inf}
 def everything(**changes: dict[str, Any]) -> Mechanism:
     """Run 24 with all that the thesis leaves out."""
     full = run_24(gravity=(2.0, -9.81), slider=Slider(mass=0.3, inertia=4e-4), tip={"center_of_mass": 0.0127}, base={"damping": 0.01})
-    for part, change in changes.items():
-        full = dataclasses.replace(
-            full, **{part: dataclasses.replace(getattr(full, part), **change) if isinstance(change, dict) else change}
-        )
-    return full
+    return with_parts(full, **changes)
 
 
 def place(mechanism: Mechanism, q1: float) -> tuple[float, float]:

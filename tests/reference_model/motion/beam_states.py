@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.joint import Rollers
-from quickreturn.reference_model.mechanism import Base, Follower, FollowerAlone, Mechanism, PrescribedSpeed, SpinUp, Tip
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
-from tests.engines.scenes import INCH, run_24
+from tests.engines.scenes import FOLLOWER_ALONE, INCH, run_24
 
 Array = NDArray[np.float64]
 
@@ -34,14 +34,10 @@ RUBBING: Final = replace(
 )
 DAMPED: Final = replace(RUBBING, follower=replace(RUBBING.follower, material_damping=3e-4))
 BARE: Final = run_24(tip=None, base={"inertia": 0.0, "damping": 0.0}, follower={"damping": 0.0}, crank={"length": 6.0 * INCH})
-ALONE: Final = FollowerAlone(
-    spin_up=SpinUp(speed=7.0, time=1.5),
-    base=Base(inertia=0.02, damping=0.05, friction_torque=0.3),
-    follower=Follower(
-        length=0.8, mass_per_length=0.4, bending_stiffness=5.0, thickness=3e-3, width=4e-2, damping=0.3, strain_gauges=(0.15, 0.42, 0.6)
-    ),
-    tip=Tip(mass=0.06, inertia=4e-4, center_of_mass=0.03),
-    gravity=(1.5, -9.0),
+ALONE: Final = replace(
+    FOLLOWER_ALONE,
+    base=replace(FOLLOWER_ALONE.base, friction_torque=0.3),
+    follower=replace(FOLLOWER_ALONE.follower, strain_gauges=(0.15, 0.42, 0.6)),
 )
 SPRING: Final = Rollers(plus=2e3, minus=2e3, damping=8.0)
 COMPLIANT: Final = SliderConstraint(kind=ROLLERS, rollers=SPRING)

@@ -14,7 +14,7 @@ from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip_force import tip_force
-from tests.engines.scenes import run_24
+from tests.engines.scenes import run_24, with_parts
 from tests.reference_model.motion.beam_runs import Array, run
 from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 from tests.reference_model.thesis.thesis_runs import rigid
@@ -30,11 +30,7 @@ def everything(**changes: Any) -> Mechanism:
         tip={"center_of_mass": 0.0127, "force": (-1.0, 2.0), "force_from": math.radians(200.0), "force_to": math.radians(320.0)},
         base={"damping": 0.01},
     )
-    for part, change in changes.items():
-        full = dataclasses.replace(
-            full, **{part: dataclasses.replace(getattr(full, part), **change) if isinstance(change, dict) else change}
-        )
-    return full
+    return with_parts(full, **changes)
 
 
 RIGID = everything(follower={"bending_stiffness": math.inf}, base={"friction_torque": 0.4})
