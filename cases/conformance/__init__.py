@@ -10,7 +10,7 @@ from typing import Final
 
 from quickreturn.cases.conformance.alone import alone
 from quickreturn.cases.conformance.bench import Bench, engine_from, truth
-from quickreturn.cases.conformance.checks import LEFT_OUT, NOT_QUICK, TELL_THE_AUTHOR, Check, Conformance, LeftOut, raising
+from quickreturn.cases.conformance.checks import LEFT_OUT, NOT_QUICK, TELL_THE_AUTHOR, Check, Conformance, LeftOut, ended
 from quickreturn.cases.conformance.failures import failures
 from quickreturn.cases.conformance.frequencies import frequencies
 from quickreturn.cases.conformance.motion import motion
@@ -21,7 +21,7 @@ from quickreturn.cases.jobs.display import watched
 from quickreturn.cases.jobs.here import ThisProcess
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Executor, Job, Limits, Outcome
-from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.engines.base import AnyEngine, Refusal
 from quickreturn.engines.registry import UnknownEngine
 
 __all__ = ["GROUPS", "QUICK", "Check", "Conformance", "conform", "job", "trial"]
@@ -104,7 +104,7 @@ def trial(
     except Refusal as refusal:
         return {part: [Check(part, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR)]}
     except Exception as error:  # an author's engine may raise anything
-        return {part: [raising(part, error)]}
+        return {part: [ended(part, error)]}
     if seconds is not None:
         truth(bench.mild)  # what is compiled and computed once for all engines takes no time of the trial
         bench.begin()
@@ -134,11 +134,9 @@ def _checks(group: str, bench: Bench, other: OtherProcesses) -> list[Check]:
     try:
         checks.extend(GROUPS[group].checks(bench, other))
     except LeftOut as left_out:
-        checks.append(Check(f"{group}: the rest", left_out.status, left_out.cause, left_out.advice))
-    except EngineFailure as failure:
-        checks.append(Check(group, "failed", f"a run breaks down: {failure.cause}", failure.advice))
-    except Exception as error:  # likewise
-        checks.append(raising(group, error))
+        checks.append(ended(f"{group}: the rest", left_out))
+    except Exception as error:  # an author's engine may raise anything
+        checks.append(ended(group, error))
     return checks
 
 

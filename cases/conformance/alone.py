@@ -1,9 +1,9 @@
 """Checks of the follower alone, if the engine models it: its columns, and its quantities one by one."""
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, truth
 from quickreturn.cases.conformance.checks import Check, Fault, check_by, some
@@ -21,7 +21,7 @@ from quickreturn.reference_model.scene_values import changed
 _DURATION: Final = 0.6  # s: the base has turned steadily for a while
 #: The mild scene's follower on a turning base: it bends by a hundredth of its length.
 SCENE: Final = FollowerAlone(spin_up=SpinUp(speed=6.0, time=0.4), base=BASE.base, follower=BASE.follower, tip=BASE.tip)
-_EVERYTHING: Final = {
+_EVERYTHING: Final[Mapping[str, Any]] = {
     "tip.mass": 0.08, "tip.inertia": 8e-4, "tip.center_of_mass": 0.05, "follower.damping": 2.0, "mechanism.gravity": (4.0, -7.0)
 }  # fmt: skip
 #: Every quantity of a follower alone, except those without effect on the columns; of most the change is that in a mechanism.

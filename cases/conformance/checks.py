@@ -95,16 +95,16 @@ def check_by(name: str, look: Callable[..., str | None], *arguments: Any) -> Che
         return Check(name, "passed", look(*arguments) or "")
     except Refusal as refusal:
         return Check(name, "passed", f"refused: {refusal}")
-    except Fault as fault:
-        return Check(name, fault.status, fault.cause, fault.advice)
-    except EngineFailure as failure:
-        return Check(name, "failed", f"a run breaks down: {failure.cause}", failure.advice)
     except Exception as error:  # an author's engine may raise anything
-        return raising(name, error)
+        return ended(name, error)
 
 
-def raising(name: str, error: Exception) -> Check:
-    """A check that ended with an exception that no engine may raise."""
+def ended(name: str, error: Exception) -> Check:
+    """The check that an exception ended."""
+    if isinstance(error, Fault):
+        return Check(name, error.status, error.cause, error.advice)
+    if isinstance(error, EngineFailure):
+        return Check(name, "failed", f"a run breaks down: {error.cause}", error.advice)
     cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}"
     return Check(name, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user")
 
