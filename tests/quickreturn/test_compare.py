@@ -31,7 +31,7 @@ def _one_store(store: str, monkeypatch: pytest.MonkeyPatch) -> None:
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A trajectory of the reference."""
     file = tmp_path_factory.mktemp("trajectory") / "out.csv"
-    assert main(["simulate", "thesis-24", "--engine", "reference", "--output", str(file)]) == 0
+    assert main(["simulate", "thesis-24", "--engine", "reference", "--no-estimate", "--output", str(file)]) == 0
     return file
 
 
@@ -134,7 +134,7 @@ def test_report_and_run_take_third_party_engines_and_tables(call: Call, tmp_path
 @pytest.fixture(scope="module")
 def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("other") / "out.csv"
-    assert main(["simulate", "thesis-17", "--engine", "reference", "--output", str(file)]) == 0
+    assert main(["simulate", "thesis-17", "--engine", "reference", "--no-estimate", "--output", str(file)]) == 0
     return file
 
 
