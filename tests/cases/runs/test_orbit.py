@@ -153,7 +153,7 @@ def test_a_run_that_will_not_do_is_not_begun(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_where_there_is_no_orbit_the_standard_start_serves_and_it_is_said() -> None:
-    found = steady_state(request(settings=CHEAP, orbit=Orbit(None, None, "the search went astray")))
+    found = steady_state(request(settings=CHEAP, orbit=Orbit(None, None, "the search went astray"), estimated=False))
     assert (found.status, found.start) == (Ending.SETTLED, STANDARD)
     assert "begun in the standard start" in found.remark
     assert "the search went astray" in found.remark
