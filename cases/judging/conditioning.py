@@ -45,6 +45,8 @@ class Conditioning:
     # length (s) of the longest stretch from the start on which no change exceeds `ILL`; the duration if fewer than `FEWEST_LATER` rows are
     # beyond that. A change of speed counts at the same crank angle, because the same motion only comes sooner.
     horizon: float
+    scene: str = ""  # name of the case
+    converged: float | None = None  # claimed error of its converged solution; None where there is none
 
 
 def conditioning(mechanism: Mechanism, duration: float, output_step: float) -> Conditioning:

@@ -76,7 +76,6 @@ class Matrix:
     engines: tuple[str, ...]  # names
     cells: Mapping[tuple[str, str], Judged]  # (scene, engine) -> cell; those that have been computed
     conditionings: Mapping[str, Conditioning]  # scene -> its conditioning, where it could be computed
-    converged: Mapping[str, float | None]  # scene -> claimed error of its converged solution; None where there is none
 
     @property
     def silently_wrong(self) -> tuple[Judged, ...]:
@@ -92,7 +91,8 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     outcomes = workshop.outcomes([_conditioning_job(case) for case in cases], "hard scenes")
-    conditionings = {case.name: outcome.value for case, outcome in zip(cases, outcomes, strict=True) if outcome.value}
+    found = [replace(outcome.value, scene=case.name) for case, outcome in zip(cases, outcomes, strict=True) if outcome.value]
+    conditionings = {of_case.scene: of_case for of_case in found}
     horizons = {case.name: case.duration for case in cases} | {name: of_case.horizon for name, of_case in conditionings.items()}
     jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(case, horizons[case.name], engines).items()}
     trials: dict[tuple[str, str], Trial] = {}
@@ -100,13 +100,13 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
         if not outcome.missing:
             trials[what, name] = outcome.value or _broken(jobs[what, name], outcome)
     cells: dict[tuple[str, str], Judged] = {}
-    converged: dict[str, float | None] = {}
     for case in cases:
         truth = trials.get(("converged", case.name))
         of_case = {name: trials[name, case.name] for name in engines if (name, case.name) in trials}
         cells |= {(case.name, cell.engine): cell for cell in _cells(case.name, of_case, truth, trials.get(("model", case.name)))}
-        converged[case.name] = judge(truth.evidence).claimed_error if truth else None
-    return Matrix(tuple(cases), tuple(engines), cells, conditionings, converged)
+        if truth and case.name in conditionings:
+            conditionings[case.name] = replace(conditionings[case.name], converged=judge(truth.evidence).claimed_error)
+    return Matrix(tuple(cases), tuple(engines), cells, conditionings)
 
 
 def _conditioning_job(case: Case) -> Job[Conditioning]:

@@ -183,8 +183,7 @@ def conditioning(matrix: Matrix) -> Table:
     for case in matrix.cases:
         conditioned = matrix.conditionings.get(case.name)
         values: dict[str, Any] = {_key(name): conditioned.changes.get(name) for name in changes} if conditioned else {}
-        converged = matrix.converged.get(case.name)
-        table.add(conditioned, scene=case.name, title=short_title(case.title), duration=case.duration, converged=converged, **values)
+        table.add(conditioned, scene=case.name, title=short_title(case.title), duration=case.duration, **values)
     return table
 
 

@@ -10,7 +10,7 @@ import csv
 import dataclasses
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,25 +19,33 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
+from quickreturn.cases import benchmark, studies
+from quickreturn.cases import conformance as conform
 from quickreturn.cases.benchmark import Benchmark, Compiling
+from quickreturn.cases.benchmark.scenes import ENGINES
 from quickreturn.cases.case import Case
+from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes import study as classes
 from quickreturn.cases.classes.map import Map
-from quickreturn.cases.conformance import Conformance
+from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record
+from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.conditioning import Conditioning
-from quickreturn.cases.judging.matrix import Judged, Matrix
+from quickreturn.cases.judging.matrix import Judged, Matrix, judge_scenes
+from quickreturn.cases.library import catalogue
+from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.trials.trial import Trial
-from quickreturn.engines.registry import MAIN
+from quickreturn.engines.registry import MAIN, engine
 
 T = TypeVar("T")
 
 FOLDER: Final = Path(__file__).parent
-#: Names of the studies. Packages beside the core add theirs.
-STUDIES: Final[list[str]] = ["benchmark", "hard scenes", "confirmation", "conformance", "classes"]
 #: Significant digits of recorded numbers.
 DIGITS: Final = 5
+#: Statistics of a benchmark's trials that the page shows, and further ones of `reference`; the others are not recorded.
+STATISTICS: Final = ("largest_gap", "spurious_share")
+OF_REFERENCE: Final = ("right_hand_side_calls", "integration_seconds", "calls_per_period")
 #: Types of mappings with a column for each key; they have no keys whose cells are empty.
 _NUMBERS: Final = (dict[str, float], dict[str, float | None], Mapping[str, float])
 
@@ -68,15 +76,6 @@ class About:
 
 
 @dataclass(frozen=True)
-class ConditioningRow:
-    """The conditioning of a hard scene, and the claimed error of its converged solution."""
-
-    scene: str
-    converged: float | None
-    conditioning: Conditioning
-
-
-@dataclass(frozen=True)
 class ConformanceRow:
     """The verdict of `quickreturn conform` on a version of an engine, and the number of checks behind it."""
 
@@ -88,7 +87,7 @@ class ConformanceRow:
     not_judged: int
 
     @classmethod
-    def of(cls, conformance: Conformance, version: str) -> "ConformanceRow":
+    def of(cls, conformance: conform.Conformance, version: str) -> "ConformanceRow":
         """The outcome for a version of an engine."""
         counts = Counter(check.status for check in conformance.checks)
         return cls(conformance.engine, version, conformance.verdict, counts["passed"], counts["failed"], counts["not judged"])
@@ -143,9 +142,53 @@ def matrix(cases: Iterable[Case]) -> Matrix | None:
     cells = {(cell.scene, cell.engine): cell for cell in table("hard_scenes", Judged)}
     if not cells:
         return None
-    rows = table("hard_scenes_conditioning", ConditioningRow)
     shown = tuple(case for case in cases if any(scene == case.name for scene, _ in cells))
-    return Matrix(shown, MAIN, cells, {row.scene: row.conditioning for row in rows}, {row.scene: row.converged for row in rows})
+    return Matrix(shown, MAIN, cells, {row.scene: row for row in table("hard_scenes_conditioning", Conditioning)})
+
+
+def _benchmark(workshop: Workshop) -> dict[str, Sequence[Any]]:
+    cases = [load_case(name) for name in benchmark.SCENES]
+    measured = [benchmark.stored(case, workshop) or (benchmark.measure(case, workshop) if workshop.computes else None) for case in cases]
+    scenes = [dataclasses.replace(each, trials=()) for each in measured if each]
+    trials = []
+    for trial in (trial for each in measured if each for trial in each.trials):
+        shown = STATISTICS + (OF_REFERENCE if trial.engine == "reference" else ())
+        statistics = {name: trial.statistics[name] for name in shown if name in trial.statistics}
+        trials.append(dataclasses.replace(trial, statistics=statistics))
+    return {"benchmark": trials, "benchmark_scenes": scenes, "compiling": benchmark.compiling(workshop, ENGINES) if scenes else []}
+
+
+def _hard_scenes(workshop: Workshop) -> dict[str, Sequence[Any]]:
+    found = judge_scenes([load_case(entry.name) for entry in catalogue(TAG)], workshop)
+    return {"hard_scenes": [*found.cells.values()], "hard_scenes_conditioning": [*found.conditionings.values()]}
+
+
+def _conformance(workshop: Workshop) -> dict[str, Sequence[Any]]:
+    rows = []
+    for name in ENGINES:
+        job = conform.job(name)
+        outcome = workshop.stored(job)
+        if outcome is None and workshop.computes:
+            outcome = workshop.kept(Outcome(job, conform.conform(name, workshop.executor)))
+        if outcome is not None and outcome.value is not None:
+            rows.append(ConformanceRow.of(outcome.value, engine(name).version()))
+    return {"conformance": rows}
+
+
+def _classes(workshop: Workshop) -> dict[str, Sequence[Any]]:
+    scenes, trials = classes.study(workshop)
+    return {"classes": trials, "classes_scenes": scenes}
+
+
+#: Study -> the function that gives the rows of its tables. What the workshop lacks is computed, or left out if it only has what is stored.
+#: Packages beside the core add theirs.
+STUDIES: Final[dict[str, Callable[[Workshop], Mapping[str, Sequence[Any]]]]] = {
+    "benchmark": _benchmark,
+    "hard scenes": _hard_scenes,
+    "confirmation": lambda workshop: {"confirmation": studies.confirming(workshop)},
+    "conformance": _conformance,
+    "classes": _classes,
+}
 
 
 def table(name: str, kind: type[T]) -> list[T]:

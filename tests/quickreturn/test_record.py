@@ -114,7 +114,7 @@ def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypa
     for module in (long_studies, recording):
         monkeypatch.setattr(module, "FOLDER", tmp_path)
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
-    monkeypatch.setattr(recording.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().trials)))
+    monkeypatch.setattr(long_studies.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().trials)))
     (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "abc1234", "def5678")]))
     long_studies.about.cache_clear()
     assert main(["--stored", "classes"]) == 0

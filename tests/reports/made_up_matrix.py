@@ -31,5 +31,5 @@ def made_up_matrix(*, wrong: bool = False) -> Matrix:
     if wrong:
         cells["hard-speed-x2", "reference"] = replace(cells["hard-speed-x2", "reference"], settings={}, true_error=0.83, holds=False)
     changes = {"stiffness": 0.108, "damping": 0.006, "speed": 0.14, "speed at the same crank angle": 0.07}
-    conditionings = {"hard-speed-x2": Conditioning(changes, 0.42)}
-    return Matrix(tuple(load_case(name) for name in SCENES), ENGINES, cells, conditionings, {"hard-speed-x2": 5e-4})
+    conditionings = {"hard-speed-x2": Conditioning(changes, 0.42, "hard-speed-x2", 5e-4)}
+    return Matrix(tuple(load_case(name) for name in SCENES), ENGINES, cells, conditionings)
