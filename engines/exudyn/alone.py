@@ -4,7 +4,8 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
-from quickreturn.engines.exudyn.flexible import CableModel, add_base, add_cable, add_nodes, add_tip
+from quickreturn.engines.exudyn.construction import add_base, add_cable, add_nodes, add_tip
+from quickreturn.engines.exudyn.flexible import CableModel
 from quickreturn.engines.exudyn.record import Record, accumulated, index
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start_state import at_rest

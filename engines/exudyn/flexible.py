@@ -1,4 +1,4 @@
-"""The mechanism with a flexible follower: construction in Exudyn and observables from its coordinates."""
+"""The mechanism with a flexible follower in Exudyn, and observables from its coordinates."""
 
 import itertools
 from typing import Any, Final
@@ -8,7 +8,8 @@ from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
-from quickreturn.engines.exudyn.cable import Cable, Kink, direction, dot, turned
+from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
+from quickreturn.engines.exudyn.construction import add_ends, add_nodes, add_weight, cable_of, section_of
 from quickreturn.engines.exudyn.damping import Dampers
 from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.record import (
@@ -27,9 +28,9 @@ from quickreturn.engines.exudyn.record import (
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.exudyn.slider import add_slider
 from quickreturn.engines.start import Start
-from quickreturn.engines.start_state import FollowerState, StartState
+from quickreturn.engines.start_state import StartState
 from quickreturn.reference_model.columns import MOMENTS, PLACES
-from quickreturn.reference_model.mechanism import Follower, Mechanism, Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -38,117 +39,6 @@ Array = NDArray[np.float64]
 FEWEST_FOR_HALF_THE_DAMPERS: Final = 24
 
 _SHORT: Final = 1e-5  # in the scene's unit of time: a rate of change by differences, to eight digits
-
-_CLAMPED: Final = [1, 1, 0, 0, 0, 1]  # axes of a generic joint: both places and the rotation in the plane
-
-
-def cable_of(follower: Follower, elements: int, axial_factor: float = 1.0) -> Cable:
-    """The follower as a chain of `elements` cable elements, with `axial_factor` times the section's axial stiffness."""
-    axial_stiffness = axial_factor * follower.axial_stiffness
-    stiffness, damping = follower.bending_stiffness, follower.material_damping * follower.bending_stiffness
-    return Cable(follower.length, elements, follower.mass_per_length, stiffness, axial_stiffness, damping)
-
-
-def add_nodes(assembly: Assembly, cable: Cable, state: FollowerState) -> list[Any]:
-    """Add the cable's nodes in the state `state`; returns their numbers."""
-    x = cable.nodes
-    place, velocity, angle, rate = state.position(x), state.velocity(x), state.tangent(x), state.tangent_rate(x)
-    tangent = np.column_stack([np.cos(angle), np.sin(angle)])
-    tangent_rate = rate[:, None] * np.column_stack([-np.sin(angle), np.cos(angle)])
-    return [
-        assembly.mbs.AddNode(
-            items.NodePoint2DSlope1(referenceCoordinates=[*place[i], *tangent[i]], initialVelocities=[*velocity[i], *tangent_rate[i]])
-        )
-        for i in range(len(x))
-    ]
-
-
-def section_of(cable: Cable) -> dict[str, float]:
-    """Length and section of an element, and the degree of its quadrature, as Exudyn's objects take them.
-
-    Gauss points for polynomials of degree 7 (axial) and 3 (bending) in place of 9 and 5: in runs 24 and 17 and the aluminium shaper errors
-    keep their first three digits, and a run takes a twentieth less time.
-    """
-    return {
-        "length": cable.element_length,
-        "massPerLength": cable.mass_per_length,
-        "bendingStiffness": cable.bending_stiffness,
-        "axialStiffness": cable.axial_stiffness,
-        "bendingDamping": cable.bending_damping,
-        "useReducedOrderIntegration": 1,
-    }
-
-
-def add_cable(assembly: Assembly, cable: Cable, nodes: list[Any]) -> list[Any]:
-    """Add elements between the nodes, without a slider on them; returns their object numbers."""
-    return [assembly.mbs.AddObject(items.ObjectANCFCable2D(**section_of(cable), nodeNumbers=[*pair])) for pair in itertools.pairwise(nodes)]
-
-
-def add_ends(assembly: Assembly, cable: Cable, state: StartState, nodes: list[Any]) -> tuple[Any, Any] | None:
-    """Hold the cable at P and add the tip body.
-
-    A base body is built only where it has something to do: an inertia, or dampings that act on its rotation or relative to it.
-
-    Returns:
-        Node and object number of the base body, or None.
-    """
-    scene, base_body = assembly.scene, None
-    if scene.base.inertia > 0.0 or scene.base.damping > 0.0 or scene.follower.damping > 0.0:
-        base_body = add_base(assembly, state, nodes)
-    else:
-        end = assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))
-        assembly.pin("follower", assembly.scene.pivot_distance, end)
-    add_tip(assembly, cable, state, nodes)
-    return base_body
-
-
-def add_base(assembly: Assembly, state: FollowerState, nodes: list[Any]) -> tuple[Any, Any]:
-    """A base body at P, damped, with the cable clamped to it; node and object number."""
-    start = np.zeros(1)
-    angle, rate = float(state.tangent(start)[0]), float(state.tangent_rate(start)[0])
-    body = assembly.pinned_body("base", assembly.scene.pivot_distance, angle, rate, assembly.scene.base.inertia)
-    markers = [assembly.frame_marker(body[1]), assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))]
-    assembly.add_joint("follower clamped to the base", _clamp(markers), 3)
-    assembly.rotary_damper(body[0], assembly.scene.base.damping)
-    return body
-
-
-def add_tip(assembly: Assembly, cable: Cable, state: FollowerState, nodes: list[Any]) -> None:
-    """Clamp the tip body to the cable's end; nothing is built where there is none."""
-    tip, end = assembly.scene.tip, np.array([cable.length])
-    if tip is None:
-        return
-    c, angle, rate = tip.center_of_mass, float(state.tangent(end)[0]), float(state.tangent_rate(end)[0])
-    axis = np.array([np.cos(angle), np.sin(angle)])
-    place = state.position(end)[0] + c * axis
-    velocity = state.velocity(end)[0] + c * rate * np.array([-axis[1], axis[0]])
-    _, body = assembly.rigid_body(place, angle, velocity, rate, tip.mass, tip.inertia)
-    assembly.listed_body("tip")
-    assembly.weight(body, 0.0, tip.mass)
-    markers = [assembly.frame_marker(body, -c), assembly.mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[-1]))]
-    assembly.add_joint("tip clamped to the follower", _clamp(markers), 3)
-
-
-def _clamp(markers: list[Any]) -> Any:
-    return items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=_CLAMPED)
-
-
-def add_weight(assembly: Assembly, cable: Cable, nodes: list[Any]) -> None:
-    """Consistent nodal forces of the follower's weight.
-
-    Exudyn's mass-proportional load would, on elements that a slider rides on, also push the slider along the follower.
-    """
-    if not assembly.scene.has_gravity:
-        return
-    h, last = cable.element_length, len(nodes) - 1
-    for i, node in enumerate(nodes):
-        on_place = h / 2.0 if i in (0, last) else h
-        on_slope = {0: h**2 / 12.0, last: -(h**2) / 12.0}.get(i, 0.0)
-        for axis, g in enumerate(assembly.scene.gravity):
-            for coordinate, factor in ((axis, on_place), (axis + 2, on_slope)):
-                load = cable.mass_per_length * g * factor
-                if load != 0.0:
-                    assembly.mbs.AddLoad(items.LoadCoordinate(markerNumber=assembly.coordinate_marker(node, coordinate), load=load))
 
 
 class CableModel(Model):
