@@ -4,24 +4,27 @@ Each is a job: it comes from the store if it is there, and is computed like all 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.records import can_be_stored
 from quickreturn.cases.loads import Loads, loads_of
 from quickreturn.engines import progress
-from quickreturn.engines.accurate import Assessment, Result
+from quickreturn.engines.accurate import Result
 from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.natural_frequencies import natural_frequencies
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.scene import simulate_scene
-from quickreturn.engines.trajectory import Columns, trajectory_type
+from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
+
+#: An engine's version, and its result or its failure.
+Answer = tuple[str, Result | EngineFailure]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,31 +50,8 @@ class TrajectoryRequest:
         What a time limit cut short has other estimates, or other settings: its loads are not those of the full answer.
         """
         arguments = self.scene, result.trajectory.columns, result.largest_errors
-        inputs = self, result.settings.as_dict(), result.largest_errors
+        inputs = self, result.settings, result.largest_errors
         return Job("loads", _loads, arguments, "loads of a trajectory", inputs=inputs, **_kept(self.engine))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Answer:
-    """The answer to a request: a trajectory with its assessment, or a failure with the trajectory up to then, if there is one."""
-
-    version: str  # of the engine
-    columns: Columns | None = None  # of the trajectory
-    solve_seconds: float = 0.0
-    statistics: dict[str, float] = field(default_factory=dict)
-    settings: dict[str, Any] = field(default_factory=dict)
-    assessment: Assessment | None = None  # None: it failed
-    failure: tuple[float, str, str] | None = None  # time (s), cause and advice
-
-    def result(self, request: TrajectoryRequest, engine: AnyEngine) -> Result | EngineFailure:
-        """The result or the failure, as the engine gave it."""
-        trajectory = None
-        if self.columns is not None:
-            trajectory = trajectory_type(request.scene)(self.columns, self.solve_seconds, self.statistics)
-        if self.failure is not None:
-            return EngineFailure(*self.failure, trajectory)
-        assert trajectory is not None
-        return Result(**vars(self.assessment), trajectory=trajectory, settings=engine.settings_type(**self.settings))
 
 
 def inputs_of(case: "Case") -> tuple[Mechanism, float, float]:
@@ -80,27 +60,27 @@ def inputs_of(case: "Case") -> tuple[Mechanism, float, float]:
 
 
 def answer_to(request: TrajectoryRequest) -> Answer:
-    """Simulate; a failure is an answer. Raises UnknownEngine or Refusal without a usable engine, else as `engines.scene.simulate_scene`."""
+    """The engine's version, and its result or its failure.
+
+    Raises:
+        UnknownEngine, Refusal: there is no usable engine.
+        ValueError, Refusal, SettingError: as `engines.scene.simulate_scene`.
+    """
     chosen = usable_engine(request.engine) if isinstance(request.engine, str) else request.engine
     how = request.settings, request.accuracy, request.estimate, request.time_limit
-    answer: dict[str, Any] = {"version": chosen.version()}
     try:
         result = simulate_scene(chosen, request.scene, request.duration, request.output_step, *how)
     except EngineFailure as failure:
-        trajectory = failure.partial
-        answer["failure"] = failure.time, failure.cause, failure.advice
-    else:
-        trajectory = result.trajectory
-        assessment = Assessment(**{part.name: getattr(result, part.name) for part in fields(Assessment)})
-        answer |= {"settings": result.settings.as_dict(), "assessment": assessment}
-    if trajectory is not None:
-        answer |= {name: getattr(trajectory, name) for name in ("columns", "solve_seconds", "statistics")}
-    return Answer(**answer)
+        return chosen.version(), EngineFailure(
+            failure.time, failure.cause, failure.advice, failure.partial
+        )  # without the frames of the run
+    return chosen.version(), replace(result, runs={})  # simulations stay in their process
 
 
 def _lasts(outcome: Outcome[Any]) -> bool:
     """Whether there is an answer that can be stored and that no time limit cut short."""
-    hurried = isinstance(outcome.value, Answer) and outcome.value.assessment is not None and outcome.value.assessment.hurried
+    result = outcome.value[1] if isinstance(outcome.value, tuple) else None
+    hurried = isinstance(result, Result) and result.hurried
     return outcome.completed and not hurried and can_be_stored(outcome.value)
 
 

@@ -156,13 +156,16 @@ def _at_default(case: Case, name: str) -> TrajectoryRequest:
 
 
 def _studied(
-    requests: Iterable[TrajectoryRequest], outcomes: Iterable[Outcome[Answer]], true: Trajectory | None, failures: list[str]
+    requests: Iterable[TrajectoryRequest],
+    outcomes: Iterable[Outcome[Answer]],
+    true: Trajectory | None,
+    failures: list[str],
 ) -> list[Trial]:
     """The completed runs with their errors against the converged solution. Appends a sentence on each failed run to `failures`."""
     runs = []
     for request, outcome in zip(requests, outcomes, strict=True):
         name = str(request.engine)
-        result = outcome.value and outcome.value.result(request, engine(name))
+        result = outcome.value and outcome.value[1]
         if isinstance(result, EngineFailure):
             failures.append(f"study {outcome.job.name}: {result}")
         elif result and true:
@@ -170,7 +173,7 @@ def _studied(
                 Trial(
                     scene=ACCURACY_CASE,
                     engine=name,
-                    settings=result.settings.as_dict(),
+                    settings=result.settings,
                     remark=result.remark,
                     degrees_of_freedom=result.description.degrees_of_freedom,
                     errors=errors_of(result.trajectory.columns, true),

@@ -10,12 +10,12 @@ from quickreturn.cases.loads.resonance import Resonance
 from quickreturn.cases.loads.stress import ArmStress, Factor
 from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.measures.cycle import ChannelMeasures
-from quickreturn.cases.resonance_curve import ResonanceCurve, ResonancePeak, SpecialPoint
+from quickreturn.cases.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.solving import Frequencies
 from quickreturn.cases.uncertainty.fit import FittedParameter
 from quickreturn.cases.uncertainty.propagation import Quantile, Share
-from quickreturn.engines.accurate import Assessment
+from quickreturn.engines.accurate import Result
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.witnesses import Witness
 
@@ -33,7 +33,7 @@ RESULTS: Final[dict[type[Any], str]] = {
     Share: "share of variance",
     FittedParameter: "fitted parameter",
     Frequencies: "natural frequencies",
-    Assessment: "simulation",
+    Result: "simulation",
 }
 
 

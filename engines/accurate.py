@@ -8,12 +8,10 @@ its factors on the safe side (a campaign of the tests measures what comes of it)
 engine that converges to a wrong model is found by comparison with other engines only.
 """
 
-import contextlib
-import gc
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 from quickreturn.engines import progress
 from quickreturn.engines.base import (
@@ -23,23 +21,24 @@ from quickreturn.engines.base import (
     EstimateOf,
     ModelDescription,
 )
+from quickreturn.engines.compiling import compile_seconds
 from quickreturn.engines.error_parts import (
     ESTIMATED,
     LOADS,
+    TIP,
     ErrorPart,
-    EstimatedPart,
     NoEstimate,
     all_compared,
-    estimated_part,
+    parts_of,
     relative_size,
     total,
 )
-from quickreturn.engines.one_run import CompletedRun, run_once
+from quickreturn.engines.one_run import CompletedRun, Remembered, run_once
 from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
@@ -48,18 +47,17 @@ LONGER: Final = 4.0
 #: Fraction of the time limit for runs; the rest is for imports, compiled code and the use of the answer.
 USABLE: Final = 0.9
 
-#: Key of the parts of `Assessment.error_estimate`, beside those of columns.
-TIP: Final = "tip"
-
 #: Remark on a run whose error the caller did not ask for.
 NOT_ESTIMATED: Final = "the error is not estimated, as asked"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Assessment:
-    """How far a trajectory can be trusted, and what it took.
+class Result:
+    """A trajectory, how far it can be trusted, and what it took. It is what the store keeps of a simulation.
 
     Attributes:
+        trajectory: of the finest run that completed.
+        settings: of that run, by name.
         accuracy: error of the tip deflection that the run aimed at, None where settings were given and no accuracy was asked.
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
@@ -67,7 +65,7 @@ class Assessment:
         error_estimates: RMS error over `scale` for each column of `ESTIMATED` and each existing one of `LOADS`; None where unknown or
             where the scale is 0.
         error_parts: the parts of `error_estimate`, which add up to it, and by column those of `error_estimates`, with the runs that show
-            them; empty where unknown.
+            them; empty where unknown. Their settings are those that differ from `settings` or from each other.
         estimate_of: the error that is estimated.
         further_run_skipped: whether a still finer run, which checks how fast the error falls, was not needed (`Comparison.alike`).
         hurried: whether the time limit prevented a run, so that a faster machine would give a better answer.
@@ -80,8 +78,11 @@ class Assessment:
         compile_seconds: compiling or loading machine code before anything was timed.
         estimate_seconds: wall time of all other runs, their setup included: those for the estimate, and coarser rungs.
         description: bodies, joints and degrees of freedom of the delivered run.
+        runs: all completed runs by their settings, the delivered one among them; empty if the result comes from another process.
     """
 
+    trajectory: Trajectory | FollowerTrajectory
+    settings: dict[str, Any]
     accuracy: float | None
     error_estimate: float | None
     error_estimates: dict[str, float | None]
@@ -97,6 +98,7 @@ class Assessment:
     compile_seconds: float
     estimate_seconds: float
     description: ModelDescription
+    runs: Mapping[Settings, CompletedRun] = field(default_factory=dict, repr=False)
 
     witnesses: ClassVar[Witnesses] = {
         **dict.fromkeys(
@@ -122,20 +124,10 @@ class Assessment:
         ),
     }
 
-
-@dataclass(frozen=True, kw_only=True)
-class Result(Assessment):
-    """A trajectory and how far it can be trusted.
-
-    Attributes:
-        trajectory: of the finest run that completed.
-        settings: of that run.
-        runs: all completed runs by their settings, the delivered one among them.
-    """
-
-    trajectory: Trajectory
-    settings: Settings
-    runs: Mapping[Settings, CompletedRun] = field(default_factory=dict, repr=False)
+    @property
+    def delivered(self) -> Settings:
+        """Settings of the delivered run as the engine made them; only where `runs` are."""
+        return next(each for each in self.runs if each.as_dict() == self.settings)
 
 
 @on_one_thread
@@ -212,17 +204,6 @@ class _Judged:
     def estimate(self) -> float | None:
         return total(self.parts.get(TIP, ()))
 
-    @property
-    def estimates(self) -> dict[str, float | None]:
-        return {name: total(self.parts.get(name, ())) for name in (*ESTIMATED, *(each for each in LOADS if each in self.parts))}
-
-    def excess(self, target: float) -> dict[str, float]:
-        """What the parts come from -> their size over the accuracy."""
-        found: dict[str, float] = {}
-        for part in self.parts.get(TIP, ()):
-            found[part.of] = found.get(part.of, 0.0) + part.error / target
-        return found
-
     def remarked(self, remark: str) -> "_Judged":
         return replace(self, remark="; ".join(filter(None, (self.remark, remark))))
 
@@ -235,8 +216,7 @@ class _Runs:
     ) -> None:
         self.engine, self.scene = engine, scene
         self._run = (start, duration, output_step)
-        self._done: dict[Settings, CompletedRun] = {}
-        self._failed: dict[Settings, EngineFailure] = {}
+        self._made = Remembered(self._new)
         self.compile_seconds = 0.0
         self._rung = 0
         self._begin = time.perf_counter()
@@ -244,37 +224,21 @@ class _Runs:
         self._time_limit, self._has_estimate, self._hurried = time_limit, False, False
 
     def run(self, settings: Settings) -> CompletedRun:
-        if self.engine.compiles and not self._done and not self._failed and not self.compile_seconds:
-            self._compile(settings)
-        if settings in self._failed:
-            raise self._failed[settings]
-        if settings not in self._done:
-            began = time.perf_counter()
-            self._find_time(began)
-            try:
-                self._done[settings] = run_once(self.engine, self.scene, *self._run, settings)
-            except EngineFailure as failure:
-                self._failed[settings] = failure
-                raise
-            finally:
-                self._seconds[settings] = time.perf_counter() - began
-        return self._done[settings]
+        """The run with some settings. Raises EngineFailure: it broke down, now or before."""
+        if self.engine.compiles and not self._seconds and not self.compile_seconds:
+            self.compile_seconds = compile_seconds(self.engine, self.scene, self._run[0], self._run[-1], settings)
+            progress.tell(phase="simulating", rung=self._rung)
+        return self._made(settings)
 
-    def _find_time(self, now: float) -> None:
-        """Raise `_NoTime` if another run could take longer than the time left."""
-        if self._done and self._time_limit and now - self._begin + LONGER * max(self._seconds.values()) > USABLE * self._time_limit:
+    def _new(self, settings: Settings) -> CompletedRun:
+        began, limit = time.perf_counter(), self._time_limit
+        if self._made.results and limit and began - self._begin + LONGER * max(self._seconds.values()) > USABLE * limit:
             self._hurried = True
-            raise _NoTime(0.0, f"could take longer than is left of the time limit of {self._time_limit:g} s", "")
-
-    def _compile(self, settings: Settings) -> None:
-        """Run one output step, so that all code is loaded before times are taken. What fails here fails again in the run itself."""
-        start, _, output_step = self._run
-        progress.tell(engine=self.engine.name, phase=progress.COMPILING)
-        began = time.perf_counter()
-        with contextlib.suppress(EngineFailure), _no_garbage_collection():
-            run_once(self.engine, self.scene, start, output_step, output_step, settings)
-        self.compile_seconds = time.perf_counter() - began
-        progress.tell(phase="simulating", rung=self._rung)
+            raise _NoTime(0.0, f"could take longer than is left of the time limit of {limit:g} s", "")
+        try:
+            return run_once(self.engine, self.scene, *self._run, settings)
+        finally:
+            self._seconds[settings] = time.perf_counter() - began
 
     def judged(self, settings: Settings) -> _Judged:
         """The run of a rung with its error estimate. Raises EngineFailure: it broke down."""
@@ -283,7 +247,7 @@ class _Runs:
         made = self.run(settings)
         progress.tell(phase="estimating the error", rung=self._rung)
         try:
-            parts, skipped, unchecked = self._parts(settings, made.trajectory)
+            judged = self._compared(settings, made)
         except (NoEstimate, EngineFailure) as reason:
             if isinstance(reason, _NoTime) and self._has_estimate:  # a coarser rung with an estimate is worth more than this one
                 raise
@@ -291,21 +255,19 @@ class _Runs:
             broken = isinstance(reason, EngineFailure) and not isinstance(reason, _NoTime)
             return _Judged(settings, made, remark=f"the error is unknown: {why}", broken=broken)
         self._has_estimate = True
-        columns = {name: [part.columns[name] for part in parts] for name in parts[0].columns}
-        known = {name: tuple(part for part in some if part is not None) for name, some in columns.items()}
-        by_name = {TIP: tuple(part.tip for part in parts)} | {n: some if len(some) == len(parts) else () for n, some in known.items()}
-        largest = {name: sum(part.largest[name] for part in parts) for name in parts[0].largest}
-        remark = f"the estimate assumes the slowest convergence: the run that would show how fast the error falls {unchecked}"
-        return _Judged(settings, made, by_name, largest, remark if unchecked else "", skipped)
+        return judged
 
-    def _parts(self, settings: Settings, trajectory: Trajectory) -> tuple[list[EstimatedPart], bool, str]:
-        """The parts of the error (see `estimated_part`); whether a `Comparison.before` was not needed; why one is missing, else ""."""
+    def _compared(self, settings: Settings, made: CompletedRun) -> _Judged:
+        """A completed run with the parts of its error. NoEstimate, EngineFailure: as `all_compared`."""
         pairs, follower = self.engine.comparisons(settings, self.scene, self._run[-1]), self.scene.follower
         trusted = [pair.before is not None and pair.alike > 0.0 and self._converge_alike(pair) for pair in pairs]
-        made = [replace(pair, before=None) if alone else pair for pair, alone in zip(pairs, trusted, strict=True)]
-        runs = all_compared(made, lambda other: self.run(other).trajectory, lambda run: run.columns, bends=not follower.is_rigid)
+        pairs = tuple(replace(pair, before=None) if alone else pair for pair, alone in zip(pairs, trusted, strict=True))
+        bends = not follower.is_rigid
+        runs = all_compared(pairs, settings, lambda other: self.run(other).trajectory, lambda run: run.columns, bends=bends)
+        parts, largest = parts_of(made.trajectory, runs, follower.length)
         unchecked = next((each.unchecked for each in runs if each.unchecked), "")
-        return [estimated_part(trajectory, each, follower.length) for each in runs], any(trusted), unchecked
+        remark = f"the estimate assumes the slowest convergence: the run that would show how fast the error falls {unchecked}"
+        return _Judged(settings, made, parts, largest, remark if unchecked else "", any(trusted))
 
     def _converge_alike(self, pair: Comparison) -> bool:
         """Whether the differences between the two runs are within what `Comparison.alike` allows."""
@@ -321,11 +283,14 @@ class _Runs:
 
     def finer(self, judged: _Judged | None, rung: Settings, target: float) -> Settings | None:
         """The engine's next rung after `rung`, by its estimate if `judged` is that rung."""
-        excess = judged.excess(target) if judged is not None and judged.settings == rung else {}
+        excess: dict[str, float] = {}
+        for part in judged.parts.get(TIP, ()) if judged is not None and judged.settings == rung else ():
+            excess[part.of] = excess.get(part.of, 0.0) + part.error / target
         return self.engine.finer(rung, excess, self._run[-1])
 
     def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
         """The delivered run, held against the accuracy `target`; `asked`: whether the caller asked for it explicitly."""
+        columns = (*ESTIMATED, *(name for name in LOADS if name in judged.parts))
         estimate, remark, reached = judged.estimate, judged.remark, True
         if estimate is None:
             reached = not asked and not (judged.broken and target is not None)
@@ -338,14 +303,12 @@ class _Runs:
             reached = False
             within = f"the estimated error {estimate:.2g} is within the accuracy {target:g}, but estimates of {self.engine.name}"
             remark = f"{within} are not verified; ask an engine whose estimates are, such as reference"
-        trajectory, setup_seconds = judged.made.trajectory, judged.made.simulation.setup_seconds
-        others = sum(seconds for settings, seconds in self._seconds.items() if settings != judged.settings)
         return Result(
-            trajectory=trajectory,
-            settings=judged.settings,
+            trajectory=judged.made.trajectory,
+            settings=judged.settings.as_dict(),
             accuracy=target,
             error_estimate=estimate,
-            error_estimates=judged.estimates,
+            error_estimates={name: total(judged.parts.get(name, ())) for name in columns},
             error_parts=judged.parts,
             largest_errors=judged.largest,
             estimate_of=self.engine.estimates,
@@ -353,12 +316,12 @@ class _Runs:
             hurried=self._hurried,
             reached=reached,
             remark=remark,
-            setup_seconds=setup_seconds,
-            solve_seconds=trajectory.solve_seconds,
+            setup_seconds=judged.made.simulation.setup_seconds,
+            solve_seconds=judged.made.trajectory.solve_seconds,
             compile_seconds=self.compile_seconds,
-            estimate_seconds=others,
+            estimate_seconds=sum(seconds for settings, seconds in self._seconds.items() if settings != judged.settings),
             description=self.engine.describe(self.scene, judged.settings),
-            runs=self._done,
+            runs=self._made.results,
         )
 
 
@@ -382,15 +345,3 @@ def _climbed(runs: _Runs, first: Settings, target: float) -> _Judged:
     if best is not None:
         return best.remarked("these are the finest settings of the engine's ladder")
     raise failure if failure is not None else AssertionError("a ladder has at least one rung")
-
-
-@contextlib.contextmanager
-def _no_garbage_collection() -> Iterator[None]:
-    """Switches garbage collection off: it takes an eighth of the time of compiling, which makes millions of small objects."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.start import Start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.errors import ExitCode, ToldError
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.scene_values import NAMED, values_of
@@ -45,6 +45,7 @@ class Refusal(ToldError):
     """A scene feature or setting that an engine cannot model; the text is one sentence naming the key and what is accepted."""
 
 
+@dataclass(eq=False, repr=False)
 class EngineFailure(ToldError):
     """A run that broke down.
 
@@ -57,12 +58,13 @@ class EngineFailure(ToldError):
 
     exit_code = ExitCode.ENGINE_TROUBLE
 
-    def __init__(self, time: float, cause: str, advice: str, partial: Trajectory | None = None) -> None:
-        super().__init__(f"failed at t = {time:.6g} s: {cause}; {advice}")
-        self.time = time
-        self.cause = cause
-        self.advice = advice
-        self.partial = partial
+    time: float
+    cause: str
+    advice: str
+    partial: Trajectory | FollowerTrajectory | None = None
+
+    def __post_init__(self) -> None:
+        super().__init__(f"failed at t = {self.time:.6g} s: {self.cause}; {self.advice}")
 
     def __reduce__(self) -> tuple[type, tuple[float, str, str, Trajectory | None]]:
         return type(self), (self.time, self.cause, self.advice, self.partial)

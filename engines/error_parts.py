@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Final, Generic, NamedTuple, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ from quickreturn.reference_model.columns import BEARINGS, BENDING
 R = TypeVar("R")
 Q = TypeVar("Q")
 
+#: Key of the parts of the error of the tip, beside those of columns.
+TIP: Final = "tip"
 #: Columns with an error estimate of their own.
 ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
 #: Loads on parts and drive, which also have an error estimate where the engine gives them.
@@ -40,8 +42,8 @@ class ErrorPart:
 
     Attributes:
         of: what it comes from: "time", "space", "modes", "spring" and the like (`Comparison.of`).
-        run: settings of one run, by name.
-        other: settings of the run that it is compared with.
+        run: settings of one run, by name: those in which the delivered run and the two differ; see `complete`.
+        other: the same settings of the run that it is compared with.
         difference: size of the difference of the two, in the unit of the number, or relative where the error is.
         factor: error of `other` over that of `run`, as the engine states it.
         counted: what counts as error, over the difference: by `factor`, or by what further runs show of it.
@@ -65,6 +67,10 @@ class ErrorPart:
         values = ", ".join(f"{name.replace('_', ' ')} {_short(self.run[name])} against {_short(self.other[name])}" for name in changed)
         difference = f"{self.counted:.2g} times their difference of {_short(self.difference, '.1e')}"
         return f"{_short(self.error, '.1e')} by {self.of}: {values} ({difference})"
+
+    def complete(self, delivered: Mapping[str, Any]) -> "ErrorPart":
+        """The same part with all settings of the two runs; `delivered`: those of the delivered run."""
+        return replace(self, run={**delivered, **self.run}, other={**delivered, **self.other})
 
     def over(self, size: float) -> "ErrorPart":
         """The same part relative to a size."""
@@ -93,7 +99,7 @@ class Compared(Generic[R]):
     # why the run that would have checked `factor` is missing, a clause; the least favourable factor then counts. "" if none is missing
     unchecked: str = ""
     of: str = ""  # what the part of the error comes from, see `ErrorPart`
-    settings: tuple[dict[str, Any], dict[str, Any], dict[str, Any]] = ({}, {}, {})  # of `run`, `other` and `before`
+    settings: tuple[dict[str, Any], ...] = ({}, {}, {})  # of `run`, `other` and `before`, as `ErrorPart` has them
 
     def part(self, difference: Callable[[R, R], float]) -> ErrorPart:
         """The part of the error that the runs show; `difference` gives the size of the difference of two results."""
@@ -105,7 +111,7 @@ class Compared(Generic[R]):
             factor = shown_factor(factor, self.before[1], shown, further)
             if factor < 1.0 and further > shown:
                 shown, run, other = further, other, before
-        return ErrorPart(self.of, run, other, shown, self.factor, 1.0 / abs(factor - 1.0))
+        return ErrorPart(self.of, run, other, shown, self.factor, counted(factor))
 
     def mapped(self, compute: Callable[[R], Q]) -> "Compared[Q]":
         """The comparison of what `compute` makes of each result."""
@@ -113,8 +119,21 @@ class Compared(Generic[R]):
         return Compared(compute(self.run), compute(self.other), self.factor, before, self.unchecked, self.of, self.settings)
 
 
-def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
+def comparison_by(pairs: Sequence[Comparison], of: str) -> Comparison:
+    """The comparison that shows one part of an error. ValueError: none does, or several do."""
+    (pair,) = (pair for pair in pairs if pair.of == of)
+    return pair
+
+
+def counted(factor: float) -> float:
+    """What counts as error of the difference of two runs, whose errors stand in the ratio `factor`: Richardson's estimate."""
+    return 1.0 / abs(factor - 1.0)
+
+
+def compared(pair: Comparison, delivered: Settings, run: Callable[[Settings], R]) -> Compared[R]:
     """The results of a comparison's runs; `run` makes one from settings. If one breaks down, those of the comparison's `instead`.
+
+    `delivered` are the settings of the run whose error is estimated.
 
     Without the run that checks the factor nothing shows how fast the error falls, and the least favourable factor counts.
 
@@ -126,8 +145,10 @@ def compared(pair: Comparison, run: Callable[[Settings], R]) -> Compared[R]:
     except EngineFailure:
         if pair.instead is None:
             raise
-        return compared(pair.instead, run)
-    names = pair.run.as_dict(), pair.other.as_dict(), pair.before.other.as_dict() if pair.before else {}
+        return compared(pair.instead, delivered, run)
+    runs = [pair.run.as_dict(), pair.other.as_dict(), (pair.before.other if pair.before else pair.other).as_dict()]
+    differing = [name for name, value in delivered.as_dict().items() if any(each[name] != value for each in runs)]
+    names = tuple({name: each[name] for name in differing} for each in runs)
     if pair.before is None:
         return Compared(first, second, pair.factor, of=pair.of, settings=names)
     try:
@@ -142,12 +163,18 @@ class NoEstimate(Exception):
 
 
 def all_compared(
-    pairs: Sequence[Comparison], run: Callable[[Settings], R], signals: Callable[[R], Mapping[str, NDArray[np.float64]]], *, bends: bool
+    pairs: Sequence[Comparison],
+    delivered: Settings,
+    run: Callable[[Settings], R],
+    signals: Callable[[R], Mapping[str, NDArray[np.float64]]],
+    *,
+    bends: bool,
 ) -> list[Compared[R]]:
     """The results of all comparisons of an error estimate.
 
     Args:
         pairs: the comparisons.
+        delivered: settings of the run whose error is estimated.
         run: makes a result from settings; EngineFailure: it breaks down.
         signals: the columns of a result.
         bends: whether the follower does: its deflection then differs between any two runs.
@@ -158,40 +185,41 @@ def all_compared(
     """
     if any(pair.run == pair.other for pair in pairs):
         raise NoEstimate("these settings leave no others to compare with")
-    found = [compared(pair, run) for pair in pairs]
+    found = [compared(pair, delivered, run) for pair in pairs]
     if bends and any(same_motion(signals(runs.run), signals(runs.other)) for runs in found):
         raise NoEstimate("the run to compare with is the same to the last digit")
     return found
 
 
-class EstimatedPart(NamedTuple):
-    """A part of the error of a trajectory."""
-
-    tip: ErrorPart  # relative, see `Assessment.error_estimate`
-    columns: dict[str, ErrorPart | None]  # of `ESTIMATED` and the existing ones of `LOADS`: RMS over `scale`; None where that is 0
-    largest: dict[str, float]  # of the same: largest error at any instant, in the column's unit
-
-
-def estimated_part(delivered: Trajectory, runs: Compared[Trajectory], length: float) -> EstimatedPart:
-    """A part of the error of `delivered`, from two or three runs on the same output grid (see `Comparison`).
+def parts_of(
+    delivered: Trajectory, runs: Sequence[Compared[Trajectory]], length: float
+) -> tuple[dict[str, tuple[ErrorPart, ...]], dict[str, float]]:
+    """The parts of the error of a trajectory by the runs that show them, all on its output grid.
 
     Args:
         delivered: the run; differences are relative to the scale of its columns.
-        runs: the runs that show the part.
+        runs: two or three runs for each part (see `Comparison`).
         length: follower length, m.
+
+    Returns:
+        Parts, by column and of the tip (see `engines.accurate.Result`): RMS over `scale`, none where that is 0. And the largest error of
+        each column at any instant, in its unit. Columns are those of `ESTIMATED` and the existing ones of `LOADS`.
     """
 
-    def part(name: str) -> ErrorPart | None:
-        found, size = runs.part(lambda a, b: rms(a[name] - b[name])), scale(name, delivered.columns)
+    def part(pair: Compared[Trajectory], name: str) -> ErrorPart | None:
+        found, size = pair.part(lambda a, b: rms(a[name] - b[name])), scale(name, delivered.columns)
         return None if relative_size(found.error, size) is None else found.over(size)
 
+    def of_tip(pair: Compared[Trajectory]) -> ErrorPart:
+        return pair.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))).over(length)
+
     names: list[str] = [name for name in (*ESTIMATED, *LOADS) if name in delivered.columns]
-    parts = {name: part(name) for name in names}
-    largest = {name: runs.part(partial(_largest_difference, name)).error for name in names}
-    tip = parts["tip_deflection"]
-    if tip is None or rms(delivered["tip_deflection"]) < NO_DEFLECTION * length:
-        tip = runs.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))).over(length)
-    return EstimatedPart(tip, parts, largest)
+    parts = {name: [part(pair, name) for pair in runs] for name in names}
+    known = {name: tuple(each for each in some if each is not None) for name, some in parts.items()}
+    rigid = rms(delivered["tip_deflection"]) < NO_DEFLECTION * length
+    tip = tuple(of_tip(pair) if each is None or rigid else each for pair, each in zip(runs, parts["tip_deflection"], strict=True))
+    largest = {name: sum(pair.part(partial(_largest_difference, name)).error for pair in runs) for name in names}
+    return {TIP: tip} | {name: some if len(some) == len(runs) else () for name, some in known.items()}, largest
 
 
 def _largest_difference(name: str, run: Trajectory, other: Trajectory) -> float:

@@ -2,9 +2,10 @@
 
 import math
 import traceback
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.errors import OF_THE_MACHINE
 from quickreturn.reference_model.mechanism import Scene
 
+R = TypeVar("R")
+
 #: Libraries below an engine: where a mistake of the engine surfaces in one, the message names the engine's line.
 _BELOW: Final = frozenset({"numpy", "scipy"})
 
@@ -27,6 +30,31 @@ class CompletedRun:
 
     trajectory: Trajectory
     simulation: Simulation
+
+
+class Remembered(Generic[R]):
+    """Computes the result for some settings once. A failure is remembered, too.
+
+    Attributes:
+        results: results by settings.
+    """
+
+    def __init__(self, compute: Callable[[Settings], R], known: Mapping[Settings, R] | None = None) -> None:
+        self.results = dict(known or {})
+        self._failures: dict[Settings, EngineFailure] = {}
+        self._compute = compute
+
+    def __call__(self, settings: Settings) -> R:
+        """The result for some settings. Raises EngineFailure, and what else the computation raises."""
+        if settings in self._failures:
+            raise self._failures[settings]
+        if settings not in self.results:
+            try:
+                self.results[settings] = self._compute(settings)
+            except EngineFailure as failure:
+                self._failures[settings] = failure
+                raise
+        return self.results[settings]
 
 
 def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: float, output_step: float, settings: Settings) -> CompletedRun:

@@ -37,7 +37,7 @@ def dataset_of(case: Case, engine: str, version: str, result: Result) -> "xr.Dat
         "title": case.title,
         "engine": engine,
         "version": version,
-        "settings": json.dumps(result.settings.as_dict()),
+        "settings": json.dumps(result.settings),
         "accuracy": result.accuracy,
         "error_estimate": result.error_estimate,
         "error_estimate_of": result.estimate_of,

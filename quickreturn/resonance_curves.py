@@ -10,7 +10,9 @@ from quickreturn.accuracy import checked
 from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.keys import PATHS, si_value
-from quickreturn.cases.resonance_curve import OF_CURVE, SPEED, USUAL, ResonanceCurve, range_of, resonance_curve
+from quickreturn.cases.resonance_curve.curve import ResonanceCurve
+from quickreturn.cases.resonance_curve.range import SPEED, range_of
+from quickreturn.cases.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, one_case

@@ -22,9 +22,9 @@ from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.dataset import dataset_of
 from quickreturn.engine_choice import engine_given
-from quickreturn.engines.accurate import NOT_ESTIMATED, TIP, Result
+from quickreturn.engines.accurate import NOT_ESTIMATED, Result
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
-from quickreturn.engines.error_parts import ESTIMATED, ErrorPart
+from quickreturn.engines.error_parts import ESTIMATED, TIP, ErrorPart
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
@@ -68,11 +68,10 @@ class Solution(Shown):
     @classmethod
     def of(cls, case: Case, request: TrajectoryRequest, answer: Answer, store: Store | None, stored: bool) -> "Solution":
         """The solution of an answer. EngineFailure: the run failed."""
-        chosen = engine_from(request.engine)
-        result = answer.result(request, chosen)
+        version, result = answer
         if isinstance(result, EngineFailure):
             raise result
-        return cls(case, chosen.name, answer.version, result, request, store, stored)
+        return cls(case, engine_from(request.engine).name, version, result, request, store, stored)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -96,9 +95,9 @@ class Solution(Shown):
     def error_parts(self) -> tuple[ErrorPart, ...]:
         """The parts that add up to the error estimate of the tip deflection, each with the two runs that show it; empty if unknown.
 
-        `result.error_parts` has those of every column.
+        `result.error_parts` has those of every column, with the settings that differ from `settings`.
         """
-        return self.result.error_parts.get(TIP, ())
+        return tuple(part.complete(self.settings) for part in self.result.error_parts.get(TIP, ()))
 
     @cached_property
     def loads(self) -> "Loads":
@@ -108,7 +107,7 @@ class Solution(Shown):
     @property
     def settings(self) -> dict[str, Any]:
         """Settings of the engine in this run."""
-        return self.result.settings.as_dict()
+        return self.result.settings
 
     @property
     def reached(self) -> bool:

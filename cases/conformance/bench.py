@@ -210,12 +210,12 @@ class Bench:
 
     def estimates(self, motion: Motion, settings: Settings | None = None) -> dict[str, float] | None:
         """The engine's error by its own comparisons, in the unit of each column; None if they show none."""
-        parts: dict[str, float] = {}
+        parts, settings = dict[str, float](), settings or self.settings(motion.scene)
         try:
-            for pair in self.engine.comparisons(settings or self.settings(motion.scene), motion.scene, motion.output_step):
+            for pair in self.engine.comparisons(settings, motion.scene, motion.output_step):
                 if pair.run == pair.other:
                     return None
-                runs = compared(pair, functools.partial(self.run, motion))
+                runs = compared(pair, settings, functools.partial(self.run, motion))
                 for name in compared_columns(runs.run):
                     parts[name] = parts.get(name, 0.0) + runs.part(lambda a, b, name=name: rms(a[name] - b[name])).error  # type: ignore[misc]
         except EngineFailure:

@@ -1,16 +1,17 @@
 """Converts typed results to records of the store and back: dataclasses become JSON objects of their fields, arrays and bytes stay apart.
 
 Results may consist of dataclasses, tuples, lists, mappings from texts, None, texts, numbers with infinities, numpy arrays, bytes, and
-unions of one of these with None. NaN is not a result: the store refuses it.
+unions of these; of several dataclasses the first that takes a record counts. NaN is not a result: the store refuses it.
 """
 
+import contextlib
 import dataclasses
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
-from types import NoneType
-from typing import Any, Final, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import Any, Final, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,8 +68,8 @@ def _typed(kind: Any, item: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
         if name in (_ARRAY, _BYTES):
             return arrays[place] if name == _ARRAY else arrays[place].tobytes()
     arguments = [each for each in get_args(kind) if each is not NoneType]
-    if NoneType in get_args(kind):
-        return None if item is None else _typed(arguments[0], item, arrays)
+    if get_origin(kind) in (Union, UnionType):
+        return None if item is None else _first(arguments, item, arrays)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         return kind(**{name: _typed(each, item[name], arrays) for name, each in _fields(kind).items()})
     if isinstance(item, dict):
@@ -78,6 +79,14 @@ def _typed(kind: Any, item: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
     if isinstance(item, list):
         return (get_origin(kind) or list)(_typed(arguments[0] if arguments else Any, part, arrays) for part in item)
     return item
+
+
+def _first(kinds: Sequence[Any], item: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
+    """The result of the first of some types that takes the record. Raises as `decoded` if none does."""
+    for kind in kinds[:-1]:
+        with contextlib.suppress(KeyError, TypeError, ValueError):
+            return _typed(kind, item, arrays)
+    return _typed(kinds[-1], item, arrays)
 
 
 @cache

@@ -95,7 +95,7 @@ class _Request:
             broken = Breakdown(time=failure.time, cause=failure.cause)
             return Trial(replace(self._nothing, breakdown=broken), {}, dict(failure.partial.columns) if failure.partial else {})
         assert result is not None
-        trajectory, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.settings)
+        trajectory, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.delivered)
         evidence = replace(self._nothing, stretch=stretch, error_estimate=result.error_estimate, remark=result.remark)
         if failure is not None:
             breakdown = Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(trajectory))
@@ -103,8 +103,8 @@ class _Request:
         columns = dict(trajectory.columns) if trajectory is not None else {}
         estimate = result.error_estimate
         if estimate is not None and estimate <= evidence.requested and trajectory is not None:
-            evidence = self._balanced(evidence, columns, *self._finer(result.settings))
-        return Trial(evidence, result.settings.as_dict(), columns)
+            evidence = self._balanced(evidence, columns, *self._finer(result.delivered))
+        return Trial(evidence, result.settings, columns)
 
     def _delivered(self) -> tuple[float, Result | None, EngineFailure | None]:
         """The user's result on the longest possible stretch, and why it is not the whole duration."""
@@ -117,7 +117,7 @@ class _Request:
                 failure = error
             else:
                 # without an estimate the runs for it broke down: finer settings may find an end that these do not
-                ended = self._finer(result.settings)[1] if result.error_estimate is None else None
+                ended = self._finer(result.delivered)[1] if result.error_estimate is None else None
                 if ended is None or not self._at_the_end(ended.partial):
                     return stretch, result, first
                 failure = ended

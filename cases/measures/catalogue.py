@@ -24,7 +24,7 @@ from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, Shown, rm
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import NUMBER, TIME
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
-from quickreturn.engines.accurate import Assessment
+from quickreturn.engines.accurate import Result
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.witnesses import Witness
@@ -264,7 +264,7 @@ def _declared() -> Iterator[Measure]:
         "s",
         "wall time of the solve",
         _solve_seconds,
-        Assessment.witnesses["solve_seconds"],
+        Result.witnesses["solve_seconds"],
     )
 
 

@@ -9,7 +9,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +22,13 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.marching import output_step
 from quickreturn.cases.runs.stability import Multiplier, multiplier_of, nearly_one
 from quickreturn.engines import progress
-from quickreturn.engines.base import AnyEngine, Comparison, EngineFailure, NoSteadyState, Refusal
+from quickreturn.engines.base import AnyEngine, Comparison, EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.error_parts import Compared, compared
+from quickreturn.engines.one_run import Remembered
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
-from quickreturn.reference_model.scene_values import changed
+from quickreturn.reference_model.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from quickreturn.engines.own.found_orbit import FoundOrbit
@@ -37,14 +37,6 @@ Array = NDArray[np.float64]
 
 #: Relative error of an engine in a few cycles that is assumed if it has no estimate.
 UNKNOWN_ERROR: Final = 1e-2
-#: Another motion is searched by changing the speed to the machine's own in `STEPS` steps, from this part of it below and above. The folds
-#: of run 24's machine are 0.2 and 2.4 % of the speed wide.
-NEAR: Final = 0.05
-STEPS: Final = 5
-#: Least relative difference of the largest tip accelerations of two different motions; the same motion is found again to 1e-3.
-APART: Final = 0.02
-#: Rows of a turn from which the largest tip acceleration is taken.
-ROWS: Final = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +160,7 @@ def compared_orbits(
     mechanism: Mechanism,
     state: "FoundOrbit",
     settings: ReferenceSettings,
-    found: "Callable[[Settings], FoundOrbit | None] | None" = None,
+    found: Callable[[Settings], SteadyState | None] | None = None,
 ) -> "list[Compared[FoundOrbit]]":
     """A periodic state beside those of the models with which `reference` compares it for its error estimate.
 
@@ -182,21 +174,14 @@ def compared_orbits(
         NoSteadyState: with other settings there is no periodic state.
     """
 
-    def search(other: Settings) -> "FoundOrbit | None":
-        assert isinstance(other, ReferenceSettings)
-        return periodic_state(mechanism, other, state)
-
-    known: dict[Settings, FoundOrbit] = {settings: state}
-
     def of(other: Settings) -> "FoundOrbit":
-        if other not in known:
-            there = (found or search)(other)
-            assert there is not None
-            known[other] = there
-        return known[other]
+        assert isinstance(other, ReferenceSettings)
+        there = periodic_state(mechanism, other, state) if found is None else found(other)
+        return cast("FoundOrbit", there)
 
+    known = Remembered(of, {settings: state})
     pairs = settled_pairs(ReferenceEngine(), settings, mechanism)
-    return [compared(pair, of) for pair in pairs if pair.run != pair.other]
+    return [compared(pair, settings, known) for pair in pairs if pair.run != pair.other]
 
 
 def settled_pairs(engine: AnyEngine, settings: Settings, mechanism: Mechanism) -> tuple[Comparison, ...]:
@@ -219,39 +204,6 @@ def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "FoundOr
         with contextlib.suppress(NoSteadyState):
             return reference.steady_state(scene, start, settings, near)
     return reference.steady_state(scene, start, settings)
-
-
-def other_motion(scene: Mechanism, state: "FoundOrbit", settings: ReferenceSettings) -> str:
-    """A sentence on another stable motion that the machine settles on when it comes from a lower or a higher speed; "" if none was found.
-
-    A stable motion that this search does not reach may still exist.
-    """
-    for pace, first in (("slower", 1.0 - NEAR), ("faster", 1.0 + NEAR)):
-        other: FoundOrbit | None = None
-        with contextlib.suppress(NoSteadyState, EngineFailure):
-            for speed in np.linspace(first, 1.0, STEPS + 1):
-                other = periodic_state(_at_speed(scene, float(speed)), settings, other)
-            assert other is not None
-            other_peak, peak = _peak(other), _peak(state)
-            if other.stable and abs(other_peak - peak) > APART * max(other_peak, peak):
-                return (
-                    f"not the only stable motion: coming from {pace} turning the machine settles on one whose tip acceleration peaks at"
-                    f" {other_peak:.4g} m/s^2 instead of {peak:.4g}"
-                )
-    return ""
-
-
-def _at_speed(scene: Mechanism, part: float) -> Mechanism:
-    """The scene with `part` times its prescribed speed, or times its torque and initial speed."""
-    drive = scene.crank.drive
-    if isinstance(drive, TorqueDrive):
-        return changed(scene, {"crank.torque": part * drive.torque, "crank.initial_speed": part * drive.initial_speed})
-    return changed(scene, {"crank.prescribed_speed": part * drive.speed})
-
-
-def _peak(state: "FoundOrbit") -> float:
-    """Largest tip acceleration in a turn, m/s^2."""
-    return float(np.abs(state.simulation_again().advance(state.period, state.period / ROWS)["tip_acceleration"]).max())
 
 
 def orbits(mechanisms: Iterable[Mechanism], workshop: Workshop) -> list[Orbit]:

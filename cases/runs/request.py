@@ -13,9 +13,8 @@ from quickreturn.cases.measures.steady_state import Outlook
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.orbit import Orbit
 from quickreturn.cases.runs.stability import Multiplier
-from quickreturn.engines.accurate import TIP
 from quickreturn.engines.base import AnyEngine, SteadyState
-from quickreturn.engines.error_parts import ESTIMATED, ErrorPart
+from quickreturn.engines.error_parts import ESTIMATED, TIP, ErrorPart
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
@@ -153,7 +152,7 @@ class Run:
     reached: bool = False  # whether the error estimate is within the accuracy
     error_estimate: float | None = None  # of the tip deflection, relative
     error_estimates: dict[str, float | None] = field(default_factory=dict)  # of each column
-    error_parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)  # see `engines.accurate.Assessment`
+    error_parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)  # see `engines.accurate.Result`
     degrees_of_freedom: int | None = None
     setup_seconds: float | None = None  # this and the next three as in `engines.accurate.Result`
     compile_seconds: float | None = None

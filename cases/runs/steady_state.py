@@ -31,14 +31,14 @@ from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, turn_estimates, with_estimates
 from quickreturn.cases.runs.marching import March, columns_of, is_determined, output_step, periodic_cycle, settle
-from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, compared_orbits, other_motion, settled_pairs
+from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, compared_orbits, settled_pairs
 from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.stability import NOT_CONVERGED, Multiplier, multiplier_of, nearly_one
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.error_parts import Compared, NoEstimate, all_compared
-from quickreturn.engines.one_run import CompletedRun, raised
+from quickreturn.engines.one_run import CompletedRun, Remembered, raised
 from quickreturn.engines.own.found_orbit import FoundOrbit
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine as engine_of_name
@@ -100,7 +100,7 @@ class _RunInProgress:
         self._found: FoundOrbit | None = None  # the delivered orbit, near which those for the error estimate are searched
         self._early: tuple[Columns, ...] = ()  # of a march from the orbit: the cycle that is compared
         self._rattling: Start | None = None  # the state after cycles that repeat in statistics only
-        self._states: dict[Settings, SteadyState | None] = {}  # the periodic states that were found, by settings
+        self._periodic_state = Remembered(self._searched)
         self._neutral = False  # whether disturbances neither grow nor die away
         self.run = Run.begun(request, engine)
 
@@ -174,10 +174,10 @@ class _RunInProgress:
             settings, accuracy = as_texts(self._engine.settings_for(target, self._mechanism).as_dict()), None
         estimate = request.estimated or not request.settings or accuracy is not None  # settings that are given need none
         result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, settings, accuracy, estimate)
-        self._settings, self._done = result.settings, result.runs
+        self._settings, self._done = result.delivered, result.runs
         self.note(
             accuracy=result.accuracy if refines else target,
-            settings=result.settings.as_dict(),
+            settings=result.settings,
             remark=result.remark if estimate else "",
             reached=result.reached if refines else result.error_estimate is not None and result.error_estimate <= target,
             error_estimate=result.error_estimate,
@@ -246,23 +246,11 @@ class _RunInProgress:
 
     def _compare(self) -> tuple[tuple[Compared[tuple[Columns, ...]], ...], str]:
         """The same cycles in the runs of the engine's error estimate, or why there are none."""
-        results: dict[Settings, tuple[Columns, ...] | EngineFailure] = {self._settings: self._early or self._cycles}
+        run = Remembered(self._same_cycles, {self._settings: self._early or self._cycles})
         progress.tell(phase="estimating the cycle's error")
-
-        def run(settings: Settings) -> tuple[Columns, ...]:
-            if settings not in results:
-                try:
-                    results[settings] = self._same_cycles(settings)
-                except EngineFailure as failure:
-                    results[settings] = failure
-            result = results[settings]
-            if isinstance(result, EngineFailure):
-                raise result
-            return result
-
-        pairs = settled_pairs(self._engine, self._settings, self._mechanism)
+        pairs, bends = settled_pairs(self._engine, self._settings, self._mechanism), not self._mechanism.follower.is_rigid
         try:
-            return tuple(all_compared(pairs, run, lambda cycles: cycles[-1], bends=not self._mechanism.follower.is_rigid)), ""
+            return tuple(all_compared(pairs, self._settings, run, lambda cycles: cycles[-1], bends=bends)), ""
         except NoEstimate as reason:
             return (), str(reason)
         except EngineFailure as failure:
@@ -299,24 +287,18 @@ class _RunInProgress:
             return March(done.simulation, self._start.crank_speed, self._step, done.trajectory)
         return March(self._engine.prepare(self._mechanism, self._start, settings), self._start.crank_speed, self._step)
 
-    def _periodic_state(self, settings: Settings) -> SteadyState | None:
-        if settings not in self._states:
-            near = () if self._found is None else (self._found,)
-            self._states[settings] = self._engine.steady_state(self._mechanism, self._start, settings, *near)
-        return self._states[settings]
+    def _searched(self, settings: Settings) -> SteadyState | None:
+        near = () if self._found is None else (self._found,)
+        return self._engine.steady_state(self._mechanism, self._start, settings, *near)
 
     def _multiplier(self, state: FoundOrbit) -> Multiplier:
         """The largest multiplier of the delivered orbit, with its error where one is asked for or the stability depends on it."""
         assert isinstance(self._settings, ReferenceSettings)
 
-        def found(settings: Settings) -> FoundOrbit | None:
-            there = self._periodic_state(settings)
-            return there if isinstance(there, FoundOrbit) else None
-
         compared_with: list[Compared[FoundOrbit]] = []
         if self._request.estimated or nearly_one(state):
             with contextlib.suppress(NoSteadyState, EngineFailure):
-                compared_with = compared_orbits(self._mechanism, state, self._settings, found)
+                compared_with = compared_orbits(self._mechanism, state, self._settings, self._periodic_state)
         try:
             return multiplier_of(state, compared_with)
         except NoSteadyState:  # a disturbed cycle is broken: the search's own multiplier is left
@@ -343,8 +325,6 @@ class _RunInProgress:
             self._neutral = multiplier.status == Ending.NEUTRAL
             if self._neutral:
                 self.add_remark(multiplier.sentence)
-            elif orbit.stable and (other := other_motion(self._mechanism, state, self._settings)):
-                self.add_remark(other)
         self.note(periodic_orbit=orbit)
         if not orbit.stable and not self._neutral:
             raise Hopeless(Orbit(None, math.hypot(*orbit.multipliers[0])).hopeless(0.0))

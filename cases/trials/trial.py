@@ -143,7 +143,7 @@ def estimate_seconds(plan: Plan) -> float | None:
         return None
     if result.error_estimate is None:
         return None
-    return seconds_of([run for settings, run in result.runs.items() if settings != result.settings])
+    return seconds_of([run for settings, run in result.runs.items() if settings != result.delivered])
 
 
 def seconds_of(runs: Sequence[CompletedRun]) -> float:

@@ -25,6 +25,7 @@ from quickreturn.cases.uncertainty.fit import PROBABILITY, Fit, FittedParameter
 from quickreturn.cases.uncertainty.parameters import Parameter, changes, distribution
 from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
+from quickreturn.engines.error_parts import comparison_by, counted
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.relative import rms
 
@@ -251,10 +252,10 @@ class _Search:
 
     def _error(self, at: Array) -> Array:
         """Error of the finer simulation, shape (C, N), by a still finer one."""
-        pair = self.model.engine.comparisons(self.fine, self.case.mechanism, 0.0)[0]
+        pair = comparison_by(self.model.engine.comparisons(self.fine, self.case.mechanism, 0.0), "modes")
         assert isinstance(pair.other, ReferenceSettings)
         finer, fine = (self._simulated(at, settings, self.model.rows) for settings in (pair.other, self.fine))
-        return (finer - fine) / abs(1.0 - pair.factor)
+        return counted(pair.factor) * (finer - fine)
 
     def _words(self, direction: Array, per: Array, sensitivities: Array) -> str:
         """A change of parameters that the table does not show, in words; the largest part of it is a tenth."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.resonance_curve import job_around
+from quickreturn.cases.resonance_curve.search import job_around
 from quickreturn.cases.sweep.grid import job
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.commands import options

@@ -48,7 +48,8 @@ def command(
 
     Exit code 3: no periodic motion was found in the range.
     """
-    from quickreturn.cases.resonance_curve import SPEED, USUAL, job, range_of
+    from quickreturn.cases.resonance_curve.range import SPEED, range_of
+    from quickreturn.cases.resonance_curve.search import USUAL, job
     from quickreturn.questions import value_of
     from quickreturn.reports.drawing.style import picture
     from quickreturn.resonance_curves import Resonance, speed_of

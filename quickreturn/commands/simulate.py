@@ -60,7 +60,7 @@ def command(
         )
     overrides, settings = options.read_assignments(assignments)
     get_ready(COMPUTING)  # what it imports takes longer than what this process does
-    from quickreturn.commands.trajectories import NOTHING, attempts, written
+    from quickreturn.commands.trajectories import NOTHING, solved, written
 
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
     places = _places(output, loaded, engines)
@@ -69,10 +69,9 @@ def command(
             check_writable(Path(file), case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
-    for attempt in attempts(loaded, engines, settings, accuracy, not no_estimate):
-        case, name = attempt.case, attempt.engine
+    for case, name, outcome, found in solved(loaded, engines, settings, accuracy, not no_estimate):
         try:
-            known, found = written(attempt, places[case.name, name])
+            known = written(outcome, found, places[case.name, name])
         except Exception as error:  # the results of the others are written before the error is raised
             refusal = refusal or error
             continue

@@ -2,13 +2,11 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Outcome
-from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.commands import console, options
 from quickreturn.commands.answers import answered
@@ -16,11 +14,13 @@ from quickreturn.engine_choice import check, settings_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.questions import EngineDied, value_of
+from quickreturn.reference_model.errors import ToldError
 from quickreturn.reports.output import write_file
 from quickreturn.reports.results.loads import loads_document
 from quickreturn.solution import Solution, as_csv
 
-Found = Solution | EngineFailure | EngineDied
+#: The solution of an engine on a case, or why there is none.
+Found = Solution | ToldError
 
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
@@ -50,33 +50,14 @@ NOTHING: Final[dict[str, Any]] = {
 }
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """The outcome of an engine on a case."""
-
-    case: Case
-    engine: str
-    request: TrajectoryRequest
-    outcome: Outcome[Answer]
-    store: Store | None
-
-    def answer(self) -> Answer:
-        """The answer. Raises as `value_of`."""
-        return value_of(self.outcome)
-
-    def solution(self) -> Solution:
-        """The solution. Raises as `answer`, and EngineFailure if the run failed."""
-        return Solution.of(self.case, self.request, self.answer(), self.store if self.outcome.job.lasts else None, self.outcome.stored)
-
-
-def attempts(
+def solved(
     cases: Sequence[Case],
     engines: Sequence[str],
     settings: Mapping[str, Mapping[str, str]],
     accuracy: float | None,
     estimate: bool = True,
-) -> list[Attempt]:
-    """The outcome of each engine on each case, after all checks. Raises as `check`."""
+) -> list[tuple[Case, str, Outcome[Answer], Found]]:
+    """Each case and engine with the outcome of its job and the solution, after all checks. Raises as `check`."""
     texts = settings_of(settings, engines)
     pairs = list(itertools.product(cases, engines))
     for case, name in pairs:
@@ -97,7 +78,14 @@ def attempts(
     ]
     jobs = [request.job(f"{case.name} {name}") for (case, name), request in zip(pairs, requests, strict=True)]
     outcomes, store = answered(jobs, "simulating")
-    return [Attempt(*pair, request, outcome, store) for pair, request, outcome in zip(pairs, requests, outcomes, strict=True)]
+
+    def found(case: Case, request: TrajectoryRequest, outcome: Outcome[Answer]) -> Found:
+        try:
+            return Solution.of(case, request, value_of(outcome), store if outcome.job.lasts else None, outcome.stored)
+        except ToldError as error:
+            return error
+
+    return [(*pair, outcome, found(pair[0], request, outcome)) for pair, request, outcome in zip(pairs, requests, outcomes, strict=True)]
 
 
 def trajectories(
@@ -108,43 +96,36 @@ def trajectories(
     Raises:
         Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: an engine cannot simulate a case, or failed.
     """
-    found = {}
-    for each in attempts(cases, engines, settings, accuracy):
-        solution = each.solution()
-        if not solution.reached:
-            console.tell(f"{each.case.name}: engine {each.engine}: {solution.remark}")
-        found[each.case.name, each.engine] = solution.trajectory
-    return found
+    by_name = {}
+    for case, name, _, found in solved(cases, engines, settings, accuracy):
+        if isinstance(found, ToldError):
+            raise found
+        if not found.reached:
+            console.tell(f"{case.name}: engine {name}: {found.remark}")
+        by_name[case.name, name] = found.trajectory
+    return by_name
 
 
-def written(attempt: Attempt, path: str | None) -> tuple[dict[str, Any], Found]:
-    """Write the trajectory, if there is one and a file is named; return its JSON document and the solution.
-
-    Raises as `Attempt.answer`.
-    """
-    found: Found
-    trajectory: Trajectory | None
-    try:
-        known: dict[str, Any] = {"version": attempt.answer().version, "stored": attempt.outcome.stored}
-        found = attempt.solution()
-        trajectory = found.trajectory
-    except EngineFailure as failed:
-        found, trajectory = failed, failed.partial
-    except EngineDied as death:
-        failure: dict[str, Any] = {"time": None, "cause": attempt.outcome.explanation, "advice": _ADVICE}
-        return {"remark": f"{attempt.outcome.explanation}; {_ADVICE}", "failure": failure}, death
+def written(outcome: Outcome[Answer], found: Found, path: str | None) -> dict[str, Any]:
+    """Write the trajectory, if there is one and a file is named; return its JSON document. Raises `found` if the engine never began."""
+    if isinstance(found, EngineDied):
+        failure: dict[str, Any] = {"time": None, "cause": outcome.explanation, "advice": _ADVICE}
+        return {"remark": f"{outcome.explanation}; {_ADVICE}", "failure": failure}
+    if not isinstance(found, (Solution, EngineFailure)):
+        raise found
+    known: dict[str, Any] = {"version": value_of(outcome)[0], "stored": outcome.stored}
+    trajectory = found.partial if isinstance(found, EngineFailure) else found.trajectory
     if trajectory is not None:
         if path is not None:
             write_file(Path(path), as_csv(trajectory))
         known |= {"rows": len(trajectory), "solve_seconds": trajectory.solve_seconds, "statistics": dict(trajectory.statistics)}
     if isinstance(found, EngineFailure):
         failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
-        return known | {"remark": str(found), "failure": failure}, found
+        return known | {"remark": str(found), "failure": failure}
     same = {name: getattr(found.result, name) for name in ("accuracy", *NOTHING) if hasattr(found.result, name)}
     more = {
-        "settings": found.settings,
         "error_parts": [vars(part) for part in found.error_parts],
         "loads": loads_document(found.loads),
         **vars(found.result.description),
     }
-    return known | same | more, found
+    return known | same | more

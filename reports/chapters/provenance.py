@@ -6,7 +6,7 @@ from typing import Any
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
-from quickreturn.engines.accurate import TIP
+from quickreturn.engines.error_parts import TIP
 from quickreturn.engines.registry import OWN
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content

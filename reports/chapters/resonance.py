@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from quickreturn.cases.resonance_curve import NEAR
+from quickreturn.cases.resonance_curve.search import NEAR
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series

@@ -16,7 +16,8 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.resonance_curve import SPEED, job, range_of
+from quickreturn.cases.resonance_curve.range import SPEED, range_of
+from quickreturn.cases.resonance_curve.search import job
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import MeasureRequest

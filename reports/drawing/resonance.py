@@ -2,7 +2,8 @@
 
 from matplotlib.figure import Figure
 
-from quickreturn.cases.resonance_curve import OF_CURVE, ResonanceCurve
+from quickreturn.cases.resonance_curve.curve import ResonanceCurve
+from quickreturn.cases.resonance_curve.search import OF_CURVE
 from quickreturn.cases.units import shown_unit
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, Drawing, logarithmic, look, new_figure, tidy

@@ -13,7 +13,8 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.loads import resonance
-from quickreturn.cases.resonance_curve import OF_CURVE, ResonanceCurve, ResonancePeak, SpecialPoint, job_around
+from quickreturn.cases.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
+from quickreturn.cases.resonance_curve.search import OF_CURVE, job_around
 from quickreturn.engines.base import Refusal
 from quickreturn.reference_model.rigid import mean_crank_speed
 

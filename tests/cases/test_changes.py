@@ -14,7 +14,8 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.keys import PATHS, si_text, unit_given
-from quickreturn.cases.resonance_curve import checked_scenes, job, range_of
+from quickreturn.cases.resonance_curve.range import range_of
+from quickreturn.cases.resonance_curve.search import checked_scenes, job
 from quickreturn.cases.sweep.grid import OF_START, Grid, axis, scenes_of
 from quickreturn.cases.sweep.rows import Impossible, MeasureRequest
 from quickreturn.cases.text.reading import changes_of

@@ -8,7 +8,7 @@ import pytest
 from quickreturn.cases.library import library_case
 from quickreturn.cases.solving import TrajectoryRequest
 from quickreturn.engines.accurate import simulate
-from quickreturn.engines.error_parts import Compared, estimated_part
+from quickreturn.engines.error_parts import TIP, Compared, parts_of
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
@@ -26,9 +26,9 @@ def test_a_fault_at_the_peak_alone_is_claimed_there() -> None:
     right = np.sin(2.0 * np.pi * time)
     wrong = np.where(np.arange(1001) == 250, 0.9, right)
     run, finer = (Trajectory({"time": time, **dict.fromkeys(REQUIRED, values)}, 0.0) for values in (wrong, right))
-    part = estimated_part(run, Compared(run, finer, 0.0), 1.0)
-    assert part.tip.error < 0.005
-    assert part.largest["strain_2"] == pytest.approx(0.1)
+    parts, largest = parts_of(run, [Compared(run, finer, 0.0)], 1.0)
+    assert parts[TIP][0].error < 0.005
+    assert largest["strain_2"] == pytest.approx(0.1)
 
 
 def test_the_error_of_a_moment_at_a_light_end_is_relative_to_the_arm() -> None:
@@ -37,10 +37,9 @@ def test_the_error_of_a_moment_at_a_light_end_is_relative_to_the_arm() -> None:
     arm = np.sin(2.0 * np.pi * time)
     right, wrong = ({"moment_05": 2.0 * arm, "moment_11": 0.1 * arm, "moment_base": size * arm} for size in (2e-3, 1e-3))
     run, finer = (Trajectory({"time": time, **dict.fromkeys(REQUIRED, arm), **moments}, 0.0) for moments in (wrong, right))
-    part = estimated_part(run, Compared(run, finer, 0.0), 1.0)
-    assert part.columns["moment_base"] is not None
-    assert part.columns["moment_base"].error == pytest.approx(5e-4)
-    assert part.largest["moment_base"] == pytest.approx(1e-3)
+    parts, largest = parts_of(run, [Compared(run, finer, 0.0)], 1.0)
+    assert parts["moment_base"][0].error == pytest.approx(5e-4)
+    assert largest["moment_base"] == pytest.approx(1e-3)
 
 
 def test_loads_of_a_trajectory_claim_the_largest_error_of_a_column() -> None:

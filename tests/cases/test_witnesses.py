@@ -12,7 +12,7 @@ from quickreturn.cases.witnesses import RESULTS, outputs, table
 
 ROOT = Path(__file__).parents[2]
 #: Numbers that a result repeats from its request.
-GIVEN = {"Quantile.probability", "FittedParameter.start", "Assessment.accuracy", "ResonanceCurve.settings"}
+GIVEN = {"Quantile.probability", "FittedParameter.start", "Result.accuracy", "ResonanceCurve.settings"}
 
 
 @pytest.mark.parametrize("result", RESULTS, ids=lambda result: result.__name__)

@@ -39,8 +39,8 @@ def misbehaving(behaviour: str) -> Engine:
 
 
 def step_of(result: Result) -> float:
-    assert isinstance(result.settings, FakeSettings)
-    return result.settings.step
+    step: float = result.settings["step"]
+    return step
 
 
 @pytest.mark.parametrize("step", [0.2, 0.05])
@@ -214,6 +214,6 @@ def test_the_time_of_an_estimate_is_at_least_that_of_its_runs() -> None:
     """Also if the tables of all runs are there already, whose making every run counts as its set-up."""
     for _ in range(2):
         result = simulate(ReferenceEngine(), run_24(), standard_start(run_24()), 0.2, 1e-3)
-    others = [made for settings, made in result.runs.items() if settings != result.settings]
+    others = [made for settings, made in result.runs.items() if settings != result.delivered]
     assert others
     assert result.estimate_seconds >= sum(made.trajectory.solve_seconds for made in others)

@@ -116,7 +116,7 @@ def test_fewer_shapes_do_where_the_follower_is_stiff(name: str) -> None:
     scene = load_case("hard-ei-x1000").mechanism
     result = simulate(engine(name), scene, standard_start(scene), 0.3, 1e-3, accuracy=1e-3)
     assert result.reached
-    assert result.settings.as_dict()["shapes"] <= 3
+    assert result.settings["shapes"] <= 3
     assert max(errors_over_claims(result, truth_of(scene, 0.3)).values()) < 1.0
 
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.engines.accurate import TIP, Result, simulate
+from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import Comparison, Simulation
-from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, Compared, ErrorPart, shown_factor
+from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, TIP, Compared, ErrorPart, shown_factor
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import rms
@@ -153,10 +153,13 @@ def test_the_runs_that_a_claim_names_give_that_claim(name: str) -> None:
         return run_once(chosen, scene, standard_start(scene), 0.05, 1e-3, chosen.settings_type(**settings)).trajectory
 
     for column, estimate in (("tip_deflection", result.error_estimate), ("strain_2", result.error_estimates["strain_2"])):
-        parts = result.error_parts[column if column != "tip_deflection" else TIP]
+        parts = [part.complete(result.settings) for part in result.error_parts[column if column != "tip_deflection" else TIP]]
         differences = [rms(made(part.run)[column] - made(part.other)[column]) / rms(result.trajectory[column]) for part in parts]
         assert differences == pytest.approx([part.difference for part in parts], rel=1e-9)
         assert estimate == pytest.approx(sum(part.counted * found for part, found in zip(parts, differences, strict=True)), rel=1e-9)
+        assert [part.run.keys() | part.other.keys() for part in result.error_parts[column if column != "tip_deflection" else TIP]] == [
+            {name for name, value in result.settings.items() if {part.run[name], part.other[name]} != {value}} for part in parts
+        ], "a part has no setting that both runs share with the delivered one"
     assert {part.of for part in result.error_parts[TIP]} <= {"modes", "space", "spring"}
 
 

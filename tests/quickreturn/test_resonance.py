@@ -14,7 +14,9 @@ import quickreturn as qr
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.jobs.records import encoded
-from quickreturn.cases.resonance_curve import MULTIPLIER_TOLERANCE, checked_scenes, job, job_around, range_of
+from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE
+from quickreturn.cases.resonance_curve.range import range_of
+from quickreturn.cases.resonance_curve.search import checked_scenes, job, job_around
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Array, Image
 from quickreturn.reports.drawing.style import picture
@@ -63,7 +65,7 @@ class _Interrupted(Exception):
 
 def test_an_interrupted_curve_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped several times, it evaluates each time at most one piece of cycles anew; the curve has the same bits."""
-    monkeypatch.setattr("quickreturn.cases.resonance_curve.PIECE", 3)
+    monkeypatch.setattr("quickreturn.cases.resonance_curve.search.PIECE", 3)
     asked = job(qr.case("thesis-24"), range_of("crank.prescribed_speed", "150 rpm .. 165 rpm", "range"), accuracy=0.05, claims=False)
     plain, cycles, left = CycleFamily.image, [0], [math.inf]
 

@@ -11,7 +11,6 @@ from quickreturn.cases.jobs.here import ThisProcess
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.solving import TrajectoryRequest
-from quickreturn.engines.registry import engine
 from tests.engines.fake_engine import FakeEngine
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -72,7 +71,7 @@ def test_what_a_time_limit_leaves_out_is_computed_the_next_time() -> None:
     hurried = TrajectoryRequest(**asked, time_limit=1e-9)  # type: ignore[arg-type]
     [outcome] = outcomes_of([hurried.job("hurried")], "", ThisProcess(), Store())
     assert outcome.value is not None
-    result = outcome.value.result(hurried, engine("fake"))
+    _, result = outcome.value
     assert not isinstance(result, qr.EngineFailure)
     assert result.hurried
     assert result.error_estimate is None

@@ -9,7 +9,9 @@ import math
 import numpy as np
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.resonance_curve import SPEED, USUAL, Range, ResonanceCurve, ResonancePeak, SpecialPoint
+from quickreturn.cases.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
+from quickreturn.cases.resonance_curve.range import SPEED, Range
+from quickreturn.cases.resonance_curve.search import USUAL
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reports.results.around import Around
 

@@ -176,7 +176,7 @@ def _answer(name: str, scene: Scene, accuracy: float | None) -> tuple[Accurate |
     except (EngineFailure, Refusal) as failure:
         return None, {"remark": str(failure)}
     return result, {
-        "settings": ", ".join(f"{key} = {value:.4g}" for key, value in result.settings.as_dict().items() if isinstance(value, float | int)),
+        "settings": ", ".join(f"{key} = {value:.4g}" for key, value in result.settings.items() if isinstance(value, float | int)),
         "reached": result.reached,
         "solve_seconds": result.solve_seconds,
         "total_seconds": result.solve_seconds + result.setup_seconds + result.estimate_seconds,

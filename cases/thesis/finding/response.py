@@ -109,7 +109,7 @@ def _response(request: Request) -> Response:
     try:
         settings, factor = engine.settings_for(engine.default_accuracy, scene).with_texts(dict(request.settings)), 1.0
         if request.finer:
-            pair = engine.comparisons(settings, scene, output_step(scene))[0]
+            (pair,) = engine.comparisons(settings, scene, output_step(scene))  # `reference` and `thesis` have one
             settings, factor = pair.other, pair.factor
         return replace(_measured(scene, _at_speed(engine, settings, request)), factor=factor)
     except (EngineFailure, Refusal, ValueError) as failure:

@@ -15,6 +15,7 @@ from quickreturn.cases.runs.orbit import Orbit, orbits
 from quickreturn.cases.thesis.finding.effects import PUBLISHED, Effect, effects
 from quickreturn.cases.thesis.finding.response import Request, Response, respond
 from quickreturn.cases.thesis.runs import RUNS, run_case
+from quickreturn.engines.error_parts import counted
 
 #: The strength at which errors are estimated and a second formulation computes, and the runs for both.
 MIDDLE: Final = 1
@@ -192,7 +193,7 @@ def _example(response: Response) -> tuple[float, ...]:
 
 
 def _claim(effect: Effect, responses: Responses) -> tuple[float, ...]:
-    """Greatest error in the sample of each kind of number: its difference from finer settings over the part that these remove."""
+    """Greatest error in the sample of each kind of number: what counts of its difference from finer settings."""
     kinds: Sequence[Callable[[Pair], Iterable[float | None]]] = (
         lambda pair: [_frequency(pair, half)[0] for half in HALVES],
         lambda pair: [_amplitude(pair, half) for half in HALVES],
@@ -204,16 +205,16 @@ def _claim(effect: Effect, responses: Responses) -> tuple[float, ...]:
     pairs = [both for both in pairs if all(pair and not pair[1].reason for pair in both)]
     claims = list[float]()
     for kind in kinds if pairs else ():
-        values = [(one, two, _removed_part(finer)) for usual, finer in pairs for one, two in zip(kind(usual), kind(finer), strict=True)]
-        errors = [abs(one - two) / part for one, two, part in values if one is not None and two is not None]
+        values = [(one, two, _counted(finer)) for usual, finer in pairs for one, two in zip(kind(usual), kind(finer), strict=True)]
+        errors = [part * abs(one - two) for one, two, part in values if one is not None and two is not None]
         claims.append(round(max(errors, default=0.0), 2))
     return tuple(claims)
 
 
-def _removed_part(finer: Pair) -> float:
-    """The least part of an error that the finer settings remove, in the published and in the changed run."""
+def _counted(finer: Pair) -> float:
+    """The larger part of the difference that counts as error, in the published and in the changed run (`engines.error_parts.counted`)."""
     assert finer is not None
-    return min(abs(1.0 - response.factor) for response in finer)
+    return max(counted(response.factor) for response in finer)
 
 
 def _rounded(value: float | None, times: float = 1.0) -> int | None:

@@ -109,7 +109,7 @@ USES = {
     "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.differences sweep.rows"),
     "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
     "solving.answer_to": ("solving", "text.document runs.steady_state"),
-    "resonance_curve.resonance_curve": ("text.copies text.reading loads.peak", "runs.comparison"),
+    "resonance_curve.search.resonance_curve": ("text.copies text.reading loads.peak", "runs.comparison"),
     "benchmark.measurement.pinned": ("trials.truth trials.methods", "runs.comparison"),
     "classes.measurement.measured": ("classes.groups trials.truth", "runs.comparison"),
     "thesis.finding.response.respond": ("measures.half_cycle runs.marching", "runs.comparison"),

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.jobs.records import decoded, encoded
 from quickreturn.cases.jobs.store import Record, Store
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 
 
 @dataclass(frozen=True)
@@ -72,3 +74,13 @@ def test_a_number_that_is_none_is_refused(tmp_path: Path) -> None:
 def test_a_record_of_something_else_is_no_result(document: Any) -> None:
     with pytest.raises((KeyError, TypeError, ValueError)):
         decoded(Part, Record(document))
+
+
+@pytest.mark.parametrize("kind", [Trajectory, FollowerTrajectory])
+def test_of_several_classes_the_one_that_takes_the_record_comes_back(kind: type[Trajectory], tmp_path: Path) -> None:
+    partial = kind({name: np.zeros(3) for name in kind.required}, 0.5)
+    found = there_and_back(Part | EngineFailure, EngineFailure(0.25, "it snapped", "try another", partial), tmp_path)
+    assert isinstance(found, EngineFailure)
+    assert str(found) == "failed at t = 0.25 s: it snapped; try another"
+    assert type(found.partial) is kind
+    assert isinstance(there_and_back(Part | EngineFailure, WHOLE.parts[0], tmp_path), Part)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from quickreturn.cases.case_file import load_case
 from quickreturn.engines import accurate
 from quickreturn.engines.base import Comparison
-from quickreturn.engines.error_parts import Compared, estimated_part
+from quickreturn.engines.error_parts import TIP, Compared, parts_of
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
@@ -67,7 +67,8 @@ def test_few_elements_are_not_taken_for_a_cable_that_stretches():
     def part(pair: Comparison) -> float:
         runs = (pair.run.as_dict(), pair.other.as_dict())
         run, other = (simulate(mechanism, 0.3, **settings) for settings in runs)
-        return estimated_part(run, Compared(run, other, pair.factor), mechanism.follower.length).tip.error
+        parts, _ = parts_of(run, [Compared(run, other, pair.factor)], mechanism.follower.length)
+        return parts[TIP][0].error
 
     _, _, stretch, _ = ENGINE.comparisons(rung, mechanism, 1e-3)
     half, whole = (part(Comparison(*(own.replaced(elements=n) for own in (stretch.run, stretch.other)), stretch.factor)) for n in (12, 24))

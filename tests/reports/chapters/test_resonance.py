@@ -13,7 +13,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, Watch
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.resonance_curve import job_around
+from quickreturn.cases.resonance_curve.search import job_around
 from quickreturn.engines.base import EngineFailure
 from quickreturn.reports.chapters.resonance import finding, motion_sentences, plot
 from quickreturn.reports.page.chapters import chapters_of

@@ -1,30 +1,29 @@
-"""The periodic motion of a machine over one of its quantities: curve, stability, special points and peaks, each with its error claim."""
+"""Follows the periodic motion of a machine over one of its quantities, and measures it, each number with its error claim."""
 
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, Final, Protocol, TypeVar
+from typing import Final, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.errors import CaseError, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
-from quickreturn.cases.keys import PATHS, si_value, unit_given
 from quickreturn.cases.loads.resonance import resonance
 from quickreturn.cases.measures.catalogue import ARGUMENT, MEASURES, Measure, SettledMotion
 from quickreturn.cases.measures.number import Number
-from quickreturn.cases.runs import endings
-from quickreturn.cases.runs.request import PeriodicOrbit, Run
-from quickreturn.cases.runs.stability import UNSTABLE
-from quickreturn.cases.sweep.grid import OF_START
+from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonanceCurve, ResonancePeak, SpecialPoint
+from quickreturn.cases.resonance_curve.range import SPEED, Range
+from quickreturn.cases.runs.request import Run
 from quickreturn.cases.units import in_si
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.error_parts import comparison_by, counted
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.reference_model.columns import OBSERVED
 from quickreturn.reference_model.cycles.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
@@ -34,7 +33,6 @@ from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import mean_crank_speed
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -46,7 +44,6 @@ class _Kept(Protocol):
     def __call__(self, kind: type[T], compute: Callable[[], T]) -> T: ...
 
 
-SPEED: Final = "crank.prescribed_speed"
 #: Measure by default.
 USUAL: Final = "peak.tip_acceleration"
 #: Sizes that follow from the columns of a turn, by name.
@@ -65,130 +62,8 @@ PIECE: Final = 10
 PROMINENT: Final = 1.1
 #: Error of the place of a fold, as a part of the range: a new search from other points moves it by at most 2e-7.
 FOLD_TOLERANCE: Final = 1e-6
-#: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
-MULTIPLIER_TOLERANCE: Final = 1e-3
 #: Half width of the default range of speeds, as a part of the machine's own speed.
 NEAR: Final = 0.15
-
-
-_OF_CURVES: Final = "tests/quickreturn/test_resonance.py"
-#: Difference over the range of the parameter.
-_FOLDS: Final = Witness(
-    "maps whose folds have a closed form",
-    4e-4,
-    "tests/reference_model/cycles/test_continuation.py::test_both_folds_of_a_cubic",
-)
-_MARCHES: Final = Witness(
-    "marches of `mujoco` and `exudyn` from a neighbouring speed",
-    0.02,
-    "tests/verification/test_resonance.py::test_a_march_from_a_neighbouring_speed_settles_on_the_curve",
-)
-
-
-@dataclass(frozen=True)
-class Range:
-    """A quantity of a scene and the values between which it varies."""
-
-    key: str  # dotted key of a case file
-    low: float  # SI
-    high: float
-    unit: str  # unit in which they were given
-    size: float  # of that unit, SI
-
-
-@dataclass(frozen=True)
-class SpecialPoint:
-    """A point where the kind of motion changes."""
-
-    kind: str  # "fold", "period doubling", "torus", "slider left" or "lost"
-    value: float  # of the varied quantity, SI
-    tolerance: float  # error of its location on the model's own curve
-    error: float | None  # claim: its displacement with more modes; None: unknown
-    at: int  # number of the point on the curve
-    reason: str = ""  # why the curve ends there (a clause); "" if it goes on
-
-    witnesses: ClassVar[Witnesses] = {
-        "value": _FOLDS,
-        "tolerance": _FOLDS,
-        "error": Witness(
-            "a model with more modes: errors beyond the claim", 0.0, f"{_OF_CURVES}::test_the_claims_hold_against_a_model_with_more_modes"
-        ),
-    }
-
-
-@dataclass(frozen=True)
-class ResonancePeak:
-    """A local maximum of the first measure along the curve."""
-
-    value: float  # of the varied quantity, SI
-    height: float  # of the measure
-    at: int  # number of the point on the curve
-    order: int  # multiple of the crank's speed that is nearest to the mean first bending frequency there
-
-    witnesses: ClassVar[Witnesses] = dict.fromkeys(("value", "height"), _MARCHES)
-
-
-@dataclass(frozen=True)
-class ResonanceCurve:
-    """Points in order of arclength, which pass through folds; arrays of shape (k,).
-
-    A point's claim is a rectangle: the curve of a converged model passes through `values` +- `value_errors` and each measure +- its error.
-    The converged point is sought in the plane across the curve, so the claim also holds at folds.
-    """
-
-    range: Range  # what varies, and between which values
-    prescribed: bool  # whether the crank's speed was prescribed in place of the case's own drive
-    values: Array  # of the varied quantity, SI
-    arclength: Array  # along the curve, in parts of the range and of the motion's size
-    measures: dict[str, Array]  # by name
-    errors: dict[str, Array]  # of these, by name; nan where unknown
-    value_errors: Array  # nan where unknown
-    multipliers: Array  # largest Floquet multiplier, real and imaginary part, shape (k, 2)
-    kinds: tuple[str, ...]  # "" of a stable point, else "fold", "period doubling" or "torus"
-    special: tuple[SpecialPoint, ...]  # in order of arclength
-    peaks: tuple[ResonancePeak, ...]  # likewise
-    settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
-
-    witnesses: ClassVar[Witnesses] = {
-        **dict.fromkeys(("values", "arclength", "measures"), _MARCHES),
-        **dict.fromkeys(("errors", "value_errors"), SpecialPoint.witnesses["error"]),
-        "multipliers": PeriodicOrbit.witnesses["multipliers"],
-    }
-
-    def stability(self, at: int) -> str:
-        """Whether a point is stable, "neutral" where its largest multiplier is 1 within its error, or how it is unstable."""
-        if abs(math.hypot(*self.multipliers[at]) - 1.0) <= MULTIPLIER_TOLERANCE:
-            return endings.Ending.NEUTRAL
-        return UNSTABLE.format(self.kinds[at]) if self.kinds[at] else "stable"
-
-    def kind_after(self, at: int) -> str:
-        """How the motion is unstable between a point and the next one, "" if it is stable."""
-        return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
-
-    def stretches(self) -> Iterator[tuple[slice, bool]]:
-        """Stretches of the curve, and whether they are unstable; special points belong to both adjacent stretches."""
-        unstable, begin = [bool(self.kind_after(at)) for at in range(len(self.kinds) - 1)], 0
-        for state, group in itertools.groupby(unstable):
-            end = begin + len(list(group))
-            yield slice(begin, end + 1), state
-            begin = end
-
-
-def range_of(key: str, text: str, option: str) -> Range:
-    """The range that "a .. b" describes. CaseError: it is invalid."""
-    if key not in PATHS or key.startswith("simulation."):
-        raise CaseError(option, key, None, "is no quantity of a scene", nearest_or_all(key, tuple(PATHS)))
-    about = PATHS[key]
-    if about.count is not None or not about.moves or key in OF_START:
-        raise CaseError(option, key, None, "changes no periodic motion continuously", "give a single number of the scene")
-    ends = [part.strip() for part in text.split("..")]
-    example = f'such as "{"60 rpm .. 300 rpm" if key == SPEED else f"1 {about.unit} .. 2 {about.unit}"}"'
-    if len(ends) != 2 or not all(ends):
-        raise CaseError(option, key, as_written(text), "is no range", f"write two values with .. between them, {example}")
-    low, high = (si_value(key, end, option, finite=True) for end in ends)
-    if not low < high or low * high < 0.0 or (key == SPEED and low * high == 0.0):
-        raise CaseError(option, key, as_written(text), "is no range to follow", f"give a smaller and a larger value of one sign, {example}")
-    return Range(key, low, high, *unit_given(key, ends))
 
 
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
@@ -265,7 +140,7 @@ def resonance_curve(
     """
     scene_at, engine = checked_scenes(case, varied, speed, measures), ReferenceEngine()
     settings = engine.settings_for(accuracy or engine.default_accuracy, scene_at(varied.high))
-    comparison = engine.comparisons(settings, scene_at(varied.high), case.output_step)[0]
+    comparison = comparison_by(engine.comparisons(settings, scene_at(varied.high), case.output_step), "modes")
     other = comparison.other
     assert isinstance(other, ReferenceSettings)
     family = CycleFamily(scene_at, settings.modes, INTEGRATION)
@@ -276,7 +151,7 @@ def resonance_curve(
 
     followed = _followed(family, varied, kept)
     finer = CycleFamily(scene_at, other.modes, other.tolerance) if claims else None
-    points, factor = followed.points, abs(comparison.factor - 1.0)
+    points, part = followed.points, counted(comparison.factor)
 
     def measured(begin: int) -> _Measured:
         some = points[begin : begin + PIECE]
@@ -287,7 +162,7 @@ def resonance_curve(
             found = _numbers_of(family, point.point, point.parameter, measures)
             values[at] = [each.value for each in found]
             if finer is not None:
-                errors[at], value_errors[at] = _claims(point, found, finer, measures, factor)
+                errors[at], value_errors[at] = _claims(point, found, finer, measures, part)
         return _Measured(values, errors, value_errors)
 
     parts = [kept(_Measured, partial(measured, begin)) for begin in range(0, len(points), PIECE)]
@@ -375,16 +250,16 @@ def _numbers_of(family: CycleFamily, point: Array, value: float, measures: Seque
 
 
 def _claims(
-    point: BranchPoint, found: Sequence[Number], finer: CycleFamily, measures: Sequence[str], factor: float
+    point: BranchPoint, found: Sequence[Number], finer: CycleFamily, measures: Sequence[str], part: float
 ) -> tuple[list[float], float]:
-    """Claims on measures and place: the difference to the finer family's point (equation 10.13) over `factor`; nan where there is none."""
+    """Claims on measures and place: `part` of the difference to the finer family's point (equation 10.13); nan where there is none."""
     try:
         there, parameter = finer.nearest(point)
         others = _numbers_of(finer, there, parameter, measures)
     except (CycleBroken, NotConverged):
         return [math.nan] * len(found), math.nan
-    errors = [abs(other.value - one.value) / factor + one.uncertainty for one, other in zip(found, others, strict=True)]
-    return errors, abs(parameter - point.parameter) / factor
+    errors = [part * abs(other.value - one.value) + one.uncertainty for one, other in zip(found, others, strict=True)]
+    return errors, part * abs(parameter - point.parameter)
 
 
 def _tolerance(points: Sequence[BranchPoint], at: int) -> float:

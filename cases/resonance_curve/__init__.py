@@ -1,0 +1,1 @@
+"""The periodic motion of a machine over one of its quantities."""

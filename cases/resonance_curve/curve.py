@@ -1,0 +1,112 @@
+"""A resonance curve: its points with stability and error claims, special points and peaks."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.cases.resonance_curve.range import Range
+from quickreturn.cases.runs import endings
+from quickreturn.cases.runs.request import PeriodicOrbit
+from quickreturn.cases.runs.stability import UNSTABLE
+from quickreturn.reference_model.witnesses import Witness, Witnesses
+
+Array = NDArray[np.float64]
+
+#: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
+MULTIPLIER_TOLERANCE: Final = 1e-3
+
+_OF_CURVES: Final = "tests/quickreturn/test_resonance.py"
+#: Difference over the range of the parameter.
+_FOLDS: Final = Witness(
+    "maps whose folds have a closed form",
+    4e-4,
+    "tests/reference_model/cycles/test_continuation.py::test_both_folds_of_a_cubic",
+)
+_MARCHES: Final = Witness(
+    "marches of `mujoco` and `exudyn` from a neighbouring speed",
+    0.02,
+    "tests/verification/test_resonance.py::test_a_march_from_a_neighbouring_speed_settles_on_the_curve",
+)
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """A point where the kind of motion changes."""
+
+    kind: str  # "fold", "period doubling", "torus", "slider left" or "lost"
+    value: float  # of the varied quantity, SI
+    tolerance: float  # error of its location on the model's own curve
+    error: float | None  # claim: its displacement with more modes; None: unknown
+    at: int  # number of the point on the curve
+    reason: str = ""  # why the curve ends there (a clause); "" if it goes on
+
+    witnesses: ClassVar[Witnesses] = {
+        "value": _FOLDS,
+        "tolerance": _FOLDS,
+        "error": Witness(
+            "a model with more modes: errors beyond the claim", 0.0, f"{_OF_CURVES}::test_the_claims_hold_against_a_model_with_more_modes"
+        ),
+    }
+
+
+@dataclass(frozen=True)
+class ResonancePeak:
+    """A local maximum of the first measure along the curve."""
+
+    value: float  # of the varied quantity, SI
+    height: float  # of the measure
+    at: int  # number of the point on the curve
+    order: int  # multiple of the crank's speed that is nearest to the mean first bending frequency there
+
+    witnesses: ClassVar[Witnesses] = dict.fromkeys(("value", "height"), _MARCHES)
+
+
+@dataclass(frozen=True)
+class ResonanceCurve:
+    """Points in order of arclength, which pass through folds; arrays of shape (k,).
+
+    A point's claim is a rectangle: the curve of a converged model passes through `values` +- `value_errors` and each measure +- its error.
+    The converged point is sought in the plane across the curve, so the claim also holds at folds.
+    """
+
+    range: Range  # what varies, and between which values
+    prescribed: bool  # whether the crank's speed was prescribed in place of the case's own drive
+    values: Array  # of the varied quantity, SI
+    arclength: Array  # along the curve, in parts of the range and of the motion's size
+    measures: dict[str, Array]  # by name
+    errors: dict[str, Array]  # of these, by name; nan where unknown
+    value_errors: Array  # nan where unknown
+    multipliers: Array  # largest Floquet multiplier, real and imaginary part, shape (k, 2)
+    kinds: tuple[str, ...]  # "" of a stable point, else "fold", "period doubling" or "torus"
+    special: tuple[SpecialPoint, ...]  # in order of arclength
+    peaks: tuple[ResonancePeak, ...]  # likewise
+    settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
+
+    witnesses: ClassVar[Witnesses] = {
+        **dict.fromkeys(("values", "arclength", "measures"), _MARCHES),
+        **dict.fromkeys(("errors", "value_errors"), SpecialPoint.witnesses["error"]),
+        "multipliers": PeriodicOrbit.witnesses["multipliers"],
+    }
+
+    def stability(self, at: int) -> str:
+        """Whether a point is stable, "neutral" where its largest multiplier is 1 within its error, or how it is unstable."""
+        if abs(math.hypot(*self.multipliers[at]) - 1.0) <= MULTIPLIER_TOLERANCE:
+            return endings.Ending.NEUTRAL
+        return UNSTABLE.format(self.kinds[at]) if self.kinds[at] else "stable"
+
+    def kind_after(self, at: int) -> str:
+        """How the motion is unstable between a point and the next one, "" if it is stable."""
+        return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
+
+    def stretches(self) -> Iterator[tuple[slice, bool]]:
+        """Stretches of the curve, and whether they are unstable; special points belong to both adjacent stretches."""
+        unstable, begin = [bool(self.kind_after(at)) for at in range(len(self.kinds) - 1)], 0
+        for state, group in itertools.groupby(unstable):
+            end = begin + len(list(group))
+            yield slice(begin, end + 1), state
+            begin = end
