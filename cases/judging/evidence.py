@@ -47,36 +47,26 @@ class TrialScene:
         return Evidence(requested=requested, duration=self.duration, stretch=0.0, row=self.output_step, **known)
 
 
-@dataclass(frozen=True)
-class Trial:
-    """The result of an engine in a scene, with the settings that reach the accuracy asked for or the finest that it has."""
-
-    evidence: Evidence  # for `cases.judging.verdicts.judge`
-    settings: dict[str, Any]  # settings of the judged run; {} if none ran
-    columns: Columns  # its trajectory, as far as it goes
-
-
 def gather(
     engine: str, scene: TrialScene, requested: float, usable: Callable[[str], AnyEngine] = usable_engine, asked: Sequence[float] = ASKED
-) -> Trial:
+) -> Evidence:
     """The evidence on an engine (a name, which `usable` finds) in a scene from the standard start.
 
     `requested`: error of the tip deflection asked for; `asked`: see `ASKED`.
     """
-    trial = Trial(scene.evidence(requested), {}, {})
+    found = scene.evidence(requested)
     try:
         chosen = usable(engine)
         for share in asked:
             run = _Request(chosen, scene, requested, share * requested).run()
-            broken = run.evidence.breakdown
-            if trial.columns and broken is not None and not broken.at_the_end:
+            if found.columns and run.breakdown is not None and not run.breakdown.at_the_end:
                 break  # a breakdown with finer settings does not replace a completed run
-            trial, estimate = run, run.evidence.error_estimate
-            if judge(run.evidence).claimed_error is not None or estimate is None or estimate > share * requested:
+            found, estimate = run, run.error_estimate
+            if judge(run).claimed_error is not None or estimate is None or estimate > share * requested:
                 break  # no doubt left, or the ladder ends here
     except (Refusal, SettingError) as refusal:
-        return Trial(scene.evidence(requested, refused=str(refusal)), {}, {})
-    return trial
+        return scene.evidence(requested, refused=str(refusal))
+    return found
 
 
 class _Request:
@@ -87,24 +77,25 @@ class _Request:
         self._start = standard_start(scene.mechanism)
         self._nothing = scene.evidence(requested)
 
-    def run(self) -> Trial:
+    def run(self) -> Evidence:
         """All runs that the evidence needs. Refusal, SettingError: the engine does not take this scene."""
         scene = self._scene
         stretch, result, failure = self._delivered()
         if failure is not None and (result is None or not self._at_the_end(failure.partial)):
-            broken = Breakdown(time=failure.time, cause=failure.cause)
-            return Trial(replace(self._nothing, breakdown=broken), {}, dict(failure.partial.columns) if failure.partial else {})
+            columns = dict(failure.partial.columns) if failure.partial else {}
+            return replace(self._nothing, breakdown=Breakdown(time=failure.time, cause=failure.cause), columns=columns)
         assert result is not None
         trajectory, failure = (result.trajectory, None) if stretch == scene.duration else self._once(result.delivered)
-        evidence = replace(self._nothing, stretch=stretch, error_estimate=result.error_estimate, remark=result.remark)
+        columns = dict(trajectory.columns) if trajectory is not None else {}
+        known: dict[str, Any] = {"stretch": stretch, "settings": result.settings, "columns": columns}
+        evidence = replace(self._nothing, error_estimate=result.error_estimate, remark=result.remark, **known)
         if failure is not None:
             breakdown = Breakdown(time=failure.time, cause=failure.cause, at_the_end=self._at_the_end(trajectory))
             evidence = replace(evidence, breakdown=breakdown)
-        columns = dict(trajectory.columns) if trajectory is not None else {}
         estimate = result.error_estimate
         if estimate is not None and estimate <= evidence.requested and trajectory is not None:
-            evidence = self._balanced(evidence, columns, *self._finer(result.delivered))
-        return Trial(evidence, result.settings, columns)
+            evidence = self._balanced(evidence, *self._finer(result.delivered))
+        return evidence
 
     def _delivered(self) -> tuple[float, Result | None, EngineFailure | None]:
         """The user's result on the longest possible stretch, and why it is not the whole duration."""
@@ -127,9 +118,9 @@ class _Request:
                 break
         return stretch, None, first
 
-    def _balanced(self, evidence: Evidence, columns: Columns, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
+    def _balanced(self, evidence: Evidence, finer: Trajectory | None, finer_failure: EngineFailure | None) -> Evidence:
         """The evidence with finer settings and balances."""
-        rows = round(evidence.stretch / evidence.row) + 1
+        columns, rows = evidence.columns, round(evidence.stretch / evidence.row) + 1
         shown = {name: values[:rows] for name, values in columns.items()}
         difference, later, breakdown, broken = None, None, evidence.breakdown, ""
         if finer is not None and len(finer) >= rows:

@@ -12,8 +12,8 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.conditioning import Conditioning, conditioning, later_differences
-from quickreturn.cases.judging.evidence import Trial, TrialScene, gather
-from quickreturn.cases.judging.verdicts import ACCURATE, ENDED, LATER, OWN_EQUATIONS, Breakdown, Verdict, contradicted, judge
+from quickreturn.cases.judging.evidence import TrialScene, gather
+from quickreturn.cases.judging.verdicts import ACCURATE, ENDED, LATER, OWN_EQUATIONS, Breakdown, Evidence, Verdict, contradicted, judge
 from quickreturn.engines.registry import MAIN, MODEL
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.trajectory import Columns
@@ -24,7 +24,7 @@ REQUESTED: Final = 0.01
 CONVERGED: Final = ("reference", 1e-3)
 #: The error asked of the converged solution of `MODEL`'s own equations, with which `MODEL` is compared.
 MODEL_CONVERGED: Final = 1e-4
-#: Columns of a trial that are kept.
+#: Columns of a trajectory that are kept.
 _KEPT: Final = ("time", "tip_deflection", "strain_energy")
 _KIND: Final = "hard scene"
 
@@ -94,18 +94,18 @@ def judge_scenes(cases: Sequence[Case], workshop: Workshop, engines: Sequence[st
     found = [replace(outcome.value, scene=case.name) for case, outcome in zip(cases, outcomes, strict=True) if outcome.value]
     conditionings = {of_case.scene: of_case for of_case in found}
     horizons = {case.name: case.duration for case in cases} | {name: of_case.horizon for name, of_case in conditionings.items()}
-    jobs = {(what, case.name): job for case in cases for what, job in _trial_jobs(case, horizons[case.name], engines).items()}
-    trials: dict[tuple[str, str], Trial] = {}
+    jobs = {(what, case.name): job for case in cases for what, job in _evidence_jobs(case, horizons[case.name], engines).items()}
+    runs: dict[tuple[str, str], Evidence] = {}
     for (what, name), outcome in zip(jobs, workshop.outcomes(list(jobs.values()), "hard scenes"), strict=True):
         if not outcome.missing:
-            trials[what, name] = outcome.value or _broken(jobs[what, name], outcome)
+            runs[what, name] = outcome.value or _broken(jobs[what, name], outcome)
     cells: dict[tuple[str, str], Judged] = {}
     for case in cases:
-        truth = trials.get(("converged", case.name))
-        of_case = {name: trials[name, case.name] for name in engines if (name, case.name) in trials}
-        cells |= {(case.name, cell.engine): cell for cell in _cells(case.name, of_case, truth, trials.get(("model", case.name)))}
+        truth = runs.get(("converged", case.name))
+        of_case = {name: runs[name, case.name] for name in engines if (name, case.name) in runs}
+        cells |= {(case.name, cell.engine): cell for cell in _cells(case.name, of_case, truth, runs.get(("model", case.name)))}
         if truth and case.name in conditionings:
-            conditionings[case.name] = replace(conditionings[case.name], converged=judge(truth.evidence).claimed_error)
+            conditionings[case.name] = replace(conditionings[case.name], converged=judge(truth).claimed_error)
     return Matrix(tuple(cases), tuple(engines), cells, conditionings)
 
 
@@ -114,37 +114,38 @@ def _conditioning_job(case: Case) -> Job[Conditioning]:
     return Job(f"conditioning of {case.name}", conditioning, arguments, kind=_KIND, engines=("reference",))
 
 
-def _trial_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str, Job[Trial]]:
+def _evidence_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[str, Job[Evidence]]:
     """The converged solution, that of `MODEL`'s own equations if it is among the engines, and each engine."""
     scene = TrialScene(mechanism=case.mechanism, duration=case.duration, output_step=case.output_step, horizon=horizon)
     wanted = {"converged": CONVERGED} | ({"model": (MODEL, MODEL_CONVERGED)} if MODEL in engines else {})
     wanted |= {name: (name, REQUESTED) for name in engines}
     return {
-        what: Job(f"{name} in a hard scene", trial, (name, scene, requested), _KIND, engines=(name,))
+        what: Job(f"{name} in a hard scene", evidence_of, (name, scene, requested), _KIND, engines=(name,))
         for what, (name, requested) in wanted.items()
     }
 
 
-def trial(engine: str, scene: TrialScene, requested: float) -> Trial:
-    """The result of an engine in a scene as it is stored: NaN, which the store refuses, becomes infinity, which fails every test."""
-    result = gather(engine, scene, requested)
-    numbers: Any = {name: math.inf for name, value in vars(result.evidence).items() if isinstance(value, float) and math.isnan(value)}
-    later = result.evidence.later and {name: math.inf if math.isnan(value) else value for name, value in result.evidence.later.items()}
-    columns: Columns = {name: result.columns[name] for name in _KEPT if name in result.columns}
-    return replace(result, evidence=replace(result.evidence, later=later, **numbers), columns=columns)
+def evidence_of(engine: str, scene: TrialScene, requested: float) -> Evidence:
+    """The evidence on an engine in a scene as it is stored: NaN, which the store refuses, becomes infinity, which fails every test."""
+    found = gather(engine, scene, requested)
+    numbers: Any = {name: math.inf for name, value in vars(found).items() if isinstance(value, float) and math.isnan(value)}
+    later = found.later and {name: math.inf if math.isnan(value) else value for name, value in found.later.items()}
+    columns: Columns = {name: found.columns[name] for name in _KEPT if name in found.columns}
+    return replace(found, later=later, columns=columns, **numbers)
 
 
-def _broken(job: Job[Trial], outcome: Outcome[Trial]) -> Trial:
-    """The verdict on a process that ended without a result."""
+def _broken(job: Job[Evidence], outcome: Outcome[Evidence]) -> Evidence:
+    """The evidence of a process that ended without a result."""
     _, scene, requested = job.arguments
-    return Trial(scene.evidence(requested, breakdown=Breakdown(time=0.0, cause=outcome.explanation)), {}, {})
+    broken: Evidence = scene.evidence(requested, breakdown=Breakdown(time=0.0, cause=outcome.explanation))
+    return broken
 
 
-def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Trial | None) -> list[Judged]:
+def _cells(scene: str, runs: Mapping[str, Evidence], truth: Evidence | None, model: Evidence | None) -> list[Judged]:
     """The cells of a scene, from its runs by engine, its converged solution and that of `MODEL`'s own equations."""
-    from_evidence = {name: judge(run.evidence) for name, run in runs.items()}
-    others = {name: verdict for name, verdict in from_evidence.items() if name != MODEL}
-    verdicts = from_evidence | contradicted(others, _differences(runs, others))
+    own = {name: judge(run) for name, run in runs.items()}
+    others = {name: verdict for name, verdict in own.items() if name != MODEL}
+    verdicts = own | contradicted(others, _differences(runs, others))
     cells = []
     for name, verdict in verdicts.items():
         right = model if name == MODEL else truth
@@ -154,12 +155,12 @@ def _cells(scene: str, runs: Mapping[str, Trial], truth: Trial | None, model: Tr
     return cells
 
 
-def _differences(runs: Mapping[str, Trial], verdicts: Mapping[str, Verdict]) -> dict[tuple[str, str], float]:
+def _differences(runs: Mapping[str, Evidence], verdicts: Mapping[str, Verdict]) -> dict[tuple[str, str], float]:
     """The difference of every two runs that claim something, over the stretch that both claim."""
     claiming = [name for name, verdict in verdicts.items() if verdict.stretch is not None]
     differences = {}
     for first, second in combinations(claiming, 2):
-        stretch = min(runs[first].evidence.stretch, runs[second].evidence.stretch)
+        stretch = min(runs[first].stretch, runs[second].stretch)
         differences[first, second] = _difference(runs[first].columns, runs[second].columns, stretch)
     return differences
 
@@ -171,15 +172,15 @@ def _difference(columns: Columns, other: Columns, stretch: float) -> float:
     return relative_error(columns["tip_deflection"][:rows], other["tip_deflection"][:rows])
 
 
-def _distance(run: Trial, truth: Trial) -> float | None:
+def _distance(run: Evidence, truth: Evidence) -> float | None:
     """The difference of two converged solutions over the stretch that both claim; None if one claims nothing."""
-    stretches = [stretch for each in (run, truth) if (stretch := judge(each.evidence).stretch) is not None]
+    stretches = [stretch for each in (run, truth) if (stretch := judge(each).stretch) is not None]
     return _difference(run.columns, truth.columns, min(stretches)) if len(stretches) == 2 else None
 
 
-def _checked(verdict: Verdict, run: Trial, truth: Trial) -> dict[str, Any]:
+def _checked(verdict: Verdict, run: Evidence, truth: Evidence) -> dict[str, Any]:
     """The check of a claim by the converged solution; empty if nothing can be checked."""
-    right = judge(truth.evidence)
+    right = judge(truth)
     claimed, stretch = verdict.claimed_error, verdict.stretch
     if verdict.kind not in (ACCURATE, ENDED) or claimed is None or stretch is None:
         return {}
@@ -192,7 +193,7 @@ def _checked(verdict: Verdict, run: Trial, truth: Trial) -> dict[str, Any]:
         apart = abs((verdict.time or 0.0) - (right.time or 0.0))  # an end has a time
         within = (verdict.time_uncertainty or 0.0) + (right.time_uncertainty or 0.0)
         holds = holds and verdict.kind == right.kind and apart <= within
-    elif stretch < run.evidence.duration:
+    elif stretch < run.duration:
         later = later_differences(run.columns, truth.columns, stretch)
         holds = holds and max(later.values()) <= 2.0 * LATER  # the converged solution may be off by as much
     return {"true_error": error, "true_later": later, "holds": holds}

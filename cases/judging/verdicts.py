@@ -7,9 +7,11 @@ comparison with other engines finds that (`contradicted`).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import Final
+from typing import Any, Final
+
+from quickreturn.engines.trajectory import Columns
 
 ACCURATE: Final = "accurate"
 NOT_CONVERGED: Final = "not converged"
@@ -57,7 +59,7 @@ class Breakdown:
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """The evidence of a run on itself."""
+    """The evidence of a run on itself: with the settings that reach the accuracy asked for, or the finest that the engine has."""
 
     requested: float  # error of the tip deflection asked for
     duration: float  # s, of the scene
@@ -78,6 +80,8 @@ class Evidence:
     crank_jump: float = 0.0  # see `LARGEST_JUMP`
     # what is compared beyond the stretch -> relative difference to finer settings; None where there is no such part or run
     later: Mapping[str, float] | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)  # of the run; empty if none ran
+    columns: Columns = field(default_factory=dict, compare=False, repr=False)  # its trajectory, as far as it goes
 
     @property
     def claimed_error(self) -> float | None:

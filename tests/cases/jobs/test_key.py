@@ -104,7 +104,7 @@ USES = {
         "text.document text.copies units text.reading measures.catalogue loads.stress runs.steady_state",
         "sweep.study runs.comparison",
     ),
-    "judging.matrix.trial": ("variation judging.evidence", "runs.differences"),
+    "judging.matrix.evidence_of": ("variation judging.evidence", "runs.differences"),
     "conformance.conform": ("variation mistakes.diagnosis mistakes.explanation conformance.quantities", "runs.comparison"),
     "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.differences sweep.rows"),
     "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.judging.evidence import Trial, TrialScene, crank_jump, energy_residual, gather
-from quickreturn.cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, judge
+from quickreturn.cases.judging.evidence import TrialScene, crank_jump, energy_residual, gather
+from quickreturn.cases.judging.verdicts import ACCURATE, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, Evidence, judge
 from quickreturn.engines.base import Comparison, EngineFailure, Refusal
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
@@ -36,28 +36,28 @@ class Behaving(FakeEngine):
         return tuple(replace(pair, factor=1.0 + 3.0 / self.optimism) for pair in super().comparisons(settings, mechanism, output_step))
 
 
-def run(engine: FakeEngine, requested: float = 0.01, scene: TrialScene = SCENE) -> Trial:
+def run(engine: FakeEngine, requested: float = 0.01, scene: TrialScene = SCENE) -> Evidence:
     return gather("fake", scene, requested, lambda _: engine)
 
 
 def test_the_first_rung_that_is_good_enough_is_taken_and_its_claim_holds() -> None:
     found = run(Behaving(step=0.4))
-    verdict = judge(found.evidence)
+    verdict = judge(found)
     # second order: steps of 0.4, 0.2 and 0.1 leave 0.08, 0.02 and 0.005 times a cosine
     assert (verdict.kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.1))
     truth = np.sin(found.columns["time"])
     assert verdict.claimed_error is not None
     assert relative_error(found.columns["tip_deflection"], truth) <= 1.05 * verdict.claimed_error  # cosine and sine differ in RMS
-    assert found.evidence.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
+    assert found.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
 
 
 def test_a_ladder_too_short_ends_in_doubt() -> None:
-    assert judge(run(Behaving(step=0.4), requested=1e-5).evidence).kind == NOT_CONVERGED
+    assert judge(run(Behaving(step=0.4), requested=1e-5)).kind == NOT_CONVERGED
 
 
 @pytest.mark.parametrize("behaviour", ["fails", "raises", "nan", "short"])
 def test_whatever_breaks_down_is_told(behaviour: str) -> None:
-    verdict = judge(run(Behaving(behaviour)).evidence)
+    verdict = judge(run(Behaving(behaviour)))
     assert verdict.kind == DIVERGED
     told = {"fails": "the beam snapped", "raises": "ZeroDivisionError", "nan": "strain_2 is no longer", "short": "rows"}
     assert told[behaviour] in verdict.reason
@@ -65,7 +65,7 @@ def test_whatever_breaks_down_is_told(behaviour: str) -> None:
 
 def test_an_unstable_step_is_cured_by_a_finer_one() -> None:
     found = run(Behaving("unstable", step=0.1))
-    assert (judge(found.evidence).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.025))
+    assert (judge(found).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.025))
 
 
 def test_what_finer_settings_doubt_is_asked_for_more_accurately() -> None:
@@ -73,8 +73,8 @@ def test_what_finer_settings_doubt_is_asked_for_more_accurately() -> None:
     engine.optimism = 0.05
     found = run(engine)
     # its own estimate of the first rung, 0.02, is said to be 0.001, but the next finer one is 0.015 away
-    assert (judge(found.evidence).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.1))
-    assert found.evidence.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
+    assert (judge(found).kind, found.settings["step"]) == (ACCURATE, pytest.approx(0.1))
+    assert found.finer_difference == pytest.approx(error_of(0.1) - error_of(0.05), rel=0.1)
 
 
 class Gaping(Behaving):
@@ -98,28 +98,28 @@ def test_finer_settings_that_break_down_are_a_doubt() -> None:
         def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> FakeSettings | None:
             return FakeSettings(step=0.05, behaviour="fails")
 
-    verdict = judge(run(Brittle(step=0.1)).evidence)
+    verdict = judge(run(Brittle(step=0.1)))
     assert verdict.kind == NOT_CONVERGED
     assert "with finer settings it failed at t = 0.2 s: the beam snapped" in verdict.reason
 
 
 def test_a_gap_is_a_doubt_unless_the_joint_is_soft() -> None:
-    verdict = judge(run(Gaping()).evidence)
+    verdict = judge(run(Gaping()))
     assert verdict.kind == NOT_CONVERGED
     assert "off the centre line by up to 0.001 m" in verdict.reason
     soft = replace(SCENE, mechanism=replace(SCENE.mechanism, slider=Slider(joint_stiffness=1e4)))
-    assert judge(run(Gaping(), scene=soft).evidence).kind == ACCURATE
+    assert judge(run(Gaping(), scene=soft)).kind == ACCURATE
 
 
 def test_a_refusal_is_kept() -> None:
     scene = replace(SCENE, mechanism=replace(SCENE.mechanism, slider=Slider(mass=1.0)))
-    verdict = judge(run(FakeEngine(), scene=scene).evidence)
+    verdict = judge(run(FakeEngine(), scene=scene))
     assert (verdict.kind, verdict.reason) == (REFUSED, "slider.mass: engine fake models a massless slider only")
 
     def unusable(name: str) -> FakeEngine:
         raise Refusal(f"engine {name} is not available: no library")
 
-    assert judge(gather("fake", SCENE, 0.01, unusable).evidence).kind == REFUSED
+    assert judge(gather("fake", SCENE, 0.01, unusable)).kind == REFUSED
 
 
 class Leaving(Behaving):
@@ -148,14 +148,14 @@ class Leaving(Behaving):
 
 
 def test_the_end_of_a_scene_is_told_with_its_time_and_the_error_until_then() -> None:
-    verdict = judge(run(Leaving(0.0)).evidence)
+    verdict = judge(run(Leaving(0.0)))
     assert (verdict.kind, verdict.time) == (ENDED, 5.0)
     assert verdict.stretch == pytest.approx(4.7)  # 95 % of it, on the grid
     assert verdict.claimed_error is not None
 
 
 def test_an_end_that_moves_with_the_settings_is_none() -> None:
-    assert judge(run(Leaving(10.0)).evidence).kind == NOT_CONVERGED
+    assert judge(run(Leaving(10.0))).kind == NOT_CONVERGED
 
 
 def test_a_balance_that_does_not_close_and_a_jump_are_measured() -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.judging.evidence import Trial, TrialScene, gather
+from quickreturn.cases.judging.evidence import TrialScene, gather
 from quickreturn.cases.judging.matrix import REQUESTED
-from quickreturn.cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, contradicted, judge
+from quickreturn.cases.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, NOT_CONVERGED, Evidence, contradicted, judge
 from quickreturn.engines.base import Engine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
@@ -26,20 +26,20 @@ SHORT = TrialScene(mechanism=MECHANISM, duration=0.4, output_step=1e-3, horizon=
 COARSE_ROWS = TrialScene(mechanism=MECHANISM, duration=0.4, output_step=0.02, horizon=0.4)
 
 
-def run_of(chosen: Engine, scene: TrialScene = SHORT) -> Trial:
+def run_of(chosen: Engine, scene: TrialScene = SHORT) -> Evidence:
     return gather(chosen.name, scene, REQUESTED, lambda _: chosen, asked=(1.0,))
 
 
 @pytest.fixture(scope="module")
-def sound() -> dict[str, Trial]:
+def sound() -> dict[str, Evidence]:
     """Two engines that are right, each by a method of its own."""
     return {name: run_of(engine(name)) for name in ("reference", "exudyn")}
 
 
-def verdicts_with(odd: Columns, evidence: Trial, sound: dict[str, Trial]) -> dict[str, str]:
+def verdicts_with(odd: Columns, evidence: Evidence, sound: dict[str, Evidence]) -> dict[str, str]:
     """Kinds of the verdicts after the comparison."""
     columns = {name: run.columns for name, run in sound.items()} | {"odd": odd}
-    own = {name: judge(run.evidence) for name, run in sound.items()} | {"odd": judge(evidence.evidence)}
+    own = {name: judge(run) for name, run in sound.items()} | {"odd": judge(evidence)}
     differences = {
         (first, second): relative_error(columns[first]["tip_deflection"], columns[second]["tip_deflection"])
         for first in columns
@@ -49,25 +49,25 @@ def verdicts_with(odd: Columns, evidence: Trial, sound: dict[str, Trial]) -> dic
     return {name: verdict.kind for name, verdict in contradicted(own, differences).items()}
 
 
-def test_sound_engines_are_accurate_disguised_or_not(sound: dict[str, Trial]) -> None:
+def test_sound_engines_are_accurate_disguised_or_not(sound: dict[str, Evidence]) -> None:
     disguised = run_of(Disguised(engine("reference")))
     assert verdicts_with(disguised.columns, disguised, sound) == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": ACCURATE}
 
 
 @pytest.mark.verify
 def test_a_step_twenty_times_too_large_is_found_by_the_estimate() -> None:
-    assert judge(run_of(engine("exudyn"), COARSE_ROWS).evidence).kind == ACCURATE  # on this grid, too
-    assert judge(run_of(TooLargeStep(engine("exudyn")), COARSE_ROWS).evidence).kind in (NOT_CONVERGED, DIVERGED)
+    assert judge(run_of(engine("exudyn"), COARSE_ROWS)).kind == ACCURATE  # on this grid, too
+    assert judge(run_of(TooLargeStep(engine("exudyn")), COARSE_ROWS)).kind in (NOT_CONVERGED, DIVERGED)
 
 
 def test_a_reset_to_the_start_is_found_by_the_run_itself() -> None:
-    verdict = judge(run_of(Restarting(engine("reference"))).evidence)
+    verdict = judge(run_of(Restarting(engine("reference"))))
     assert verdict.kind == NOT_CONVERGED
 
 
-def test_a_stiffness_3_percent_off_is_found_by_comparison(sound: dict[str, Trial]) -> None:
+def test_a_stiffness_3_percent_off_is_found_by_comparison(sound: dict[str, Evidence]) -> None:
     odd = run_of(Stiffer(engine("reference")))
-    assert judge(odd.evidence).kind == ACCURATE  # it converges, to another scene
+    assert judge(odd).kind == ACCURATE  # it converges, to another scene
     assert verdicts_with(odd.columns, odd, sound) == {"reference": ACCURATE, "exudyn": ACCURATE, "odd": CONTRADICTED}
 
 
@@ -92,7 +92,7 @@ def test_the_term_to_drop_is_in_the_source_once() -> None:
 
 @pytest.mark.verify
 @pytest.mark.parametrize("dropped", [False, True])
-def test_a_dropped_coriolis_term_is_found(dropped: bool, sound: dict[str, Trial], tmp_path: Path) -> None:
+def test_a_dropped_coriolis_term_is_found(dropped: bool, sound: dict[str, Evidence], tmp_path: Path) -> None:
     """A copy of the code with the term cut out of the source, and a whole copy to see that copying does no harm."""
     package = copied_package(tmp_path, "reference_model", "engines")
     if dropped:
@@ -108,6 +108,6 @@ def test_a_dropped_coriolis_term_is_found(dropped: bool, sound: dict[str, Trial]
         timeout=1500,
     )
     assert done.returncode == 0, done.stderr
-    odd: Trial = pickle.loads(result.read_bytes())
+    odd: Evidence = pickle.loads(result.read_bytes())
     kind = verdicts_with(odd.columns, odd, sound)["odd"]
-    assert (kind == ACCURATE) == (not dropped), judge(odd.evidence)
+    assert (kind == ACCURATE) == (not dropped), judge(odd)
