@@ -7,10 +7,10 @@ from dataclasses import replace
 from numbers import Real
 
 from quickreturn.cases.case import Case, case_of
-from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown
 from quickreturn.cases.library import case_names, library_case, library_document
 from quickreturn.cases.library.hard import IMPOSSIBLE
+from quickreturn.cases.plausibility import doubts
 from quickreturn.cases.text.document import OVERRIDE, Document, read_document
 from quickreturn.cases.text.reading import misfit
 from quickreturn.cases.text.text_file import read_text, similar_file

@@ -64,15 +64,15 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
         CaseError: a table cannot be read; the tables have no column in common, or rows at different instants. One table may have more rows
             than the other, between its rows and beyond them.
     """
-    mine, its = as_table(ours, "ours").columns, as_table(theirs, "theirs").columns
-    names = [name for name in COLUMNS if name in mine and name in its and name != "time"]
+    our_columns, their_columns = as_table(ours, "ours").columns, as_table(theirs, "theirs").columns
+    names = [name for name in COLUMNS if name in our_columns and name in their_columns and name != "time"]
     if not names:
-        columns = f"ours holds {', '.join(mine)}, theirs {', '.join(its)}"
+        columns = f"ours holds {', '.join(our_columns)}, theirs {', '.join(their_columns)}"
         raise CaseError("difference", None, None, "the two tables have no column in common but the time", columns)
-    rows, other_rows = _common_rows(mine["time"], its["time"])
-    absolute = {name: rms(mine[name][rows] - its[name][other_rows]) for name in names}
-    relative = {name: _over(absolute[name], rms(its[name][other_rows])) for name in names}
-    return Differences(relative, absolute, len(rows), float(np.median(np.diff(its["time"][other_rows]))))
+    rows, other_rows = _common_rows(our_columns["time"], their_columns["time"])
+    absolute = {name: rms(our_columns[name][rows] - their_columns[name][other_rows]) for name in names}
+    relative = {name: _over(absolute[name], rms(their_columns[name][other_rows])) for name in names}
+    return Differences(relative, absolute, len(rows), float(np.median(np.diff(their_columns["time"][other_rows]))))
 
 
 def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
@@ -95,17 +95,17 @@ def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
     )
 
 
-def _common_rows(mine: Array, its: Array) -> tuple[Places, Places]:
+def _common_rows(our_times: Array, their_times: Array) -> tuple[Places, Places]:
     """Indices of the rows at the same instants, as many in each. CaseError: where both have rows, neither has all instants of the other."""
-    overlap = max(mine[0], its[0]), min(mine[-1], its[-1])
-    near = _SAME_INSTANT * min(float(np.min(np.diff(times), initial=np.inf)) for times in (mine, its))
-    rows, other_rows = (np.flatnonzero((times >= overlap[0] - near) & (times <= overlap[1] + near)) for times in (mine, its))
+    overlap = max(our_times[0], their_times[0]), min(our_times[-1], their_times[-1])
+    near = _SAME_INSTANT * min(float(np.min(np.diff(times), initial=np.inf)) for times in (our_times, their_times))
+    rows, other_rows = (np.flatnonzero((times >= overlap[0] - near) & (times <= overlap[1] + near)) for times in (our_times, their_times))
     if min(len(rows), len(other_rows)) < 2:
-        ranges = f"ours goes from {mine[0]:g} to {mine[-1]:g} s, theirs from {its[0]:g} to {its[-1]:g} s"
+        ranges = f"ours goes from {our_times[0]:g} to {our_times[-1]:g} s, theirs from {their_times[0]:g} to {their_times[-1]:g} s"
         raise CaseError("difference", "time", None, "the two tables have fewer than two rows in common", ranges)
     if len(rows) <= len(other_rows):
-        return rows, other_rows[_nearest(mine[rows], its[other_rows], near)]
-    return rows[_nearest(its[other_rows], mine[rows], near)], other_rows
+        return rows, other_rows[_nearest(our_times[rows], their_times[other_rows], near)]
+    return rows[_nearest(their_times[other_rows], our_times[rows], near)], other_rows
 
 
 def _nearest(times: Array, others: Array, near: float) -> Places:

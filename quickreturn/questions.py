@@ -12,7 +12,7 @@ from typing import Any
 
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.fork_server import DESCRIBING
-from quickreturn.cases.jobs.here import done
+from quickreturn.cases.jobs.in_process import done
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.catalogue import Listing

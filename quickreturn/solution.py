@@ -12,7 +12,7 @@ from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
 from quickreturn.cases.columns import known_column
 from quickreturn.cases.jobs.display import compilation_announced
-from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.job import Job, T
 from quickreturn.cases.jobs.store import Store, StoreError
 from quickreturn.cases.jobs.workshop import outcomes_of

@@ -88,9 +88,10 @@ def _load_lines(case: CaseLoads) -> list[str]:
 
 
 def _departure(check: Difference) -> str:
+    number, other, where = check.number, check.other_number, check.channel or "all channels"
     return (
-        f"{check.quantity}, {check.half}-return, {check.channel or 'all channels'}: {check.mine.value:.5g} and {check.its.value:.5g} differ"
-        f" by {abs(check.difference):.2g}, claimed are {check.mine.error:.2g} by {check.engine} and {check.its.error:.2g} by {check.other}"
+        f"{check.quantity}, {check.half}-return, {where}: {number.value:.5g} and {other.value:.5g} differ by {abs(check.difference):.2g},"
+        f" claimed are {number.error:.2g} by {check.engine} and {other.error:.2g} by {check.other}"
     )
 
 

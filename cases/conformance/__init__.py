@@ -18,7 +18,7 @@ from quickreturn.cases.conformance.quantities import quantities
 from quickreturn.cases.conformance.repetition import NOT_TRIED, OtherProcesses, elsewhere, repetition
 from quickreturn.cases.conformance.resolution import resolution
 from quickreturn.cases.jobs.display import watched
-from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Executor, Job, Limits, Outcome
 from quickreturn.engines.base import AnyEngine, Refusal

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, get_type_hints
 
 from quickreturn.cases.jobs.display import answers, watched
-from quickreturn.cases.jobs.here import Nobody
+from quickreturn.cases.jobs.in_process import Nobody
 from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.pieces import Pieces

@@ -51,8 +51,8 @@ class Difference:
         quantity: one of `QUANTITIES`, or `CONSENSUS`.
         half: "pre" or "post".
         channel: trajectory column; None for the consensus.
-        mine: the engine's number.
-        its: the other engine's.
+        number: the engine's number.
+        other_number: the other engine's.
         scale: divisor of relative differences: magnitude of the other's value; for an extreme the channel's largest in the other's cycle.
     """
 
@@ -62,14 +62,14 @@ class Difference:
     quantity: str
     half: str
     channel: str | None
-    mine: Number
-    its: Number
+    number: Number
+    other_number: Number
     scale: float
 
     @property
     def difference(self) -> float:
         """Engine minus other."""
-        return self.mine.value - self.its.value
+        return self.number.value - self.other_number.value
 
     @property
     def relative(self) -> float:
@@ -79,33 +79,35 @@ class Difference:
     @property
     def ratio(self) -> float:
         """The engine's number over the other's."""
-        return self.mine.value / self.its.value
+        return self.number.value / self.other_number.value
 
     @property
     def tolerance(self) -> float:
         """Largest difference within both claims."""
-        return self.mine.error + self.its.error
+        return self.number.error + self.other_number.error
 
     @property
     def passed(self) -> bool:
         """Whether the difference is within the tolerance; False for NaN."""
-        return self.mine.within(self.its)
+        return self.number.within(self.other_number)
 
     @property
     def verdict(self) -> Verdict:
         """Whether the two agree; see `Number.agrees`."""
         telling = TELLING_OF_FREQUENCIES if self.quantity in (CONSENSUS, VIBRATION[0]) else TELLING
-        return self.mine.agrees(self.its, self.scale, telling)
+        return self.number.agrees(self.other_number, self.scale, telling)
 
     @property
     def why(self) -> tuple[str, ...]:
         """The parts of both estimates, with the runs that show them, in words."""
-        return tuple(f"{name}: {part}" for name, number in ((self.engine, self.mine), (self.other, self.its)) for part in number.parts)
+        return tuple(
+            f"{name}: {part}" for name, number in ((self.engine, self.number), (self.other, self.other_number)) for part in number.parts
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON and CSV."""
         names = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "scale", "passed", "verdict")
-        claims = {"": self.mine, "other_": self.its}.items()
+        claims = {"": self.number, "other_": self.other_number}.items()
         parts = ("value", "estimate", "uncertainty", "measurement", "settling")
         numbers = {f"{whose}{part}": getattr(claim, part) for whose, claim in claims for part in parts}
         return {name: getattr(self, name) for name in names} | numbers
@@ -152,7 +154,10 @@ class CaseResult:
             if len(self.runs) == 1:
                 return "nothing to compare with: one engine alone"
             return "; ".join(
-                ["nothing to compare with", *(f"{name}: {not_judged(run) or 'alone with its claims'}" for name, run in self.runs.items())]
+                [
+                    "nothing to compare with",
+                    *(f"{name}: {not_judged(run) or 'alone with its claims'}" for name, run in self.runs.items()),
+                ]
             )
         if self.passed is None:
             return f"all {len(self.checks)} comparisons say nothing: what is claimed is more than {SAYS_NOTHING}"
@@ -261,10 +266,10 @@ def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
         unsettled = of_channel if of_channel is not None else (other.settling_error or 0.0) * scale
         for half in HALVES:
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
-                mine = number_of(table, quantity, half, channel)
-                if mine is not None and not math.isnan(mine.error) and scale > NOTHING:
-                    its = replace(extreme, estimate=other.extreme_estimates[channel][half], settling=unsettled)
-                    checks.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, mine, its, scale))
+                number = number_of(table, quantity, half, channel)
+                if number is not None and not math.isnan(number.error) and scale > NOTHING:
+                    other_number = replace(extreme, estimate=other.extreme_estimates[channel][half], settling=unsettled)
+                    checks.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, number, other_number, scale))
     return checks
 
 
@@ -294,12 +299,12 @@ def pair_of(
     """
     if channel is None:
         shared = [name for name in CHANNELS if pair_of(run, other, VIBRATION[0], half, name, claimed)]
-        mine, its = (_consensus(one, half, shared) for one in (run, other))
+        number, other_number = (_consensus(one, half, shared) for one in (run, other))
     else:
-        mine, its = (number_of(one, quantity, half, channel) for one in (run, other))
-    if mine is None or its is None or (claimed and math.isnan(mine.error + its.error)):
+        number, other_number = (number_of(one, quantity, half, channel) for one in (run, other))
+    if number is None or other_number is None or (claimed and math.isnan(number.error + other_number.error)):
         return None
-    return mine, its
+    return number, other_number
 
 
 def number_of(run: Run, quantity: str, half: str, channel: str) -> Number | None:

@@ -48,7 +48,7 @@ BESIDES: Final = 0.5
 
 def column_differences(run: Run, other: Run) -> dict[str, float]:
     """RMS difference of each column that both have, over its RMS in the other, at equal crank angles of the turn that was measured."""
-    return {name: relative_error(mine, its) for name, (mine, its) in _on_grid(run, other).items()}
+    return {name: relative_error(recorded, expected) for name, (recorded, expected) in _on_grid(run, other).items()}
 
 
 def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
@@ -63,19 +63,19 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
         return {WHOLE: _of_another(others)}
     grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))
     sentences, remainders, late, puzzling = dict[str, str](), dict[str, float](), dict[str, int](), dict[str, float]()
-    for name, (mine, its) in grids.items():
+    for name, (recorded, expected) in grids.items():
         if noise := _noise_of(name, run, other):
             sentences[name], remainders[name] = noise, 0.0
             continue
-        lag = _lag(mine, its)
-        shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(its, lag), fitted=1)
-        finding = diagnose(name, mine, its, NEAR * max(rms(its), rms(mine)), right, case.mechanism, [shifted])
+        lag = _lag(recorded, expected)
+        shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(expected, lag), fitted=1)
+        finding = diagnose(name, recorded, expected, NEAR * max(rms(expected), rms(recorded)), right, case.mechanism, [shifted])
         if finding is not None and finding.remainder is not None:
             sentences[name], remainders[name] = f"{finding.cause}; {finding.advice}", finding.remainder
             if finding.advice == _SHIFTED:
                 late[name] = lag
         elif finding is not None:
-            puzzling[name] = relative_error(mine, its)
+            puzzling[name] = relative_error(recorded, expected)
     vibrating = [name for name in grids if name in VIBRATING]
     if len(vibrating) > 1 and late.keys() >= set(vibrating) and max(late.values()) - min(late.values()) <= 1:
         lag = late[vibrating[0]]
@@ -107,7 +107,7 @@ def _fits_not(case: str, off_by: Mapping[str, float], told: str) -> str:
 def _lead_on(run: Run, other: Run, case: Case, odd: Collection[str]) -> str:
     """A clause on the stiffness that would give the table's first frequency, and how to fit it; "" if more than that is odd."""
     pairs = [(run.consensus_frequency(half), other.consensus_frequency(half)) for half in HALVES]
-    ratios = [mine / its for mine, its in pairs if mine is not None and its is not None]
+    ratios = [recorded / expected for recorded, expected in pairs if recorded is not None and expected is not None]
     if (
         not ratios
         or OF_GEOMETRY.intersection(odd)
@@ -122,10 +122,10 @@ def _lead_on(run: Run, other: Run, case: Case, odd: Collection[str]) -> str:
 
 def _noise_of(name: str, run: Run, other: Run) -> str:
     """A sentence on a column whose differences are mostly noise, if that is more than `NEAR` of the column; otherwise ""."""
-    turned, its_turned = (np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0]) for each in (run, other))
-    its = CubicSpline(its_turned, other.cycle[name])(turned)
+    turned, other_turned = (np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0]) for each in (run, other))
+    expected = CubicSpline(other_turned, other.cycle[name])(turned)
     inside = slice(1, -1)  # the first and the last row of a turn are interpolated
-    difference, size = (run.cycle[name] - its)[inside], rms(its)
+    difference, size = (run.cycle[name] - expected)[inside], rms(expected)
     noise = white_noise(run.cycle["time"][inside], difference)
     if noise is None or noise.rms <= NEAR * size:
         return ""
@@ -135,9 +135,9 @@ def _noise_of(name: str, run: Run, other: Run) -> str:
     return f"the differences of {name} look like noise of {white}{more}"
 
 
-def _lag(mine: Array, its: Array) -> int:
+def _lag(recorded: Array, expected: Array) -> int:
     """Lateness of a column in points of the grid, at most half a turn; negative if it is early."""
-    lag = int(np.argmax(np.fft.irfft(np.fft.rfft(mine) * np.conj(np.fft.rfft(its)), GRID)))
+    lag = int(np.argmax(np.fft.irfft(np.fft.rfft(recorded) * np.conj(np.fft.rfft(expected)), GRID)))
     return lag if lag <= GRID // 2 else lag - GRID
 
 
@@ -152,5 +152,5 @@ def _when(lag: int) -> str:
 def _on_grid(run: Run, other: Run) -> dict[str, tuple[Array, Array]]:
     """Columns that both have and that are not zero in the other, at even crank angles of the turn."""
     names = [name for name in run.cycle if name in other.cycle and name not in GROWING and other.peak(name) > NOTHING]
-    mine, its = (on_common_grid(channels_of(each.cycle, names)) for each in (run, other))
-    return {name: (mine[name], its[name]) for name in names}
+    recorded, expected = (on_common_grid(channels_of(each.cycle, names)) for each in (run, other))
+    return {name: (recorded[name], expected[name]) for name in names}

@@ -160,9 +160,12 @@ def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, 
 
 def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> tuple[ErrorPart, ...]:
     def largest_difference(one: MeasuredCycle, other: MeasuredCycle) -> float:
-        mine, its = (each.signals[half, name] for each in (one, other))
-        apart = np.abs(mine.mean(axis=0) - its.mean(axis=0)).max()
-        extremes = (np.mean(mine.max(axis=1)) - np.mean(its.max(axis=1)), np.mean(mine.min(axis=1)) - np.mean(its.min(axis=1)))
+        signals, other_signals = (each.signals[half, name] for each in (one, other))
+        apart = np.abs(signals.mean(axis=0) - other_signals.mean(axis=0)).max()
+        extremes = (
+            np.mean(signals.max(axis=1)) - np.mean(other_signals.max(axis=1)),
+            np.mean(signals.min(axis=1)) - np.mean(other_signals.min(axis=1)),
+        )
         return float(max(apart, *map(abs, extremes)))
 
     return tuple(runs.part(largest_difference) for runs in compared)

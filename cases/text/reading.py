@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, attempted, together
 from quickreturn.cases.keys import PATHS, SECTIONS, Written, dimension_of, value_at
+from quickreturn.cases.plausibility import doubts
 from quickreturn.cases.text.copies import with_changes
 from quickreturn.cases.text.document import Document, header_of
 from quickreturn.cases.units import QuantityError

@@ -11,8 +11,8 @@ import click
 
 from quickreturn.cases.case import Case, written_document
 from quickreturn.cases.case_file import in_library
-from quickreturn.cases.doubts import doubts
 from quickreturn.cases.errors import CaseError, path_shown
+from quickreturn.cases.plausibility import doubts
 from quickreturn.cases.text.document import NAME
 from quickreturn.cases.text.written import as_toml
 from quickreturn.reports.output import OutputError, check_writable

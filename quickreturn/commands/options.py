@@ -225,7 +225,7 @@ def given_as(case: "Case", overrides: Mapping[str, str]) -> list[str]:
 
 def tell_doubts(cases: "Sequence[Case]") -> None:
     """Name doubtful values of the user's own cases on standard error, each doubt once; values of the library are intended."""
-    from quickreturn.cases.doubts import doubts
+    from quickreturn.cases.plausibility import doubts
 
     concerned: dict[str, list[str]] = {}
     for case in cases:

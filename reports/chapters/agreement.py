@@ -133,10 +133,10 @@ def _used(results: Sequence[CaseResult]) -> Plot:
     checks = [(result.case.name, check) for result in results for check in result.checks if check.tolerance > 0.0]
     series = []
     for name in dict.fromkeys(check.engine for _, check in checks):
-        mine = [(case, check, abs(check.difference) / check.tolerance) for case, check in checks if check.engine == name]
-        texts = [f"{place(case, check.half, check.channel)}, {number(used, '.2g')} of the tolerance" for case, check, used in mine]
-        used = [max(used, LEAST_USED) for *_, used in mine]
-        series.append(Series(name, name, [QUANTITY[check.quantity] for _, check, _ in mine], used, texts, line=False))
+        of_engine = [(case, check, abs(check.difference) / check.tolerance) for case, check in checks if check.engine == name]
+        texts = [f"{place(case, check.half, check.channel)}, {number(used, '.2g')} of the tolerance" for case, check, used in of_engine]
+        used = [max(used, LEAST_USED) for *_, used in of_engine]
+        series.append(Series(name, name, [QUANTITY[check.quantity] for _, check, _ in of_engine], used, texts, line=False))
     quantities = [words for key, words in QUANTITY.items() if any(check.quantity == key for _, check in checks)]
     return Plot("compared.csv", "", "difference over tolerance", series, "y", categories=quantities, limit=(1.0, "tolerance"))
 
@@ -204,9 +204,9 @@ def departures(results: Sequence[CaseResult]) -> Table:
             table.add(
                 check,
                 **cells | {"difference": Cell(cells["difference"], mark="missed")},
-                claim=check.mine.error / check.scale,
-                other_claim=check.its.error / check.scale,
-                share=abs(check.its.value) / check.scale if check.quantity in EXTREMES else None,
+                claim=check.number.error / check.scale,
+                other_claim=check.other_number.error / check.scale,
+                share=abs(check.other_number.value) / check.scale if check.quantity in EXTREMES else None,
                 cause=cause(result, check),
             )
     return table
@@ -268,10 +268,14 @@ def every_comparison(results: Sequence[CaseResult]) -> Table:
     )
     for result in results:
         for check in result.checks:
-            both = {name: getattr(check.mine, name) + getattr(check.its, name) for name in ("estimate", "measurement", "settling")}
+            both = {
+                name: getattr(check.number, name) + getattr(check.other_number, name) for name in ("estimate", "measurement", "settling")
+            }
             unit = "Hz" if check.channel is None or check.quantity == VIBRATION[0] else COLUMNS[check.channel].unit
             why = "; ".join(check.why)
-            table.add(check, case=result.case.name, value=check.mine.value, other_value=check.its.value, unit=unit, why=why, **both)
+            table.add(
+                check, case=result.case.name, value=check.number.value, other_value=check.other_number.value, unit=unit, why=why, **both
+            )
     return table
 
 

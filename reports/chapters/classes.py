@@ -11,7 +11,7 @@ from quickreturn.cases.classes.map import STATUSES, TIMES, Map
 from quickreturn.cases.classes.measurement import LEVELS, LIMIT, REACHED
 from quickreturn.cases.classes.study import ClassScene
 from quickreturn.cases.trials.trial import Trial
-from quickreturn.reports.looks import looks
+from quickreturn.reports.line_styles import looks
 from quickreturn.reports.page.answer import is_own
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content

@@ -96,16 +96,16 @@ def plot(around: Around) -> Plot:
             series.append(Series(name, name, x, y, text, marked=False))
     rows = list(remarkable(around))
     for name in dict.fromkeys(row["point"] for row in sorted(rows, key=lambda row: (row["point"] == OWN, row["point"] != PEAK))):
-        mine = [row for row in rows if row["point"] == name]
+        of_kind = [row for row in rows if row["point"] == name]
         series.append(
             Series(
                 name,
                 name,
-                [_RPM * row["speed"] for row in mine],
-                [row["tip_acceleration"] for row in mine],
-                [_told(_RPM * row["speed"], row["tip_acceleration"], _about(around, row)) for row in mine],
+                [_RPM * row["speed"] for row in of_kind],
+                [row["tip_acceleration"] for row in of_kind],
+                [_told(_RPM * row["speed"], row["tip_acceleration"], _about(around, row)) for row in of_kind],
                 line=False,
-                labels=[f"{row['order']}×" if row["order"] else "" for row in mine],
+                labels=[f"{row['order']}×" if row["order"] else "" for row in of_kind],
             )
         )
     here = (_RPM * around.pace, "your machine runs here")

@@ -7,7 +7,7 @@ from quickreturn.cases.resonance_curve.search import OF_CURVE
 from quickreturn.cases.units import shown_unit
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, Drawing, logarithmic, look, new_figure, tidy
-from quickreturn.reports.looks import looks
+from quickreturn.reports.line_styles import looks
 
 
 def resonance_figure(curve: ResonanceCurve, case: str, mark: float | None = None) -> Drawing:

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from quickreturn.reports.looks import Look, looks
+from quickreturn.reports.line_styles import Look, looks
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ LIGHT: Final = "#EAEAEA"
 BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
 
 
-#: Marks of points (`reports.looks.Look.marker`) as the plotting library names them.
+#: Marks of points (`reports.line_styles.Look.marker`) as the plotting library names them.
 MARKERS: Final = {
     "circle": "o", "square": "s", "diamond": "D", "triangle": "^", "triangle-down": "v", "triangle-left": "<", "triangle-right": ">",
     "pentagon": "p", "hexagon": "h", "star": "*", "plus": "P", "cross": "X",

@@ -11,7 +11,7 @@ from quickreturn.cases.benchmark import Benchmark
 from quickreturn.cases.trials.queries import pareto_front
 from quickreturn.cases.trials.trial import Trial
 from quickreturn.reports.drawing.style import LIGHT, MARKERS, legend_above, look, new_figure, tidy
-from quickreturn.reports.looks import looks
+from quickreturn.reports.line_styles import looks
 from quickreturn.reports.words import number
 
 #: Column -> heading of its panel.

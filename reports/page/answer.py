@@ -92,7 +92,9 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
     if frequency is None:
         return None
     pairs = [(result.runs[MODEL], result.runs[REFERENCE]) for result in results if {MODEL, REFERENCE} <= set(result.runs)]
-    ratios = [mine.peak("strain_2") / its.peak("strain_2") for mine, its in pairs if mine.usable and its.usable and its.peak("strain_2")]
+    ratios = [
+        run.peak("strain_2") / other.peak("strain_2") for run, other in pairs if run.usable and other.usable and other.peak("strain_2")
+    ]
     return Cubic(frequency, float(np.median(ratios)) if ratios else None)
 
 

@@ -16,7 +16,7 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reports.looks import Look, looks
+from quickreturn.reports.line_styles import Look, looks
 from quickreturn.reports.page.packing import packed
 from quickreturn.reports.results.loads import CaseLoads
 from quickreturn.reports.results.runs import of_library

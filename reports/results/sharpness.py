@@ -39,7 +39,7 @@ def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
 
 def smallest_found(check: Difference, sign: int) -> float:
     """The smallest relative error of one sign (1 or -1) in the engine's number that the comparison finds; infinite if it finds none."""
-    change = sign * check.mine.value
+    change = sign * check.number.value
     if not check.passed:
         return 0.0
     return (check.tolerance - math.copysign(1.0, change) * check.difference) / abs(change) if change != 0.0 else math.inf

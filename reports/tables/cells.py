@@ -53,8 +53,8 @@ def compared(result: CaseResult, check: Difference) -> dict[str, Any]:
     """The cells of `COMPARISON` that are not fields of the comparison itself."""
     return {
         "case": result.case.name,
-        "value": check.mine.value,
-        "other_value": check.its.value,
+        "value": check.number.value,
+        "other_value": check.other_number.value,
         "difference": outward(check.quantity, check.difference) / check.scale,
         "tolerance": check.tolerance / check.scale,
     }

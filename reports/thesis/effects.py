@@ -34,7 +34,12 @@ def effect_facts(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[st
     """Sentences, tables and the plot of the chapter on the thesis, without a plot if no study is recorded."""
     sets = trials(study)
     rows, second = ([row for row in study if (row.engine == SECOND) == other] for other in (False, True))
-    pairs = [(mine, its) for its in second for mine in rows if (mine.effect, mine.strength) == (its.effect, its.strength)]
+    pairs = [
+        (confirmed, confirming)
+        for confirming in second
+        for confirmed in rows
+        if (confirmed.effect, confirmed.strength) == (confirming.effect, confirming.strength)
+    ]
     if not sets:
         return {"effects_plot": None}
     verdicts = sufficiency(sets)
@@ -149,9 +154,9 @@ def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> str:
 def second_words(pairs: Sequence[tuple[Row, Row]]) -> str:
     """Largest difference of a change of frequency between both formulations, and the number of changes; "" if there are none."""
     differences = []
-    for mine, its in pairs:
+    for confirmed, confirming in pairs:
         for half in HALVES:
-            one, other = (row.changes(f"{half}_frequency") for row in (mine, its))
+            one, other = (row.changes(f"{half}_frequency") for row in (confirmed, confirming))
             differences += [abs(one[run] - other[run]) for run in other if run in one]
     if not differences:
         return ""
@@ -163,9 +168,9 @@ def _plot(rows: Sequence[Row]) -> Plot:
     """Plot of the change after the return over that before it: a line for each effect through its strengths, bars between quartiles."""
     series = []
     for effect in effects():
-        mine = [row for row in rows if row.effect == effect.id]
-        spreads = [tuple(100.0 * each for half in HALVES for each in tables.spread(row.changes(f"{half}_frequency"))) for row in mine]
-        points = [(row, spread) for row, spread in zip(mine, spreads, strict=True) if len(spread) == 6]
+        of_effect = [row for row in rows if row.effect == effect.id]
+        spreads = [tuple(100.0 * each for half in HALVES for each in tables.spread(row.changes(f"{half}_frequency"))) for row in of_effect]
+        points = [(row, spread) for row, spread in zip(of_effect, spreads, strict=True) if len(spread) == 6]
         texts = [f"{row.strength}: {number(spread[1], '+.1f')} % before, {number(spread[4], '+.1f')} % after" for row, spread in points]
         across, up = [spread[1] for _, spread in points], [spread[4] for _, spread in points]
         bars = [(spread[0], spread[2], spread[3], spread[5]) for _, spread in points]

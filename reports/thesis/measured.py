@@ -50,5 +50,5 @@ def _frequency_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None
 def _amplitude_ratio(items: Sequence[MeasuredHalf], engine: str) -> float | None:
     """Ratio of amplitudes, as the geometric mean over the channels."""
     pairs = [(item.engines[engine].first_mode_amplitude, item.measure.first_mode_amplitude) for item in items]
-    ratios = [mine / its for mine, its in pairs if mine is not None and its]
+    ratios = [value / other_value for value, other_value in pairs if value is not None and other_value]
     return float(np.exp(np.mean(np.log(ratios)))) if ratios else None

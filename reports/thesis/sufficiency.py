@@ -78,10 +78,10 @@ def splits(rows: Sequence[Row]) -> list[Split]:
     excess = next(statement.low for statement in statements() if statement.id == "post-excess")
     splits_ = list[Split]()
     for effect in effects():
-        mine = [row for row in rows if row.effect == effect.id and row.engine == effect.engine]
-        if row := next((row for row in mine if row.tells_halves_apart and (row.apart or 0.0) <= 1.0 / excess - 1.0), None):
+        of_effect = [row for row in rows if row.effect == effect.id and row.engine == effect.engine]
+        if row := next((row for row in of_effect if row.tells_halves_apart and (row.apart or 0.0) <= 1.0 / excess - 1.0), None):
             pre, post = (statistics.median(row.changes(f"{half}_frequency").values()) for half in HALVES)
-            posts = tuple(statistics.median(changes) for each in mine if (changes := each.changes("post_frequency").values()))
+            posts = tuple(statistics.median(changes) for each in of_effect if (changes := each.changes("post_frequency").values()))
             splits_.append(Split(effect, row.strength, pre, post, posts))
     return sorted(splits_, key=lambda split: len(split.effect.choices))
 
@@ -130,8 +130,8 @@ def ratios(quantity: str, simulation: Row, row: Row) -> dict[int, float]:
     if quantity == "post_over_pre_frequency":
         before, after = (ratios(f"{half}_frequency", simulation, row) for half in HALVES)
         return {run: after[run] / before[run] for run in before if run in after}
-    mine, its = simulation.changes(quantity), row.changes(quantity)
-    return {run: (1.0 + mine[run]) / (1.0 + its[run]) for run in mine if run in its}
+    simulated, changed = simulation.changes(quantity), row.changes(quantity)
+    return {run: (1.0 + simulated[run]) / (1.0 + changed[run]) for run in simulated if run in changed}
 
 
 def _cause(_: Statement, simulation: Row, row: Row) -> float | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.here import Nobody
+from quickreturn.cases.jobs.in_process import Nobody
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.studies import convergence, run_studies, work

@@ -36,7 +36,7 @@ def trials(name: str) -> list[Trial]:
 #: Records the study as `python -m quickreturn.record coarse` does, without processes beside.
 RECORD = """
 from quickreturn import record
-from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.workshop import Workshop
 record.Workshop = lambda store: Workshop(store, ThisProcess())
 record.main(["coarse"])

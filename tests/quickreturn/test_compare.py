@@ -162,7 +162,7 @@ def test_in_python_a_table_is_told_the_same(call: Call, trajectory: pd.DataFrame
     assert (as_it_is.passed, as_it_is.explanations, as_it_is.missed) == (True, {}, ())
     assert f"in all {len(as_it_is.rows)} comparisons" in as_it_is.verdict
     assert {"tip_acceleration", "slider_force", "moment_06", "pivot_force_x"} < {check.channel for check in as_it_is.rows}
-    wide = [replace(row, mine=replace(row.mine, estimate=row.scale)) for row in as_it_is.rows]
+    wide = [replace(row, number=replace(row.number, estimate=row.scale)) for row in as_it_is.rows]
     nothing = TableComparison(replace(as_it_is.result, table_checks=tuple(wide)), as_it_is.name)
     assert nothing.passed is None
     assert nothing.verdict.startswith(f"table could not be judged: all {len(wide)} comparisons say nothing")

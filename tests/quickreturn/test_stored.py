@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.solving import TrajectoryRequest

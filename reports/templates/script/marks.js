@@ -1,4 +1,4 @@
-// What SVG charts are made of: texts, lines and marks with the looks of names (reports/looks.py), and legends.
+// What SVG charts are made of: texts, lines and marks with the looks of names (reports/line_styles.py), and legends.
 
 const SVG = Object.assign(document.createElement("div"), { innerHTML: "<svg></svg>" }).firstChild.namespaceURI;
 const FONT = "system-ui, \"DejaVu Sans\", sans-serif";

@@ -157,7 +157,7 @@ def _peak_ratios(extremes: Sequence[Difference]) -> list[float]:
     peaks: dict[str, list[Difference]] = {}
     for difference in extremes:
         peaks.setdefault(difference.case, []).append(difference)
-    return [max(abs(d.mine.value) for d in pair) / max(abs(d.its.value) for d in pair) for pair in peaks.values()]
+    return [max(abs(d.number.value) for d in pair) / max(abs(d.other_number.value) for d in pair) for pair in peaks.values()]
 
 
 def statements(conclusions: Sequence[Conclusion]) -> Table:

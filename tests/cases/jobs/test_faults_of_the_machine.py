@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.here import ThisProcess
+from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop

@@ -13,7 +13,7 @@ import pytest
 
 from quickreturn import sweeping
 from quickreturn.cases.case import case_of, document_of
-from quickreturn.cases.jobs.here import Nobody, ThisProcess
+from quickreturn.cases.jobs.in_process import Nobody, ThisProcess
 from quickreturn.cases.jobs.isolation import STOPPED
 from quickreturn.cases.jobs.job import Limits, Outcome
 from quickreturn.cases.jobs.key import key_of

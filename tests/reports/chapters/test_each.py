@@ -16,9 +16,9 @@ def test_the_heading_says_whose_signals_are_shown() -> None:
 
 
 def test_a_departure_is_told_with_what_both_claim_and_a_lower_minimum_counts_as_more() -> None:
-    mine, its = Number(11.0, 0.2, 0.1), Number(10.0, 0.1, 0.1)
-    high = Difference("run", "a", "b", "maximum", "pre", "strain_1", mine, its, 20.0)
-    low = dataclasses.replace(high, quantity="minimum", half="post", mine=Number(-11.0, 0.2, 0.1), its=Number(-10.0, 0.1, 0.1))
+    number, other_number = Number(11.0, 0.2, 0.1), Number(10.0, 0.1, 0.1)
+    high = Difference("run", "a", "b", "maximum", "pre", "strain_1", number, other_number, 20.0)
+    low = dataclasses.replace(high, quantity="minimum", half="post", number=Number(-11.0, 0.2, 0.1), other_number=Number(-10.0, 0.1, 0.1))
     first = "maximum, pre-return, strain 1 +5.00 % (claimed together 2.50 %)"
     assert plain(departure("a", "b", [high])) == f"a and b differ by more than they claim in 1 number: {first}."
     second = "minimum, post-return, strain 1 +5.00 % (claimed together 2.50 %)"

@@ -16,7 +16,7 @@ from quickreturn.cases.thesis.experiment.published import printed_ranges
 from quickreturn.engines.registry import MAIN, RIVALS
 from quickreturn.reports.drawing import cycle, recorded, work_precision
 from quickreturn.reports.drawing.document_pictures import png
-from quickreturn.reports.looks import looks
+from quickreturn.reports.line_styles import looks
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import made_up_result, with_table
 

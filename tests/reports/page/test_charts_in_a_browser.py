@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Page
 
 from quickreturn.cases.runs.comparison import compare
-from quickreturn.reports.looks import looks
+from quickreturn.reports.line_styles import looks
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.report import write
 from tests.reports.in_a_browser import Open, address, opened, tabs

@@ -4,7 +4,7 @@ import json
 import re
 
 from quickreturn.engines.registry import MAIN
-from quickreturn.reports.looks import looks
+from quickreturn.reports.line_styles import looks
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
 from quickreturn.reports.page.render import report_page
@@ -28,10 +28,10 @@ def test_every_comparison_is_a_dot_at_its_difference_over_the_tolerance() -> Non
     assert len(checks) > 50
     assert sum(len(series.y) for series in plot.series) == len(checks)
     for series in plot.series:
-        mine = [check for check in checks if check.engine == series.name]
-        for check, row, used, text in zip(mine, series.x, series.y, series.text, strict=True):
+        of_engine = [check for check in checks if check.engine == series.name]
+        for check, row, used, text in zip(of_engine, series.x, series.y, series.text, strict=True):
             assert row == QUANTITY[check.quantity]
-            assert (used > 1.0) == (abs(check.mine.value - check.its.value) > check.tolerance)
+            assert (used > 1.0) == (abs(check.number.value - check.other_number.value) > check.tolerance)
             assert text.endswith("of the tolerance")
     assert plot.limit == (1.0, "tolerance")
 

@@ -70,16 +70,16 @@ def test_a_number_is_found_to_be_off_where_its_difference_exceeds_what_both_clai
     for check in RESULTS[0].checks[:20]:
         for sign in (1, -1):
             for margin, passes in ((-MARGIN, True), (MARGIN, False)):
-                off = (1.0 + sign * (1.0 + margin) * smallest_found(check, sign)) * check.mine.value
-                assert dataclasses.replace(check, mine=dataclasses.replace(check.mine, value=off)).passed is passes
+                off = (1.0 + sign * (1.0 + margin) * smallest_found(check, sign)) * check.number.value
+                assert dataclasses.replace(check, number=dataclasses.replace(check.number, value=off)).passed is passes
 
 
 def test_what_departs_already_needs_no_error_and_a_zero_shows_none() -> None:
     check = RESULTS[0].checks[0]
-    claim = dataclasses.replace(check.mine, value=check.its.value + 2.0 * check.tolerance)
-    assert smallest_found(dataclasses.replace(check, mine=claim), 1) == 0.0
-    nothing = dataclasses.replace(check.mine, value=0.0, measurement=2.0 * abs(check.its.value))
-    assert smallest_found(dataclasses.replace(check, mine=nothing), 1) == math.inf
+    claim = dataclasses.replace(check.number, value=check.other_number.value + 2.0 * check.tolerance)
+    assert smallest_found(dataclasses.replace(check, number=claim), 1) == 0.0
+    nothing = dataclasses.replace(check.number, value=0.0, measurement=2.0 * abs(check.other_number.value))
+    assert smallest_found(dataclasses.replace(check, number=nothing), 1) == math.inf
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +101,9 @@ def test_an_error_in_the_motion_is_found_like_one_in_the_numbers(run_24: CaseRes
             faster, larger = (factor, 1.0) if kind == "frequency" else (1.0, factor)
             time, channels = run.cycle["time"] / faster, {name: larger * run.cycle[name] for name in CHANNELS}
             found = measure_cycle(scale, time, run.cycle["crank_angle"], channels)
-            measures = tuple(dataclasses.replace(mine, **vars(its)) for mine, its in zip(run.measures, found.measures, strict=True))
+            measures = tuple(
+                dataclasses.replace(number, **vars(other_number)) for number, other_number in zip(run.measures, found.measures, strict=True)
+            )
             return dataclasses.replace(run, measures=measures)
 
         return change

@@ -2,8 +2,8 @@
 
 A look belongs to a name, so a method keeps its colour, dashes and mark from chart to chart. Where curves coincide, all of them show: the
 reference is a broad solid line, and the dashes of thesis, mujoco and exudyn on it have one period and are offset, so that each shows in its
-own colour. Colours are also distinct for colour-blind eyes (`tests/reports/test_looks.py`), and have a contrast ratio of at least 3 with a
-light and a dark ground; names are written in the colour of text.
+own colour. Colours are also distinct for colour-blind eyes (`tests/reports/test_line_styles.py`), and have a contrast ratio of at least 3
+with a light and a dark ground; names are written in the colour of text.
 """
 
 import zlib

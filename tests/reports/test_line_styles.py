@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.registry import GROUP, MAIN, RIVALS
 from quickreturn.reports.drawing.style import all_looks
-from quickreturn.reports.looks import ENGINES, SIGNALS, looks
+from quickreturn.reports.line_styles import ENGINES, SIGNALS, looks
 from quickreturn.reports.page.render import KINDS
 from quickreturn.reports.templates import environment
 

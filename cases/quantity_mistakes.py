@@ -1,4 +1,4 @@
-"""Recognises common slips in a quantity, so that messages can name them: arithmetic, other characters, units as on paper."""
+"""Recognises common mistakes in a quantity, so that messages can name them: arithmetic, other characters, units as on paper."""
 
 import re
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from typing import Final
 #: A plain decimal number.
 NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
-#: Pattern -> the slip, as a clause; "" if there is none before the unit. The first pattern that matches the beginning of a text counts.
+#: Pattern -> the mistake, as a clause; "" if there is none before the unit. The first pattern that matches the beginning of a text counts.
 _IN_QUANTITIES: Final = (
     (r"$", "is empty"),
     (r".{101}", "is longer than 100 characters"),
@@ -52,7 +52,7 @@ _TURNS_IN: Final = re.compile(r"(?:1|[ru]|tr|revs?|revolutions?|rot|rotations?)?
 
 def in_quantity(text: str) -> str:
     """The mistake in a quantity that is not one plain number, one space and a unit, as a clause; "" if there is none."""
-    return next(problem for slip, problem in _IN_QUANTITIES if re.match(slip, text, re.IGNORECASE | re.DOTALL))
+    return next(problem for pattern, problem in _IN_QUANTITIES if re.match(pattern, text, re.IGNORECASE | re.DOTALL))
 
 
 def frequency_meant(unit: str) -> str:
