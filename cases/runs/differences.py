@@ -25,25 +25,25 @@ from quickreturn.reference_model.columns import COLUMNS
 Array = NDArray[np.float64]
 
 #: Least relative RMS difference of a column that is explained.
-NEAR: Final = 0.02
+LEAST_DIFFERENCE: Final = 0.02
 #: What to do about a column that is late.
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
 #: Key of an explanation of the whole table, in place of a column.
 WHOLE: Final = "case"
-#: A table does not fit its case if at least `FEWEST` columns vibrate, all of them differ by more than `FAR_OFF` of their RMS, and fewer
-#: than half of them are explained by a mistake that leaves at most the part `SPECIFIC` of the column: a factor that is fitted to the column
-#: of another case leaves half of it.
-FEWEST: Final = 3
-FAR_OFF: Final = 0.1
-SPECIFIC: Final = 0.3
+#: A table does not fit its case if at least `FEWEST_COLUMNS` vibrate, all of them differ by more than `LARGE_DIFFERENCE` of their RMS, and
+#: fewer than half of them are explained by a mistake that leaves at most the part `LARGEST_REMAINDER` of the column: a factor that is
+#: fitted to the column of another case leaves half of it.
+FEWEST_COLUMNS: Final = 3
+LARGE_DIFFERENCE: Final = 0.1
+LARGEST_REMAINDER: Final = 0.3
 #: Least relative RMS difference of a column that is told without an explanation: half of its size.
-PUZZLING: Final = 0.5
+LEAST_UNEXPLAINED: Final = 0.5
 #: Traits that no bending stiffness changes.
 OF_GEOMETRY: Final = frozenset(("nearest", "farthest"))
 #: Ratio of frequencies up to which they count as the same: they are fitted with the shapes of another stiffness.
 SAME_FREQUENCY: Final = 1.03
 #: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
-BESIDES: Final = 0.5
+LEAST_REST: Final = 0.5
 
 
 def column_differences(run: Run, other: Run) -> dict[str, float]:
@@ -69,7 +69,7 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
             continue
         lag = _lag(recorded, expected)
         shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(expected, lag), fitted=1)
-        finding = diagnose(name, recorded, expected, NEAR * max(rms(expected), rms(recorded)), right, case.mechanism, [shifted])
+        finding = diagnose(name, recorded, expected, LEAST_DIFFERENCE * max(rms(expected), rms(recorded)), right, case.mechanism, [shifted])
         if finding is not None and finding.remainder is not None:
             sentences[name], remainders[name] = f"{finding.cause}; {finding.advice}", finding.remainder
             if finding.advice == _SHIFTED:
@@ -83,12 +83,14 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
         ahead = f"crank_angle is about {off}, or all columns are {_when(lag)}"
         return {"crank_angle": ahead} | {name: sentence for name, sentence in sentences.items() if name not in late}
     off_by = {name: relative_error(*grids[name]) for name in vibrating}
-    specific = {name: told for name, told in sentences.items() if name in off_by and remainders[name] <= SPECIFIC * rms(grids[name][0])}
-    led_on = "" if min(off_by.values(), default=0.0) <= FAR_OFF else _lead_on(run, other, case, others.odd)
-    if len(off_by) >= FEWEST and min(off_by.values()) > FAR_OFF and 2 * len(specific) < len(off_by):
+    specific = {
+        name: told for name, told in sentences.items() if name in off_by and remainders[name] <= LARGEST_REMAINDER * rms(grids[name][0])
+    }
+    led_on = "" if min(off_by.values(), default=0.0) <= LARGE_DIFFERENCE else _lead_on(run, other, case, others.odd)
+    if len(off_by) >= FEWEST_COLUMNS and min(off_by.values()) > LARGE_DIFFERENCE and 2 * len(specific) < len(off_by):
         return {WHOLE: _of_another(others) if others.names else _fits_not(case.name, off_by, others.told) + led_on} | specific
     for name, share in puzzling.items():
-        if share > PUZZLING:
+        if share > LEAST_UNEXPLAINED:
             sentences[name] = f"{name} is off by {share_of(share)}, and no single mistake explains that{led_on if name in off_by else ''}"
     return sentences
 
@@ -121,17 +123,17 @@ def _lead_on(run: Run, other: Run, case: Case, odd: Collection[str]) -> str:
 
 
 def _noise_of(name: str, run: Run, other: Run) -> str:
-    """A sentence on a column whose differences are mostly noise, if that is more than `NEAR` of the column; otherwise ""."""
+    """A sentence on a column whose differences are mostly noise, if that is more than `LEAST_DIFFERENCE` of the column; otherwise ""."""
     turned, other_turned = (np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0]) for each in (run, other))
     expected = CubicSpline(other_turned, other.cycle[name])(turned)
     inside = slice(1, -1)  # the first and the last row of a turn are interpolated
     difference, size = (run.cycle[name] - expected)[inside], rms(expected)
     noise = white_noise(run.cycle["time"][inside], difference)
-    if noise is None or noise.rms <= NEAR * size:
+    if noise is None or noise.rms <= LEAST_DIFFERENCE * size:
         return ""
     white = f"{100.0 * noise.rms / size:.2g} % RMS, white" + (f" above {noise.above:.2g} Hz" if noise.above else "")
     besides = math.sqrt(max(rms(difference) ** 2 - noise.rms**2, 0.0))
-    more = f"; besides that it is off by {100.0 * besides / size:.1g} %" if besides > BESIDES * noise.rms else ""
+    more = f"; besides that it is off by {100.0 * besides / size:.1g} %" if besides > LEAST_REST * noise.rms else ""
     return f"the differences of {name} look like noise of {white}{more}"
 
 

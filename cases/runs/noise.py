@@ -11,14 +11,14 @@ Array = NDArray[np.float64]
 #: Least number of rows for a spectrum that can show noise.
 FEWEST_ROWS: Final = 64
 #: Least part of a difference's mean square that white noise makes up for the difference to be called noise.
-MOST_OF_IT: Final = 0.5
+LEAST_SHARE: Final = 0.5
 #: Largest ratio of a band's mean power to the level of the noise, or of the level to it, besides `_ERRORS` standard errors of that mean.
-_FLAT: Final = 1.5
+_LARGEST_RATIO: Final = 1.5
 _ERRORS: Final = 3.0
 
 
 #: Rounding, as a part of a column's largest magnitude: numbers of a table are assumed to have five digits.
-ROUNDED: Final = 1e-5
+ROUNDING: Final = 1e-5
 #: Uncertainty of an extreme, in standard deviations of a row's noise: one row in 15,000 departs further.
 DEVIATIONS: Final = 4.0
 
@@ -47,7 +47,7 @@ def white_noise(time: Array, difference: Array) -> Noise | None:
     power = 2.0 * np.abs(np.fft.rfft(difference)[1 : (n + 1) // 2]) ** 2 / n**2  # of each frequency in the mean square
     lowest = len(power) // 2
     level = float(np.mean(power[lowest:]))
-    if level == 0.0 or not _is_flat(power[lowest : 3 * lowest // 2], level) or len(power) * level < MOST_OF_IT * mean_square:
+    if level == 0.0 or not _is_flat(power[lowest : 3 * lowest // 2], level) or len(power) * level < LEAST_SHARE * mean_square:
         return None
     while lowest and _is_flat(power[lowest // 2 : lowest], level):
         lowest //= 2
@@ -57,12 +57,12 @@ def white_noise(time: Array, difference: Array) -> Noise | None:
 def _is_flat(band: Array, level: float) -> bool:
     """Whether the mean power of a band is the level. Single powers of white noise scatter as much as they are large."""
     error = 1.0 + _ERRORS / math.sqrt(len(band))
-    return level / (_FLAT * error) <= float(np.mean(band)) <= _FLAT * error * level
+    return level / (_LARGEST_RATIO * error) <= float(np.mean(band)) <= _LARGEST_RATIO * error * level
 
 
 def noise_of(time: Array, values: Array) -> float:
     """Departure of rows from a smooth course: by their scatter, and by rounding."""
-    return scatter(time, values) + ROUNDED * float(np.max(np.abs(values)))
+    return scatter(time, values) + ROUNDING * float(np.max(np.abs(values)))
 
 
 def scatter(time: Array, values: Array) -> float:

@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 UNSTABLE: Final = "unstable: {}"
 NOT_CONVERGED: Final = "not converged"
 #: Least error of a multiplier: what is left of the search for the motion moves it by up to 3.8e-5 in the thesis' runs, ...
-LEFT: Final = 5e-5
+SEARCH_ERROR: Final = 5e-5
 #: ... and the integration by this many times its tolerance: 1.5e-4 was measured with 1e-5.
-OF_TOLERANCE: Final = 10.0
+ERROR_OVER_TOLERANCE: Final = 10.0
 #: Part of the distance between the slow model's multiplier and the whole model's that counts as error: that distance is of first order in
 #: the slow model's faults, the error of second order; it was up to 0.34 of the distance in the thesis' runs where one finer model showed
 #: less.
-SECOND_ORDER: Final = 0.5
+SECOND_ORDER_PART: Final = 0.5
 #: Least error of the modulus over that in the complex plane: models differ in the angle much more than in the modulus, up to 60-fold in the
 #: thesis' runs.
-ALONG: Final = 0.05
+MODULUS_PART: Final = 0.05
 #: Assumed error of a multiplier of the slow model alone, without a second model: it was up to 3e-3 in the thesis' runs.
-UNCOMPARED: Final = 3e-3
+UNCOMPARED_ERROR: Final = 3e-3
 #: Largest error of a multiplier with which a motion whose multiplier is 1 within it counts as neutral; with a larger one nothing is known.
 NEUTRAL_WITHIN: Final = 0.05
 
@@ -46,7 +46,7 @@ class Multiplier:
     @property
     def status(self) -> str:
         """`settled`, `neutral`, unstable, or `not converged`: whether a disturbance dies away."""
-        size, error = abs(self.value), UNCOMPARED if self.error is None else self.error
+        size, error = abs(self.value), UNCOMPARED_ERROR if self.error is None else self.error
         if size + error < 1.0:
             return Ending.SETTLED
         if size - error > 1.0:
@@ -56,7 +56,7 @@ class Multiplier:
     @property
     def sentence(self) -> str:
         """Why the motion is not settled; "" if it is."""
-        size, error = abs(self.value), UNCOMPARED if self.error is None else self.error
+        size, error = abs(self.value), UNCOMPARED_ERROR if self.error is None else self.error
         number = f"largest Floquet multiplier {size:.7g} +- {error:.1e}"
         if self.status == Ending.SETTLED:
             return ""
@@ -83,7 +83,7 @@ def nearly_one(state: "FoundOrbit") -> bool:
 def multiplier_of(state: "FoundOrbit", compared: "Sequence[Compared[FoundOrbit]]" = ()) -> Multiplier:
     """The largest multiplier of a motion, with its error if there are motions of finer models to compare with.
 
-    The difference to one finer model may vanish by accident, hence the floors `SECOND_ORDER` and `LEFT`.
+    The difference to one finer model may vanish by accident, hence the floors `SECOND_ORDER_PART` and `SEARCH_ERROR`.
 
     Raises:
         NoSteadyState: a cycle of the whole model is broken.
@@ -93,10 +93,10 @@ def multiplier_of(state: "FoundOrbit", compared: "Sequence[Compared[FoundOrbit]]
     if not compared:
         return Multiplier(value)
     wholes = [runs.mapped(whole) for runs in compared]
-    floor = max(SECOND_ORDER * whole(state).corrected, LEFT + OF_TOLERANCE * state.simulation.tolerance)
+    floor = max(SECOND_ORDER_PART * whole(state).corrected, SEARCH_ERROR + ERROR_OVER_TOLERANCE * state.simulation.tolerance)
     distance = max(sum(runs.part(lambda one, other: other.apart(one.largest)).error for runs in wholes), floor)
     modulus = sum(runs.part(lambda one, other: abs(abs(one.largest) - abs(other.largest))).error for runs in wholes)
-    return Multiplier(value, max(modulus, floor, ALONG * distance), distance)
+    return Multiplier(value, max(modulus, floor, MODULUS_PART * distance), distance)
 
 
 @dataclass(frozen=True)

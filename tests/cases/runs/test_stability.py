@@ -10,7 +10,7 @@ from quickreturn.cases.library import library_case
 from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion, measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import DIRECT, STANDARD, Run, RunRequest
-from quickreturn.cases.runs.stability import NOT_CONVERGED, UNCOMPARED, Multiplier
+from quickreturn.cases.runs.stability import NOT_CONVERGED, UNCOMPARED_ERROR, Multiplier
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.errors import ExitCode
@@ -155,7 +155,7 @@ def assert_neutral(modes: int, tolerance: float, speed: float) -> None:
     assert (run.status, run.start) == (Ending.NEUTRAL, DIRECT)
     assert run.periodic_orbit is not None
     claim = run.periodic_orbit.multiplier_error
-    assert np.hypot(*run.periodic_orbit.multipliers[0]) == pytest.approx(1.0, abs=UNCOMPARED if claim is None else claim)
+    assert np.hypot(*run.periodic_orbit.multipliers[0]) == pytest.approx(1.0, abs=UNCOMPARED_ERROR if claim is None else claim)
 
 
 def test_an_engine_that_marches_is_not_sent_to_a_neutral_motion() -> None:

@@ -17,7 +17,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.steady_state import on_common_grid
 from quickreturn.cases.mistakes.diagnosis import Finding, diagnose
 from quickreturn.cases.recorded import table_of
-from quickreturn.cases.runs.differences import NEAR, explanations
+from quickreturn.cases.runs.differences import LEAST_DIFFERENCE, explanations
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run, RunRequest
@@ -57,7 +57,7 @@ def grids(table: Columns, reference: Run) -> tuple[Columns, Columns]:
 
 def finding(grids: tuple[Columns, Columns], column: str, found: Array) -> Finding | None:
     right = grids[1]
-    return diagnose(column, found, right[column], NEAR * max(rms(right[column]), rms(found)), right, CASE.mechanism)
+    return diagnose(column, found, right[column], LEAST_DIFFERENCE * max(rms(right[column]), rms(found)), right, CASE.mechanism)
 
 
 def rate(time: Array, values: Array) -> Array:
