@@ -319,6 +319,7 @@ def test_the_person_who_waits_for_a_compiler_is_told_once(
 ) -> None:
     told = "  fake: compiling its equations, once for this machine; that takes some fifteen seconds ...\n"
     monkeypatch.setattr("quickreturn.cases.jobs.display.COMPILING_AFTER", 0.05)
+    monkeypatch.setattr("quickreturn.cases.jobs.display.LOOK_INTERVAL", 0.01)
     call("small.toml", Compiling())
     assert capfd.readouterr() == ("", told)
     call("small.toml", Compiling(), quiet=True)
