@@ -11,12 +11,12 @@ from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown
 from quickreturn.cases.library import case_names, library_case, library_document
 from quickreturn.cases.library.hard import IMPOSSIBLE
 from quickreturn.cases.plausibility import doubts
-from quickreturn.cases.text.document import OVERRIDE, Document, read_document
+from quickreturn.cases.text.document import Document, read_document
 from quickreturn.cases.text.reading import misfit
 from quickreturn.cases.text.text_file import read_text, similar_file
 
 
-def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None, by: str = OVERRIDE) -> Case:
+def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None) -> Case:
     """The case of a library name or of a file.
 
     A name of the library wins over a file of the same name; write `./name` to mean the file.
@@ -24,17 +24,16 @@ def load_case(name_or_path: str, overrides: Mapping[str, str] | None = None, by:
     Args:
         name_or_path: e.g. "thesis-24" or "my/scene.toml".
         overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}; see `cases.text.document.Document.overridden_by`.
-        by: source of the overrides, for messages.
 
     Raises:
         CaseError: no such case, an unreadable file, or a mistake in the file or the overrides.
     """
     if not in_library(name_or_path):
-        return case_of(_document(name_or_path).overridden_by(overrides or {}, by))
+        return case_of(_document(name_or_path).overridden_by(overrides or {}))
     original = library_case(name_or_path)
     if not overrides:
         return original
-    changed = case_of(library_document(name_or_path).overridden_by(overrides, by))
+    changed = case_of(library_document(name_or_path).overridden_by(overrides))
     intended = tuple(doubts(original.scene))  # the library's own values
     return replace(changed, notes=(*original.notes, *(note for note in changed.notes if note not in intended)), source=original.source)
 

@@ -16,25 +16,14 @@ _NEAR = 0.6  # share of letters in the same order; below it a name is no typing 
 
 
 class Argument(str):
-    """The source of a mistake in an argument: Python is told the argument's name, the program's user that of the option."""
-
-    option: str
-
-    def __new__(cls, name: str, option: str) -> "Argument":
-        """The argument `name` of a function, which the command line gives as `option`."""
-        new = super().__new__(cls, name)
-        new.option = option
-        return new
-
-    def __reduce__(self) -> tuple[type, tuple[str, str]]:
-        return Argument, (str(self), self.option)
+    """The source of a mistake: the name of a function's argument, to which an option of the command line may correspond."""
 
 
 class CaseError(ToldError):
     """A mistake in a case; the text is one sentence, followed by one for each further mistake, a line each.
 
     Attributes:
-        source: file name, name of the case, `--set`, or an `Argument`.
+        source: file name, name of the case, or an `Argument`.
         key: dotted key in it, or None for the file as a whole.
         value: the given value, as written, or None if none was given.
         problem: what is wrong with it.
@@ -57,13 +46,6 @@ class CaseError(ToldError):
         if left := len(self.further) - len(told) + 1:
             told.append(f"{self.source}: {left} more mistake{'s' * (left > 1)}; mend those above first")
         return "\n".join(told)
-
-    @property
-    def sentences(self) -> list[str]:
-        """One for each mistake, which names the option of an `Argument`."""
-        if not isinstance(self.source, Argument):
-            return str(self).splitlines()
-        return [f"{self.source.option}{line.removeprefix(self.source)}" for line in str(self).splitlines()]
 
 
 def together(mistakes: Sequence[CaseError]) -> CaseError:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
-from quickreturn.reference_model.errors import ExitCode, ToldError
+from quickreturn.reference_model.errors import EngineTrouble, ToldError
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
@@ -46,7 +46,7 @@ class Refusal(ToldError):
 
 
 @dataclass(eq=False, repr=False)
-class EngineFailure(ToldError):
+class EngineFailure(EngineTrouble):
     """A run that broke down.
 
     Attributes:
@@ -55,8 +55,6 @@ class EngineFailure(ToldError):
         advice: what to try, a clause.
         partial: the trajectory up to `time`, or None.
     """
-
-    exit_code = ExitCode.ENGINE_TROUBLE
 
     time: float
     cause: str

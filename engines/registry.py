@@ -50,8 +50,6 @@ LIGHT: Final = OWN | {"derived"}
 class UnknownEngine(ToldError, ValueError):
     """No engine has this name; the text is one sentence with the nearest known names."""
 
-    option = "--engine"
-
 
 def engine_names() -> tuple[str, ...]:
     """Names of all engines, whether usable here or not: the main ones in their order, the rivals, then third-party ones by name."""

@@ -19,8 +19,6 @@ _NUMBERS: Final = {int: r"[+-]?[0-9]+", float: r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]
 class SettingError(ToldError, ValueError):
     """A setting that does not exist or lies outside its range; the text is one sentence."""
 
-    option = "--set"
-
 
 def setting(
     default: Any, meaning: str, *, unit: str = "", low: float = -math.inf, high: float = math.inf, choices: tuple[str, ...] = ()

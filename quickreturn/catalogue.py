@@ -55,7 +55,7 @@ def case(
     """
     if isinstance(name, Case):
         raise CaseError(name.name, None, None, "this is a case already", "change it by its method with_")
-    loaded = load_case(_name(name), check_mapping(overrides or {}), "overrides")
+    loaded = load_case(_name(name), check_mapping(overrides or {}))
     return with_times(loaded, duration, output_step)
 
 

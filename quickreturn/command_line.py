@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Final
 import click
 from click.shell_completion import CompletionItem, shell_complete
 
-from quickreturn.cases.errors import as_written, shortened
-from quickreturn.commands.console import QUIET, STORE, tell
-from quickreturn.reference_model.errors import ExitCode, ToldError
+from quickreturn.cases.errors import Argument, CaseError, as_written, shortened
+from quickreturn.commands.console import QUIET, STORE, ExitCode, tell
+from quickreturn.reference_model.errors import EngineTrouble, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.cases.jobs.store import Store
@@ -54,6 +54,18 @@ COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 #: Environment variable for the threads of numpy's linear algebra: with two the small eigenproblems of the shapes take several times the
 #: processor time.
 BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
+
+#: Argument of a function, or the name of an error's class -> the option that gives it.
+OPTIONS: Final = {
+    "free": "--free",
+    "measures": "--measure",
+    "overrides": "--set",
+    "path": "--path",
+    "vary": "--vary",
+    "OutputError": "--output",
+    "SettingError": "--set",
+    "UnknownEngine": "--engine",
+}
 
 #: Errors of the system when there is no room to write.
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -222,9 +234,19 @@ def _told_of(error: Exception) -> int:
     """Print the error, a line for each mistake, and choose the exit code."""
     if not isinstance(error, ToldError):
         return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ExitCode.ENGINE_TROUBLE)
-    for mistake in error.sentences:
-        tell(mistake)
-    return error.exit_code
+    for sentence in _sentences(error):
+        tell(sentence)
+    return ExitCode.ENGINE_TROUBLE if isinstance(error, EngineTrouble) else ExitCode.BAD_INPUT
+
+
+def _sentences(error: ToldError) -> list[str]:
+    """One sentence for each mistake, which names the option that is at fault, if one is."""
+    if not isinstance(error, CaseError):
+        return [f"{OPTIONS.get(type(error).__name__, '')} {error}".lstrip()]
+    lines = str(error).splitlines()
+    for name in {each.source for each in (error, *error.further) if isinstance(each.source, Argument)}:
+        lines = [f"{OPTIONS[name]}{line.removeprefix(name)}" if line.startswith(f"{name}: ") else line for line in lines]
+    return lines
 
 
 def _told(sentence: str, code: int) -> int:

@@ -20,14 +20,12 @@ from quickreturn.engines.base import EngineFailure, ModelDescription, Refusal
 from quickreturn.engines.registry import LIGHT, UnknownEngine, engine, engine_names, usable_engine
 from quickreturn.engines.scene import describe_scene
 from quickreturn.engines.settings import SettingError
-from quickreturn.reference_model.errors import ExitCode, ToldError
+from quickreturn.reference_model.errors import EngineTrouble
 from quickreturn.reference_model.mechanism import Scene
 
 
-class EngineDied(ToldError):
+class EngineDied(EngineTrouble):
     """The process of an engine ended without an answer, or with an unexpected error; the text is one sentence."""
-
-    exit_code = ExitCode.ENGINE_TROUBLE
 
 
 def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:

@@ -97,7 +97,7 @@ def computed(
     if not axes:
         raise CaseError(case.name, None, None, "nothing varies", 'give a key and values, such as "tip.mass = 0 g; 25 g"')
     if path not in get_args(Path):
-        raise CaseError(Argument("path", "--path"), None, as_written(path), "is unknown", f"accepted are {', '.join(get_args(Path))}")
+        raise CaseError(Argument("path"), None, as_written(path), "is unknown", f"accepted are {', '.join(get_args(Path))}")
     for name in {engine, *(name for each in axes if each.key == ENGINE for name in each.texts)}:
         usable_engine(name)
     texts = given_settings({engine: settings or {}})[engine]

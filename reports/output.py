@@ -21,8 +21,6 @@ from quickreturn.reference_model.errors import ToldError
 class OutputError(ToldError):
     """A file cannot be written; the text is one sentence."""
 
-    option = "--output"
-
 
 def check_writable(path: Path, keep: str, *endings: str) -> None:
     """Check beforehand that a file can be written, and that its ending names the format.

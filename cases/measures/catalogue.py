@@ -29,7 +29,7 @@ from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.witnesses import Witness
 
-ARGUMENT: Final = Argument("measures", "--measure")
+ARGUMENT: Final = Argument("measures")
 
 _TESTS: Final = "tests/verification/test_witnesses.py::test_"
 _GAUGES: Final = partial(

@@ -20,7 +20,6 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import mean_estimate
 from quickreturn.cases.runs.request import NOTHING, Run
-from quickreturn.reference_model.errors import ExitCode
 
 REFERENCE: Final = "reference"
 #: Quantities of each channel that are judged, besides the consensus of the channels' frequencies.
@@ -167,7 +166,7 @@ class CaseResult:
     @property
     def failures(self) -> tuple[Run, ...]:
         """Runs that failed, did not settle or did not reach the accuracy asked. A refusal does not count."""
-        return tuple(run for run in self.runs.values() if run.ending.exit_code == ExitCode.ENGINE_TROUBLE)
+        return tuple(run for run in self.runs.values() if not run.ending.delivered)
 
     @property
     def missed(self) -> tuple[Difference, ...]:

@@ -5,8 +5,6 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.reference_model.errors import ExitCode
-
 
 class Ending(StrEnum):
     """Status of a run."""
@@ -27,42 +25,42 @@ class Ending(StrEnum):
         return _MEANINGS[self][0]
 
     @property
-    def exit_code(self) -> ExitCode:
-        """Exit code of `run` if nothing else decides it."""
-        return _MEANINGS[self][1]
-
-    @property
     def usable(self) -> bool:
         """Whether the numbers of the run are used."""
-        return self.exit_code == ExitCode.GOOD or self == Ending.INACCURATE
+        return _MEANINGS[self][1]
 
     @property
     def incomplete(self) -> bool:
         """Whether the engine did not complete. A refusal does not count: the engine says what it cannot model."""
-        return self.exit_code == ExitCode.ENGINE_TROUBLE and not self.usable
+        return not self.usable and self != Ending.REFUSED
+
+    @property
+    def delivered(self) -> bool:
+        """Whether the engine did what it was asked for, or refused to."""
+        return not self.incomplete and self != Ending.INACCURATE
 
 
-#: Status -> meaning and exit code.
-_MEANINGS: Final[Mapping[Ending, tuple[str, ExitCode]]] = MappingProxyType(
+#: Status -> meaning, and whether the numbers are used.
+_MEANINGS: Final[Mapping[Ending, tuple[str, bool]]] = MappingProxyType(
     {
-        Ending.SETTLED: ("reached its steady state, and by its own estimate the accuracy asked", ExitCode.GOOD),
+        Ending.SETTLED: ("reached its steady state, and by its own estimate the accuracy asked", True),
         Ending.NEUTRAL: (
             "repeats, but a disturbance neither grows nor dies away: its largest Floquet multiplier is 1 within its error, or nothing takes"
             " energy from it; its numbers are used",
-            ExitCode.GOOD,
+            True,
         ),
         Ending.INACCURATE: (
             "reached its steady state, but its own estimate misses the accuracy asked; its numbers are used and marked",
-            ExitCode.ENGINE_TROUBLE,
+            True,
         ),
         Ending.NOT_SETTLED: (
             "did not repeat from cycle to cycle within the number of cycles allowed; its numbers are not used",
-            ExitCode.ENGINE_TROUBLE,
+            False,
         ),
-        Ending.FAILED: ("broke down, crashed or was stopped at a limit; its numbers are not used", ExitCode.ENGINE_TROUBLE),
-        Ending.REFUSED: ("says that it cannot model this scene", ExitCode.BAD_INPUT),
-        Ending.UNAVAILABLE: ("cannot be used on this machine", ExitCode.ENGINE_TROUBLE),
-        Ending.TRANSIENT: ("was measured in a turn on the way from the standard start, as asked", ExitCode.GOOD),
-        Ending.ASSUMED: ("is a recorded table that does not show whether it repeats", ExitCode.GOOD),
+        Ending.FAILED: ("broke down, crashed or was stopped at a limit; its numbers are not used", False),
+        Ending.REFUSED: ("says that it cannot model this scene", False),
+        Ending.UNAVAILABLE: ("cannot be used on this machine", False),
+        Ending.TRANSIENT: ("was measured in a turn on the way from the standard start, as asked", True),
+        Ending.ASSUMED: ("is a recorded table that does not show whether it repeats", True),
     }
 )

@@ -28,7 +28,7 @@ ENGINE: Final = "engine"
 OF_START: Final = ("crank.initial_angle", "crank.initial_speed", "simulation.duration", "simulation.output_step")
 #: Largest number of points, on one axis and in all.
 MOST: Final = 1_000_000
-VARY: Final = Argument("vary", "--vary")
+VARY: Final = Argument("vary")
 _SPEC: Final = "such as 'crank.prescribed_speed = 60 rpm .. 300 rpm : 241' or 'tip.mass = 0 g; 25 g; 50 g'"
 _RANGE: Final = re.compile(r"(?P<log>log\s+)?(?P<first>.+?)\s*\.\.\s*(?P<last>.+?)\s*:\s*(?P<count>\d{1,9})", re.ASCII)
 

@@ -1,4 +1,4 @@
-"""The text of a case file as raw values by dotted key, before they are read as quantities; and its changes by `--set`."""
+"""The text of a case file as raw values by dotted key, before they are read as quantities; and its changes from outside."""
 
 import re
 import tomllib
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from quickreturn.cases.errors import CaseError, as_written, attempted, nearest_or_all, shortened, together
+from quickreturn.cases.errors import Argument, CaseError, as_written, attempted, nearest_or_all, shortened, together
 from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of
 from quickreturn.cases.text.broken_toml import broken_toml
 from quickreturn.cases.text.copies import LONGEST_TITLE
@@ -18,8 +18,8 @@ LONGEST_LINE: Final = 1_000
 #: Names of cases and tags.
 NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 
-#: Source of a value from the command line, in messages.
-OVERRIDE: Final = "--set"
+#: Source of a value set from outside, in messages.
+OVERRIDES: Final = Argument("overrides")
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Document:
     header: Mapping[str, Any]  # name, title and tags as read
     values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI if the case was not a text
     overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> text(s) of a value set from outside, latest last
-    set_by: str = OVERRIDE  # source of these values, for messages
+    set_by: str = OVERRIDES  # source of these values, for messages
     mistakes: tuple[CaseError, ...] = ()  # mistakes in sections and keys, which the values therefore lack
     replaced: Mapping[str, str] = field(default_factory=dict)  # dotted key that they removed -> the key that takes its place
 
@@ -69,7 +69,7 @@ class Document:
             replaced={**self.replaced, **instead},
         )
 
-    def overridden_by(self, texts: Mapping[str, str], by: str = OVERRIDE) -> "Document":
+    def overridden_by(self, texts: Mapping[str, str], by: str = OVERRIDES) -> "Document":
         """`changed` by texts as on the command line: as in the file, or as TOML reads them.
 
         Raises:

@@ -31,7 +31,7 @@ from quickreturn.engines.relative import rms
 
 Array = NDArray[np.float64]
 
-FREE: Final = Argument("free", "--free")
+FREE: Final = Argument("free")
 #: Accuracy of the final simulations. The search and the derivatives use the engine's default.
 ACCURACY: Final = 1e-4
 #: Step of the differences, in a parameter's logarithm or in parts of its range: the integration's noise is a hundredth of their effect.

@@ -7,7 +7,7 @@ import click
 
 import quickreturn as qr
 from quickreturn.commands import console, options
-from quickreturn.reference_model.errors import ExitCode
+from quickreturn.commands.console import ExitCode
 from quickreturn.reports.output import check_writable, print_json, write_file
 
 

@@ -1,7 +1,8 @@
-"""What commands print on standard error."""
+"""What commands print on standard error, and the codes with which they end."""
 
 import contextlib
 import re
+from enum import IntEnum
 from typing import Final
 
 import click
@@ -11,6 +12,16 @@ LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argu
 #: Keys of a click context's `meta`: whether to be quiet, and the store of results.
 QUIET: Final = "quickreturn.quiet"
 STORE: Final = "quickreturn.store"
+
+
+class ExitCode(IntEnum):
+    """What the program returns to the shell."""
+
+    GOOD = 0
+    CLAIMS_BROKEN = 1  # engines disagree by more than they claim
+    BAD_INPUT = 2  # or bad usage, or something that the engine cannot model
+    ENGINE_TROUBLE = 3  # an engine failed, did not settle or did not reach the accuracy asked
+    INTERRUPTED = 130  # Ctrl-C
 
 
 def quiet() -> bool:

@@ -7,7 +7,7 @@ import click
 
 from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
 from quickreturn.commands import options
-from quickreturn.reference_model.errors import ExitCode
+from quickreturn.commands.console import ExitCode
 from quickreturn.reports.output import print_json
 
 

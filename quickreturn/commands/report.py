@@ -9,7 +9,7 @@ import click
 
 from quickreturn.cases.errors import as_written
 from quickreturn.commands import console, options
-from quickreturn.reference_model.errors import ExitCode
+from quickreturn.commands.console import ExitCode
 
 #: Endings of files. With such a name a user expects a page, not a folder.
 _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")

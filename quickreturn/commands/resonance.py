@@ -7,8 +7,8 @@ from typing import Final
 import click
 
 from quickreturn.commands import options
+from quickreturn.commands.console import ExitCode
 from quickreturn.commands.options import PICTURES
-from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.output import check_writable, print_json, write_file
 
 TABLES: Final = (".csv", ".nc", ".parquet")

@@ -10,7 +10,7 @@ import click
 
 from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
 from quickreturn.commands import console, options
-from quickreturn.reference_model.errors import ExitCode
+from quickreturn.commands.console import ExitCode
 from quickreturn.reports.output import check_writable, print_json, print_table
 
 if TYPE_CHECKING:

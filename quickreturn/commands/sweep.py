@@ -8,9 +8,9 @@ from typing import Final
 import click
 
 from quickreturn.commands import console, options
+from quickreturn.commands.console import ExitCode
 from quickreturn.commands.options import PICTURES
 from quickreturn.engines.settings import SettingError
-from quickreturn.reference_model.errors import ExitCode
 from quickreturn.reports.output import check_writable, print_json, write_file
 from quickreturn.table_files import dataset_file
 

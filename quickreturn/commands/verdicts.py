@@ -7,7 +7,7 @@ from quickreturn.cases.loads import loads_of_run, resonance
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.commands import console
-from quickreturn.reference_model.errors import ExitCode
+from quickreturn.commands.console import ExitCode
 from quickreturn.reports.results.loads import loads_document
 
 if TYPE_CHECKING:

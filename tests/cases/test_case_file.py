@@ -122,5 +122,5 @@ def test_material_and_what_follows_from_it_exclude_each_other(first: str, other:
     ],
 )
 def test_a_force_must_come_and_go_within_a_turn(overrides: dict[str, str], key: str) -> None:
-    with pytest.raises(CaseError, match=f"--set: {key}: .*force_ramp.*360 deg are accepted"):
+    with pytest.raises(CaseError, match=f"overrides: {key}: .*force_ramp.*360 deg are accepted"):
         parse_case(SCENE, "scene.toml", overrides)

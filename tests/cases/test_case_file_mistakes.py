@@ -298,12 +298,15 @@ def test_all_mistakes_of_a_file_are_told_in_one_answer_in_its_order() -> None:
 def test_mistakes_in_overrides_are_told_together() -> None:
     with pytest.raises(CaseError) as refused:
         parse_case(SCENE, "scene.toml", {"crank.lenght": "4 in", "name": "x", "tip.mass": "heavy"})
-    assert [(each.source, each.key) for each in (refused.value, *refused.value.further)] == [("--set", "crank.lenght"), ("--set", "name")]
+    assert [(each.source, each.key) for each in (refused.value, *refused.value.further)] == [
+        ("overrides", "crank.lenght"),
+        ("overrides", "name"),
+    ]
     with pytest.raises(CaseError) as refused:
         parse_case(SCENE, "scene.toml", {"crank.length": "4", "tip.mass": "heavy"})
     assert [(each.source, each.key) for each in (refused.value, *refused.value.further)] == [
-        ("--set", "crank.length"),
-        ("--set", "tip.mass"),
+        ("overrides", "crank.length"),
+        ("overrides", "tip.mass"),
     ]
 
 

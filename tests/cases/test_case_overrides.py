@@ -36,34 +36,34 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
 @pytest.mark.parametrize(
     ("overrides", "expected"),
     [
-        ({"crank.lenght": "4 in"}, '--set: crank.lenght: "4 in" belongs to an unknown key; the nearest known one is crank.length'),
+        ({"crank.lenght": "4 in"}, 'overrides: crank.lenght: "4 in" belongs to an unknown key; the nearest known one is crank.length'),
         (
             {"pivot_distance": "4 in"},
-            '--set: pivot_distance: "4 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
+            'overrides: pivot_distance: "4 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
         ),
         ({"slider.damping": "2 N*s/m"}, "the nearest known one is"),
-        ({"name": "x"}, '--set: name: "x" cannot be set; only quantities can, such as crank.torque'),
-        ({"crank.length": "4 kg"}, '--set: crank.length: "4 kg" is a mass (kg), but a length is needed'),
+        ({"name": "x"}, 'overrides: name: "x" cannot be set; only quantities can, such as crank.torque'),
+        ({"crank.length": "4 kg"}, 'overrides: crank.length: "4 kg" is a mass (kg), but a length is needed'),
         (
             {"follower.length": "21 in"},
-            '--set: follower.length: "21 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.5588 m'
+            'overrides: follower.length: "21 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.5588 m'
             " must not exceed follower.length = 0.5334 m",
         ),
         (
             {"follower.length": "15 in"},
-            '--set: follower.length: "15 in" leaves the strain gauge at 0.47625 m outside the follower; its length is 0.381 m',
+            'overrides: follower.length: "15 in" leaves the strain gauge at 0.47625 m outside the follower; its length is 0.381 m',
         ),
         (
             {"simulation.output_step": "0.3 s"},
-            '--set: simulation.output_step: "0.3 s" gives 6.66667 output steps (duration 2 s, output step 0.3 s); ',
+            'overrides: simulation.output_step: "0.3 s" gives 6.66667 output steps (duration 2 s, output step 0.3 s); ',
         ),
         (
             {"mechanism.gravity": "9.81 m/s^2"},
-            '--set: mechanism.gravity: "9.81 m/s^2" is not a list of 2 strings; write one such as ["2 m/s^2", "2 m/s^2"]',
+            'overrides: mechanism.gravity: "9.81 m/s^2" is not a list of 2 strings; write one such as ["2 m/s^2", "2 m/s^2"]',
         ),
         (
             {"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"},
-            '--set: crank.prescribed_speed: "9 rad/s" conflicts with crank.damping; give either',
+            'overrides: crank.prescribed_speed: "9 rad/s" conflicts with crank.damping; give either',
         ),
     ],
     ids=str,

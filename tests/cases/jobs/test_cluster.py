@@ -28,7 +28,7 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.command_line import _told_of
-from quickreturn.reference_model.errors import ExitCode
+from quickreturn.commands.console import ExitCode
 from tests.package_copy import copied_package
 
 if TYPE_CHECKING:
