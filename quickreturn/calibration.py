@@ -18,8 +18,8 @@ from quickreturn.cases.uncertainty.fit import Fit
 from quickreturn.cases.uncertainty.propagation import Scatter, planned
 from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.catalogue import AnyCase, one_case
-from quickreturn.cross_validation import opened
-from quickreturn.differences import AnyTable, as_table
+from quickreturn.computing import Computing
+from quickreturn.table_comparison import AnyTable, as_table
 
 #: Key of a study file -> its type, and an example.
 KEYS: Final[Mapping[str, tuple[type, str]]] = {
@@ -91,7 +91,9 @@ def uncertainty(
         where, example = ("case", "thesis-24") if case is None else ("measures", "post.frequency")
         raise CaseError(where, None, None, "none is given", f"give one, such as {as_written(example)}")
     request = MeasureRequest(measures=tuple(texts_given(measures, "measures", "post.frequency")), claims=claims, accuracy=checked(accuracy))
-    return planned(one_case(case), distributions, request, samples, source).scatter(opened(jobs, quiet))
+    plan = planned(one_case(case), distributions, request, samples, source)
+    with Computing(jobs, quiet=quiet).opened() as workshop:
+        return plan.scatter(workshop)
 
 
 def _study_file(path: str) -> dict[str, Any]:

@@ -21,13 +21,13 @@ import click
 from click.shell_completion import CompletionItem, shell_complete
 
 from quickreturn.cases.errors import Argument, CaseError, as_written, shortened
-from quickreturn.commands.console import QUIET, STORE, ExitCode, tell
+from quickreturn.commands.console import Call, ExitCode, tell
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.cases.jobs.store import Store
 
-#: The commands in the order of `--help`, each a module of `quickreturn.commands`, with the first sentence of its help.
+#: The commands in the order of `--help`, each with the first sentence of its help.
 COMMANDS: Final = {
     "engines": "List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy.",
     "cases": "List the cases of the library: name, tags, title.",
@@ -46,6 +46,19 @@ COMMANDS: Final = {
     "conform": "Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.",
     "plot": "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.",
     "animate": "Simulate CASE from the standard start and draw it moving, engines over each other.",
+}
+
+#: Command -> its module of `quickreturn.commands`, if that is not named for it.
+_MODULES: Final = {
+    "animate": "pictures",
+    "calibrate": "studies",
+    "compare": "run",
+    "conform": "engines",
+    "new": "cases",
+    "plot": "pictures",
+    "resonance": "studies",
+    "show": "cases",
+    "sweep": "studies",
 }
 
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
@@ -84,7 +97,7 @@ class CommandGroup(click.Group):
         """The subcommand, or None if there is none of this name."""
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(f"quickreturn.commands.{cmd_name}").command
+        command = getattr(import_module(f"quickreturn.commands.{_MODULES.get(cmd_name, cmd_name)}"), cmd_name)
         assert isinstance(command, click.Command)
         if not any(each.name == "quiet" for each in command.params):
             command.params.append(_quiet_option())
@@ -113,7 +126,7 @@ def _quiet_option() -> click.Option:
     """The option of every command that silences reports of progress."""
 
     def keep(context: click.Context, option: click.Parameter, given: bool) -> None:
-        context.meta[QUIET] = given or context.meta.get(QUIET)
+        context.ensure_object(Call).quiet |= given
 
     told = "Do not report progress; errors and doubtful values are still reported."
     return click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
@@ -201,7 +214,7 @@ def _run(arguments: list[str]) -> int:
             try:
                 result = quickreturn.invoke(context)
             except (KeyboardInterrupt, click.Abort):
-                return _interrupted(context.meta.get(STORE))
+                return _interrupted(context.ensure_object(Call).store)
     except click.exceptions.Exit as leaving:  # --help
         return leaving.exit_code
     return result if isinstance(result, int) else ExitCode.GOOD

@@ -6,11 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.accuracy import checked
+from quickreturn.cases.case import Case
 from quickreturn.cases.columns import known_column
 from quickreturn.cases.errors import as_written, nearest_or_all
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION
 from quickreturn.cases.runs.campaign import cross_validate
@@ -18,6 +16,7 @@ from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Shown
 from quickreturn.catalogue import AnyCase, loaded
+from quickreturn.computing import Computing
 from quickreturn.engine_choice import AnyEngineOrTable, prepared
 from quickreturn.engines.registry import MAIN
 from quickreturn.engines.settings import SettingError, as_texts
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from quickreturn.reports.drawing.style import Drawing
+    from quickreturn.reports.report import Written
 
 #: Numbers of a channel, as columns of `CrossValidation.frame`.
 _NUMBERS = (*VIBRATION, *EXTREMES)
@@ -170,10 +170,20 @@ def run(
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; finished results are kept.
     """
-    chosen = loaded(cases)
-    names, texts, tables = prepared(chosen, engines, given_settings(settings))
-    workshop = opened(jobs, quiet)
-    results = cross_validate(chosen, workshop, names, checked(accuracy), texts, tables)
+    return validated(loaded(cases), engines, given_settings(settings), accuracy, Computing(jobs, quiet=quiet))
+
+
+def validated(
+    cases: Sequence[Case],
+    engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]",
+    settings: Mapping[str, Mapping[str, str]],
+    accuracy: float | None,
+    computing: Computing,
+) -> CrossValidation:
+    """The results of `run` on loaded cases, with settings by engine as texts."""
+    names, texts, tables = prepared(cases, engines, settings)
+    with computing.opened(cases, names) as workshop:
+        results = cross_validate(cases, workshop, names, checked(accuracy), texts, tables)
     return CrossValidation(results, workshop.store.notices)
 
 
@@ -198,12 +208,24 @@ def report(
         CaseError, SettingError, StoreError, KeyboardInterrupt: as `run`.
         OutputError: the folder cannot be written to.
     """
+    return reported(loaded(cases), folder, engines, given_settings(settings), accuracy, Computing(jobs, quiet=quiet)).page
+
+
+def reported(
+    cases: Sequence[Case],
+    folder: "str | os.PathLike[str]",
+    engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]",
+    settings: Mapping[str, Mapping[str, str]],
+    accuracy: float | None,
+    computing: Computing,
+) -> "Written":
+    """The report of `report` on loaded cases, with settings by engine as texts."""
     from quickreturn.reports.report import write_report
     from quickreturn.reports.thesis.content import content_type
 
-    chosen = loaded(cases)
-    names, texts, tables = prepared(chosen, engines, given_settings(settings))
-    return write_report(chosen, Path(folder), opened(jobs, quiet), names, tables, checked(accuracy), texts, content_type(chosen)).page
+    names, texts, tables = prepared(cases, engines, settings)
+    with computing.opened(cases, names) as workshop:
+        return write_report(cases, Path(folder), workshop, names, tables, checked(accuracy), texts, content_type(cases))
 
 
 def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
@@ -211,8 +233,3 @@ def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str
     if not isinstance(settings or {}, Mapping):
         raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
     return {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
-
-
-def opened(jobs: int | None, quiet: bool) -> Workshop:
-    """The store of results with the processes of this machine, `jobs` at a time. StoreError: the folder of results cannot be used."""
-    return Workshop(Store(), LocalProcesses(jobs, quiet=quiet))

@@ -16,8 +16,8 @@ from quickreturn.cases.resonance_curve.search import OF_CURVE, USUAL, resonance_
 from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.dataset import dataset_file, table_file
 from quickreturn.sweeping import ERROR
-from quickreturn.table_files import dataset_file, table_file
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -245,20 +245,27 @@ def simulate(
     chosen, scene = engine_from(engine), one_case(case)
     if sentence := cache_folder.warning_if_not_kept():
         warnings.warn(sentence, stacklevel=2)
-    request = TrajectoryRequest(
-        scene=scene.scene,
-        duration=scene.duration,
-        output_step=scene.output_step,
-        engine=engine,
-        settings=as_texts(settings or {}),
-        accuracy=checked(accuracy),
-        estimate=estimate,
-        time_limit=time_limit,
-    )
+    request = request_of(scene, engine, as_texts(settings or {}), checked(accuracy), estimate, time_limit)
     kept = opened_store() if store else None
     with compilation_announced(quiet):
         answer, stored = answered(request.job(chosen.name), kept)
     return Solution.of(scene, request, answer, kept, stored)
+
+
+def request_of(
+    case: Case, engine: "str | AnyEngine", settings: dict[str, str], accuracy: float | None, estimate: bool, time_limit: float | None
+) -> TrajectoryRequest:
+    """The request for a case's trajectory from the standard start; arguments as of `simulate`."""
+    return TrajectoryRequest(
+        scene=case.scene,
+        duration=case.duration,
+        output_step=case.output_step,
+        engine=engine,
+        settings=settings,
+        accuracy=accuracy,
+        estimate=estimate,
+        time_limit=time_limit,
+    )
 
 
 def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:

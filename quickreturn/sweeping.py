@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
@@ -18,7 +19,8 @@ from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import Path, Study, study
 from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, Listing, one_case
-from quickreturn.cross_validation import given_settings, opened
+from quickreturn.computing import Computing
+from quickreturn.cross_validation import given_settings
 from quickreturn.engines.registry import usable_engine
 
 if TYPE_CHECKING:
@@ -79,7 +81,8 @@ def sweep(
     chosen = one_case(case)
     names = texts_given(measures, "measures", USUAL[0])
     axes = tuple(_axis(key, values) for key, values in vary.items())
-    return dataset_of(computed(chosen, axes, names, engine, accuracy, settings, claims, path, workshop or opened(jobs, quiet)))
+    with nullcontext(workshop) if workshop is not None else Computing(jobs, quiet=quiet).opened() as opened:
+        return dataset_of(computed(chosen, axes, names, engine, accuracy, settings, claims, path, opened))
 
 
 def computed(

@@ -1,16 +1,18 @@
-"""The results of engines on a case as text for a terminal or a notebook."""
+"""The results of engines on cases: as text for a terminal or a notebook, and as a JSON document."""
 
 import math
-from typing import Final
+from collections.abc import Sequence
+from typing import Any, Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import UNITS
+from quickreturn.cases.loads import UNITS, loads_of_run, resonance
 from quickreturn.cases.measures.catalogue import MEASURES, SHOWN, numbers
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Cell, Rows
-from quickreturn.reports.results.loads import CaseLoads, leading_loads, stress_text
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
 
 #: Largest number of departures that the text shows for a pair of engines.
@@ -113,3 +115,53 @@ def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
         *(number(measured[name].value if measured else None, SHOWN[name].in_terminal) for name in _MEASURED),
         *peaks,
     )
+
+
+def as_document(results: Sequence[CaseResult], notices: Sequence[str]) -> dict[str, Any]:
+    """The JSON document of `run` and `compare`: recorded tables follow the engines."""
+    results = [result.with_tables for result in results]
+    return {
+        "cases": [
+            {
+                "case": result.case.name,
+                "turn": result.turn,
+                "passed": result.passed,
+                "agreement": result.agreement,
+                "reason": result.reason,
+                "notes": list(result.case.notes),
+                "engines": [
+                    _as_document(run)
+                    | {
+                        "accuracy_class": result.accuracy_class(name),
+                        "loads": loads_document(loads_of_run(result.case.mechanism, run)),
+                        "numbers": {
+                            measure: {"value": found.value, "error": found.error, "unit": MEASURES[measure].unit}
+                            for measure, found in numbers(result.case.mechanism, run).items()
+                        },
+                    }
+                    for name, run in result.runs.items()
+                ],
+                "resonance": _resonance(result.case.mechanism),
+                "checks": [check.as_dict() for check in result.checks],
+            }
+            for result in results
+        ],
+        "failures": [
+            {"case": result.case.name, "engine": run.engine, "status": run.status, "remark": run.remark}
+            for result in results
+            for run in result.failures
+        ],
+        "notices": list(notices),
+    }
+
+
+def _resonance(mechanism: Mechanism) -> dict[str, Any] | None:
+    """First mode (Hz, mean over the turn with the crank held), crank (Hz), their ratio and the nearest harmonic."""
+    found = resonance(mechanism)
+    return None if found is None else {**vars(found), "ratio": found.ratio, "harmonic": found.harmonic}
+
+
+def _as_document(run: Run) -> dict[str, Any]:
+    """Everything about a run except its cycle."""
+    known = {name: value for name, value in vars(run).items() if name != "cycle"}
+    return known | {"settling": run.settling and {**vars(run.settling), "sentence": run.settling.sentence()}}

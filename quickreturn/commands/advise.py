@@ -21,7 +21,7 @@ _SHOWN: Final = ("scene", "engine", "level", "status", "solve_seconds", "waited_
 @options.accuracy_of(default="0.01", show_default=True, help=f"Wanted relative error of the tip deflection, {HIGHEST:g} to {LOWEST:g}.")
 @options.case_assignments
 @options.json
-def command(cases: Sequence[str], tag: str | None, accuracy: float, assignments: Sequence[str], as_json: bool) -> None:
+def advise(cases: Sequence[str], tag: str | None, accuracy: float, assignments: Sequence[str], as_json: bool) -> None:
     """Say where CASE lies on the map of classes, and which methods were the fastest there to an error.
 
     The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.

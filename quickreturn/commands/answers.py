@@ -1,28 +1,189 @@
-"""Answers of engines for commands that keep no workshop."""
+"""Answers of engines for the commands that show one motion: trajectories for `simulate`, `plot` and `animate`, frequencies for `modes`."""
 
-from collections.abc import Sequence
+import itertools
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
 
 import click
 
+from quickreturn.cases.case import Case
 from quickreturn.cases.jobs import fork_server
 from quickreturn.cases.jobs.job import Job, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import outcomes_of
+from quickreturn.cases.solving import Answer, TrajectoryRequest, frequencies_job
 from quickreturn.commands import console, options
+from quickreturn.computing import Computing
+from quickreturn.engine_choice import check, settings_of
+from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.registry import OWN
-from quickreturn.solution import opened_store
+from quickreturn.engines.trajectory import Trajectory
+from quickreturn.questions import EngineDied, value_of
+from quickreturn.reference_model.errors import ToldError
+from quickreturn.reports.output import print_table, write_file
+from quickreturn.reports.results.loads import loads_document
+from quickreturn.reports.words import within_turn
+from quickreturn.solution import Solution, as_csv, opened_store, request_of
+
+#: The solution of an engine on a case, or why there is none.
+Found = Solution | ToldError
+
+_ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
+
+#: Further keys of a simulation's JSON document, with the values that they have after a failure without any.
+NOTHING: Final[dict[str, Any]] = {
+    "version": None,
+    "stored": False,
+    "rows": 0,
+    "reached": False,
+    "error_estimate": None,
+    "error_estimates": {},
+    "error_parts": (),
+    "estimate_of": None,
+    "further_run_skipped": None,
+    "remark": "",
+    "settings": None,
+    "loads": {},
+    "setup_seconds": None,
+    "compile_seconds": None,
+    "solve_seconds": None,
+    "estimate_seconds": None,
+    "statistics": {},
+    "bodies": (),
+    "joints": (),
+    "degrees_of_freedom": None,
+    "failure": None,
+}
 
 
-def answered(jobs: Sequence[Job[T]], title: str) -> tuple[list[Outcome[T]], Store | None]:
-    """The outcomes of jobs under the options of `limited` and `stored`, and the store, if there is one; a message names stored results."""
-    meta = click.get_current_context().meta
+def solved(
+    cases: Sequence[Case],
+    engines: Sequence[str],
+    settings: Mapping[str, Mapping[str, str]],
+    accuracy: float | None,
+    computing: Computing,
+    estimate: bool = True,
+) -> list[tuple[Case, str, Outcome[Answer], Found]]:
+    """Each case and engine with the outcome of its job and the solution, after all checks. Raises as `check`."""
+    texts = settings_of(settings, engines)
+    pairs = list(itertools.product(cases, engines))
+    for case, name in pairs:
+        check(name, case.scene, texts[name])
+    options.tell_doubts(cases)
+    seconds = computing.limits.seconds if computing.limits else None
+    requests = [request_of(case, name, texts[name], accuracy, estimate, seconds) for case, name in pairs]
+    jobs = [request.job(f"{case.name} {name}") for (case, name), request in zip(pairs, requests, strict=True)]
+    outcomes, store = _answered(jobs, "simulating", computing)
+
+    def found(case: Case, request: TrajectoryRequest, outcome: Outcome[Answer]) -> Found:
+        try:
+            return Solution.of(case, request, value_of(outcome), store if outcome.job.lasts else None, outcome.stored)
+        except ToldError as error:
+            return error
+
+    return [(*pair, outcome, found(pair[0], request, outcome)) for pair, request, outcome in zip(pairs, requests, outcomes, strict=True)]
+
+
+def trajectories(
+    cases: Sequence[Case], engines: Sequence[str], settings: Mapping[str, Mapping[str, str]], accuracy: float | None, computing: Computing
+) -> dict[tuple[str, str], Trajectory]:
+    """Trajectories by case and engine; a message names each missed accuracy.
+
+    Raises:
+        Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: an engine cannot simulate a case, or failed.
+    """
+    by_name = {}
+    for case, name, _, found in solved(cases, engines, settings, accuracy, computing):
+        if isinstance(found, ToldError):
+            raise found
+        if not found.reached:
+            console.tell(f"{case.name}: engine {name}: {found.remark}")
+        by_name[case.name, name] = found.trajectory
+    return by_name
+
+
+def written(outcome: Outcome[Answer], found: Found, path: str | None) -> dict[str, Any]:
+    """Write the trajectory, if there is one and a file is named; return its JSON document. Raises `found` if the engine never began."""
+    if isinstance(found, EngineDied):
+        failure: dict[str, Any] = {"time": None, "cause": outcome.explanation, "advice": _ADVICE}
+        return {"remark": f"{outcome.explanation}; {_ADVICE}", "failure": failure}
+    if not isinstance(found, (Solution, EngineFailure)):
+        raise found
+    known: dict[str, Any] = {"version": value_of(outcome)[0], "stored": outcome.stored}
+    trajectory = found.partial if isinstance(found, EngineFailure) else found.trajectory
+    if trajectory is not None:
+        if path is not None:
+            write_file(Path(path), as_csv(trajectory))
+        known |= {"rows": len(trajectory), "solve_seconds": trajectory.solve_seconds, "statistics": dict(trajectory.statistics)}
+    if isinstance(found, EngineFailure):
+        failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
+        return known | {"remark": str(found), "failure": failure}
+    same = {name: getattr(found.result, name) for name in ("accuracy", *NOTHING) if hasattr(found.result, name)}
+    more = {
+        "error_parts": [vars(part) for part in found.error_parts],
+        "loads": loads_document(found.loads),
+        **vars(found.result.description),
+    }
+    return known | same | more
+
+
+def frequencies(
+    cases: Sequence[Case],
+    engines: Sequence[str],
+    settings: Mapping[str, Mapping[str, str]],
+    angles: Sequence[float],
+    count: int,
+    computing: Computing,
+) -> list[list[dict[str, Any]]]:
+    """For each case and engine a document for each angle (rad), after all checks.
+
+    Raises as `check`, and EngineDied if an engine failed.
+    """
+    texts = settings_of(settings, engines)
+    asked = list(itertools.product(cases, engines))
+    for case, name in asked:
+        check(name, case.mechanism, texts[name])
+    options.tell_doubts(cases)
+    jobs = [frequencies_job(f"{case.name} {name}", case.mechanism, name, angles, count, texts[name]) for case, name in asked]
+    rows = []
+    for (case, name), outcome in zip(asked, _answered(jobs, "natural frequencies", computing)[0], strict=True):
+        try:
+            each = value_of(outcome)
+        except EngineFailure as failure:  # its own text names an instant, but there is none here
+            raise EngineDied(f"{case.name}: engine {name}: {failure.cause}; {failure.advice}") from failure
+        about = {"case": case.name, "engine": name, "version": each.version, "settings": each.settings}
+        rows.append([about | {"crank_angle": angle, "frequencies": row} for angle, row in zip(angles, each.values, strict=True)])
+    return rows
+
+
+def print_frequencies(angled: list[dict[str, Any]]) -> None:
+    """One angle: a line for each mode; several: a line for each angle."""
+    degrees = [f"{within_turn(math.degrees(each['crank_angle'])):g}" for each in angled]
+    first = angled[0]
+    if len(angled) == 1:
+        click.echo(f"{first['case']}, crank at {degrees[0]} deg, {first['engine']} ({first['version']})")
+        if first["frequencies"]:
+            print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(first["frequencies"], 1)])
+    else:
+        click.echo(f"{first['case']}, {first['engine']} ({first['version']}): natural frequencies in Hz")
+        most = max(len(each["frequencies"]) for each in angled)
+        rows = [[angle, *(f"{value:.6g}" for value in each["frequencies"])] for angle, each in zip(degrees, angled, strict=True)]
+        print_table([row + ["-"] * (most + 1 - len(row)) for row in rows], ["crank deg", *map(str, range(1, most + 1))])
+    if not any(each["frequencies"] for each in angled):
+        click.echo("no natural frequency: nothing in this model can vibrate with the crank held")
+
+
+def _answered(jobs: Sequence[Job[T]], title: str, computing: Computing) -> tuple[list[Outcome[T]], Store | None]:
+    """The outcomes of jobs, and the store, if there is one; a message names stored results."""
     # another's engine: its version and code, which the key contains, would load its library here
     jobs = [job if OWN.issuperset(job.engines) else replace(job, lasts=None) for job in jobs]
-    store = None if meta.get(options.NO_STORE) or not any(job.lasts for job in jobs) else opened_store(console.tell)
-    meta[console.STORE] = store
-    executor = LocalProcesses(limits=options.limits(), preload=fork_server.COMPUTING, quiet=console.quiet())
+    store = opened_store(console.tell) if computing.store and any(job.lasts for job in jobs) else None
+    console.call().store = store
+    executor = LocalProcesses(limits=computing.limits, preload=fork_server.COMPUTING, quiet=computing.quiet)
     outcomes = outcomes_of(jobs, title, executor, store)
     if store is not None and (known := [outcome.job.name for outcome in outcomes if outcome.stored]):
         console.begin(f"{', '.join(known)}: computed before and kept in {store.folder}; {options.NO_STORE} computes anew")

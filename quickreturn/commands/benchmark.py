@@ -8,6 +8,7 @@ import click
 import quickreturn as qr
 from quickreturn.commands import console, options
 from quickreturn.commands.console import ExitCode
+from quickreturn.computing import Computing
 from quickreturn.reports.output import print_json, print_table
 
 if TYPE_CHECKING:
@@ -35,13 +36,15 @@ _MEASURED: Final = ("degrees_of_freedom", "errors", *_TIMES)
 @options.case_assignments
 @options.limited
 @options.json
-def command(
+@options.computing
+def benchmark(
     cases: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
     repetitions: int,
     assignments: Sequence[str],
     as_json: bool,
+    computing: Computing,
 ) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
 
@@ -59,7 +62,7 @@ def command(
     names = engines or ENGINES
     options.refuse_missing(engines)
     _ = [case.mechanism for case in loaded]  # a scene without crank is refused before anything runs
-    workshop, tables = options.opened_workshop(loaded, names), []
+    workshop, tables = click.get_current_context().with_resource(computing.opened(loaded, names)), []
     failed = False
     if not cases and not tag:
         compiling(workshop, names)  # for the report
@@ -79,7 +82,7 @@ def command(
             console.tell(f"{table.case}: engine {name} was left out: {reason}")
     if failed or any(table.failures for table in tables):
         return ExitCode.ENGINE_TROUBLE
-    return ExitCode.BAD_INPUT if workshop.store.lost else ExitCode.GOOD
+    return ExitCode.BAD_INPUT if console.call().lost else ExitCode.GOOD
 
 
 def _print(table: "Benchmark") -> None:

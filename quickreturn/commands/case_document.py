@@ -1,20 +1,34 @@
-"""The JSON document of a case for `show`, and its text."""
+"""A case as a JSON document and as text for `show`, and as a new case file for `new`."""
 
 import itertools
+import os
 import re
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.case import Case, written_document
+from quickreturn.cases.case_file import in_library
+from quickreturn.cases.errors import CaseError, path_shown
+from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.keys import SECTIONS, shown_value
 from quickreturn.cases.loads import resonance
+from quickreturn.cases.plausibility import doubts
+from quickreturn.cases.text.document import NAME
+from quickreturn.cases.text.written import as_toml
 from quickreturn.engines.registry import LIGHT
-from quickreturn.questions import asked_of_all, model
+from quickreturn.questions import asked_of_all, model, value_of
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
-from quickreturn.reports.output import print_table
+from quickreturn.reports.output import OutputError, check_writable, print_table
+
+if TYPE_CHECKING:
+    from quickreturn.cases.sweep.rows import Row
+
+ENDING: Final = ".toml"
 
 
 def document_of(loaded: Case) -> dict[str, Any]:
@@ -53,7 +67,7 @@ def _models(scene: Scene) -> list[dict[str, Any]]:
 
 
 def print_document(document: dict[str, Any]) -> None:
-    """Print a document, which may have lines of `around_case.resonances`."""
+    """Print a document, which may have lines of `resonances`."""
     click.echo(f"{document['name']}: {document['title']}")
     for note in document["notes"]:
         click.echo(f"note: {note}")
@@ -86,3 +100,65 @@ def grouped(texts: Sequence[str]) -> list[str]:
         else:
             lines += members
     return lines
+
+
+def resonances(cases: Sequence[Case], workshop: Workshop) -> list[dict[str, list[str]]]:
+    """Lines on the motion of each case over speeds around its own."""
+    from quickreturn.cases.resonance_curve.search import job_around
+    from quickreturn.cases.sweep.grid import job
+    from quickreturn.cases.sweep.rows import MeasureRequest
+    from quickreturn.reports.results.around import Around
+
+    outcomes = workshop.outcomes([job_around(case) for case in cases], "resonance curves")
+    asked = MeasureRequest(measures=("multiplier",))
+    own = workshop.outcomes([job(case, [{}], asked) for case in cases], "motions at their own speeds")
+    return [
+        {"resonance_curve": [*Around(case, value_of(outcome)).lines, _stability(value_of(row))]}
+        for case, outcome, row in zip(cases, outcomes, own, strict=True)
+    ]
+
+
+def _stability(row: "Row") -> str:
+    """A line on the motion of a machine with its own drive, from a row of one point and its multiplier."""
+    value, error = row.values[0, 0], row.errors[0, 0]
+    reason = f": {row.sentences[0]}" if row.sentences[0] else ""
+    if row.statuses[0] == "settled":
+        left = f"{100.0 * value:.3g} % of a disturbance is left after a turn (+- {100.0 * error:.1g} %)"
+        return f"with its own drive the motion is stable: {left}"
+    return f"with its own drive the motion is {row.statuses[0]}{reason}"
+
+
+def text_of(original: Case, header: dict[str, str], *, copied: bool) -> str:
+    """The text of a file with the values of a case under another name and title; `copied`: comments name the case."""
+    return as_toml(replace(written_document(original), header=header), tuple(_origin(original)) if copied else ())
+
+
+def header_for(file: str) -> dict[str, str]:
+    """Name and title of the case in a new file, after the file's name.
+
+    Raises:
+        CaseError: the file exists, or its name is invalid for a case or is that of a case of the library.
+        UsageError: it cannot be written.
+    """
+    if os.path.lexists(file) and not os.path.isdir(file):
+        raise CaseError(path_shown(file), None, None, "this file exists and is not overwritten", "give another name")
+    try:
+        check_writable(Path(file), "", ENDING)
+    except OutputError as wrong:
+        raise click.UsageError(str(wrong)) from None
+    name = Path(file).stem
+    if not NAME.fullmatch(name):
+        usable = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("._-")[:64] or "my-machine"
+        accepted = f"up to 64 letters from a to z, digits, points, hyphens and underscores are accepted, such as {usable}{ENDING}"
+        raise CaseError(path_shown(file), None, None, "its name is also that of the case, and cannot be one", accepted)
+    if in_library(name):
+        raise CaseError(path_shown(file), None, None, f"the library has a case {name}", f"give another name, such as my-{name}{ENDING}")
+    title = name.replace("-", " ").replace("_", " ")
+    return {"name": name, "title": title[:1].upper() + title[1:]}
+
+
+def _origin(case: Case) -> Iterator[str]:
+    """Comment lines in a copy that name the copied case and its notes."""
+    yield f"A copy of {case.name} ({case.title})."
+    meant = tuple(doubts(case.scene))
+    yield from (f"Note: {note}." for note in case.notes if note not in meant)

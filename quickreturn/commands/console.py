@@ -2,16 +2,16 @@
 
 import contextlib
 import re
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import click
 
-LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
+if TYPE_CHECKING:
+    from quickreturn.cases.jobs.store import Store
 
-#: Keys of a click context's `meta`: whether to be quiet, and the store of results.
-QUIET: Final = "quickreturn.quiet"
-STORE: Final = "quickreturn.store"
+LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
 
 
 class ExitCode(IntEnum):
@@ -24,14 +24,32 @@ class ExitCode(IntEnum):
     INTERRUPTED = 130  # Ctrl-C
 
 
-def quiet() -> bool:
-    """Whether progress is not reported."""
-    return bool(click.get_current_context().meta.get(QUIET))
+@dataclass
+class Call:
+    """The present call of the program: whether progress is not reported, and the store of its results once that is open."""
+
+    quiet: bool = False
+    store: "Store | None" = None
+
+    @property
+    def lost(self) -> bool:
+        """Whether a result could not be stored."""
+        return self.store is not None and self.store.lost > 0
+
+    @property
+    def notices(self) -> list[str]:
+        """Sentences on damaged stored results, and on results that could not be stored."""
+        return [] if self.store is None else self.store.notices
+
+
+def call() -> Call:
+    """The present call."""
+    return click.get_current_context().ensure_object(Call)
 
 
 def begin(what: str) -> None:
     """Announce a slow step on standard error, unless quiet."""
-    if not quiet():
+    if not call().quiet:
         with contextlib.suppress(OSError):  # nobody listens
             click.echo(f"  {what}", err=True)
 

@@ -8,6 +8,7 @@ import click
 from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
 from quickreturn.commands import options
 from quickreturn.commands.console import ExitCode
+from quickreturn.computing import Computing
 from quickreturn.reports.output import print_json
 
 
@@ -35,7 +36,8 @@ from quickreturn.reports.output import print_json
 @options.assignments
 @options.stored
 @options.json
-def command(
+@options.computing
+def modes(
     cases: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
@@ -43,6 +45,7 @@ def command(
     count: int,
     assignments: Sequence[str],
     as_json: bool,
+    computing: Computing,
 ) -> int:
     """Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.
 
@@ -51,14 +54,14 @@ def command(
     """
     overrides, settings = options.read_assignments(assignments)
     get_ready(COMPUTING)
-    from quickreturn.commands.frequency_rows import found, print_rows
+    from quickreturn.commands.answers import frequencies, print_frequencies
 
     loaded = options.load_all(cases, tag, overrides)
-    rows = found(loaded, engines, settings, [math.radians(angle) for angle in crank_angles], count)
+    rows = frequencies(loaded, engines, settings, [math.radians(angle) for angle in crank_angles], count, computing)
     if as_json:
         documents = [each for angled in rows for each in angled]
         print_json(documents[0] if len(documents) == 1 else documents)
     else:
         for angled in rows:
-            print_rows(angled)
+            print_frequencies(angled)
     return ExitCode.GOOD

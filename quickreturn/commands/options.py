@@ -2,7 +2,8 @@
 
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
 import click
@@ -10,9 +11,10 @@ from click.shell_completion import CompletionItem
 
 from quickreturn.accuracy import HIGHEST, LOWEST
 from quickreturn.cases.errors import CaseError, as_written, shortened
-from quickreturn.cases.jobs.job import ExecutorError, Limits, default_limits
+from quickreturn.cases.jobs.job import Limits, default_limits
 from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_number
 from quickreturn.commands import console
+from quickreturn.computing import Computing
 from quickreturn.engines.settings import ANY_ENGINE
 
 if TYPE_CHECKING:
@@ -64,7 +66,7 @@ def angles(option: str, text: str) -> list[float]:
     raise click.UsageError(f"{option} {as_written(text)}: {accepted}")
 
 
-#: The option, and the key of a click context's `meta`: whether results are not to be stored.
+#: The option by which results are not stored.
 NO_STORE: Final = "--no-store"
 
 #: Pictures that can be written.
@@ -72,19 +74,13 @@ PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 def single(*names: str, read: Reader = lambda _, text: text, default: str | None = None, **more: Any) -> Callable[[Any], Any]:
-    """An option with one value. UsageError: several are given, and the message names them all; click would take the last.
-
-    A value that is not passed to the command (`expose_value`) goes to the context's `meta`.
-    """
+    """An option with one value. UsageError: several are given, and the message names them all; click would take the last."""
 
     def one(context: click.Context, option: click.Parameter, given: Sequence[str]) -> Any:
         if len(given) > 1:
             values = " and ".join(map(as_written, given))
             raise click.UsageError(f"{names[0]}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
-        value = read(names[0], given[0]) if given else None
-        if not option.expose_value:
-            context.meta[names[0]] = value
-        return value
+        return read(names[0], given[0]) if given else None
 
     return click.option(*names, multiple=True, callback=one, default=default and [default], **more)
 
@@ -177,11 +173,13 @@ def _is_engine(section: str) -> bool:
 
 
 def refuse_missing(engines: Sequence[str]) -> None:
-    """Refusal: an engine cannot be used here."""
+    """Refusal: an engine cannot be used here. Recorded tables may stand among the engines."""
+    from quickreturn.cases.recorded import is_table
     from quickreturn.engines.registry import usable_engine
 
     for name in engines:
-        usable_engine(name)
+        if not is_table(name):
+            usable_engine(name)
 
 
 def load_all(
@@ -249,66 +247,66 @@ def _option(key: str) -> str:
     return f"--{key.replace('_', '-')}"
 
 
-def opened_workshop(cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Workshop":
-    """The store of results and what computes, by the options of `of_workshop` or `limited`: processes of this machine, or a cluster.
-
-    The store prints its notices at once. A message says what will run on which engines, before the slow imports; those of the processes
-    begin here, too.
-    """
-    from quickreturn.cases.jobs import fork_server
-    from quickreturn.cases.jobs.processes import LocalProcesses
-    from quickreturn.cases.jobs.store import Store
-    from quickreturn.cases.jobs.workshop import Workshop
-
-    context = click.get_current_context()
-    meta, store = context.meta, Store(tell=console.tell)
-    if address := meta.get("--cluster"):
-        try:
-            from quickreturn.cases.jobs.cluster import cluster
-        except ModuleNotFoundError as error:
-            advice = "try pip install 'quickreturn[cluster]'"
-            raise ExecutorError(f"cluster {address}: the package {error.name} is not installed; {advice}") from error
-        workshop = Workshop(store, context.with_resource(cluster(address, limits(), console.quiet())))
-    else:
-        workshop = Workshop(store, LocalProcesses(meta.get("--jobs"), limits(), quiet=console.quiet()))
-        if cases:
-            fork_server.get_ready(fork_server.PRELOAD)
-            context.call_on_close(fork_server.not_needed)
-    meta[console.STORE] = store
-    tell_doubts(cases)
-    if cases:
-        what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
-        console.begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
-    return workshop
-
-
-def limits() -> Limits:
-    """Time and memory limits of an engine from the options of `limited`; the default ones if the command has no such options."""
-    meta, usual = click.get_current_context().meta, default_limits()
-    gibibytes = meta.get("--memory-limit")
-    return Limits(meta.get("--time-limit") or usual.seconds, round(gibibytes * 2**30) if gibibytes else usual.memory)
-
-
 def limited(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options for limits of time and memory; the command gets them from `limits` or `opened_workshop`."""
+    """Add the options for limits of time and memory, see `computing`."""
     time = 'Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.'
     memory = "Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less."
-    command = single("--memory-limit", metavar="GIB", read=number(1e-3, 1e6, 4, of=" of GiB"), expose_value=False, help=memory)(command)
-    return single("--time-limit", metavar="S", read=seconds, expose_value=False, help=time)(command)
+    command = single("--memory-limit", metavar="GIB", read=number(1e-3, 1e6, 4, of=" of GiB"), help=memory)(command)
+    return single("--time-limit", metavar="S", read=seconds, help=time)(command)
 
 
-def _off(context: click.Context, option: click.Parameter, given: bool) -> None:
-    context.meta[NO_STORE] = given
-
-
-stored: Final[Callable[[Any], Any]] = click.option(
-    NO_STORE, is_flag=True, expose_value=False, callback=_off, help="Compute everything anew, and store nothing."
-)
+stored: Final[Callable[[Any], Any]] = click.option(NO_STORE, is_flag=True, help="Compute everything anew, and store nothing.")
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of `limited`, the address of a cluster and the number of processes."""
+    """Add the options of `limited`, the address of a cluster and the number of processes, see `computing`."""
     told = "Compute on a cluster of Dask, whose scheduler has this address, e.g. tcp://host:8786."
-    command = single("--cluster", metavar="ADDRESS", expose_value=False, help=told)(limited(command))
+    command = single("--cluster", metavar="ADDRESS", help=told)(limited(command))
     told = "Processes at a time on this machine; default: one per core."
-    return single("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), expose_value=False, help=told)(command)
+    return single("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), help=told)(command)
+
+
+class Announced(Computing):
+    """How the jobs of a command run. Standard error is told what will run on which engines, and the notices of the store."""
+
+    def tell(self, notice: str) -> None:
+        """Print a notice of the store."""
+        console.tell(notice)
+
+    @contextmanager
+    def opened(self, cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Iterator[Workshop]":
+        """See `Computing.opened`. The slow imports of the processes begin here, too."""
+        from quickreturn.cases.jobs import fork_server
+
+        with super().opened(cases, engines) as workshop:
+            console.call().store = workshop.store
+            if cases and self.cluster is None:
+                fork_server.get_ready(fork_server.PRELOAD)
+            tell_doubts(cases)
+            if cases:
+                what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
+                console.begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
+            try:
+                yield workshop
+            finally:
+                fork_server.not_needed()
+
+
+def computing(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Pass the options of `limited`, `stored` and `of_workshop`, as far as a command has them, to it as one argument `computing`."""
+
+    @functools.wraps(command)
+    def called(
+        *,
+        jobs: int | None = None,
+        cluster: str | None = None,
+        time_limit: float | None = None,
+        memory_limit: float | None = None,
+        no_store: bool = False,
+        **others: Any,
+    ) -> Any:
+        usual = default_limits()
+        limits = Limits(time_limit or usual.seconds, round(memory_limit * 2**30) if memory_limit else usual.memory)
+        return command(computing=Announced(jobs, cluster or None, limits, not no_store, console.call().quiet), **others)
+
+    return called

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Final
 
 import click
@@ -10,6 +9,7 @@ import click
 from quickreturn.cases.errors import as_written
 from quickreturn.commands import console, options
 from quickreturn.commands.console import ExitCode
+from quickreturn.computing import Computing
 
 #: Endings of files. With such a name a user expects a page, not a folder.
 _OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
@@ -29,16 +29,18 @@ def _folder(option: str, text: str) -> str:
 @options.accuracy
 @options.assignments
 @options.single(
-    "--output",
-    metavar="DIR",
-    default="reports/output",
-    show_default=True,
-    read=_folder,
-    help="Folder of the page and its tables.",
+    "--output", metavar="DIR", default="reports/output", show_default=True, read=_folder, help="Folder of the page and its tables."
 )
 @options.of_workshop
-def command(
-    cases: Sequence[str], tag: str | None, engines: Sequence[str], accuracy: float | None, assignments: Sequence[str], output: str
+@options.computing
+def report(
+    cases: Sequence[str],
+    tag: str | None,
+    engines: Sequence[str],
+    accuracy: float | None,
+    assignments: Sequence[str],
+    output: str,
+    computing: Computing,
 ) -> int:
     """Write the report on each CASE; without one, on the 24 runs of the thesis.
 
@@ -48,21 +50,16 @@ def command(
     3: an engine failed, was stopped at a limit, did not settle or missed its accuracy, or a default engine is not installed; the page is
     still written and shows it. Each result is stored at once: an interrupted report continues where it stopped.
     """
-    from quickreturn.engine_choice import prepared
-
     overrides, settings = options.read_assignments(assignments)
     for key, value in overrides.items():
         accepted = "settings of engines, e.g. engine.elements=32, are accepted; write other values into a case file"
         raise click.UsageError(f"--set {as_written(f'{key}={value}')}: the page would show another case than {key} makes; {accepted}")
     loaded = options.load_all(cases, tag, {}, otherwise=("thesis-*",))
-    names, texts, tables = prepared(loaded, engines, settings)
-    options.refuse_missing(names if engines else ())
-    options.tell_slow(loaded)
-    workshop = options.opened_workshop(loaded, names)
-    from quickreturn.reports.report import write_report
-    from quickreturn.reports.thesis.content import content_type
+    options.refuse_missing(engines)
+    from quickreturn.cross_validation import reported
 
-    written = write_report(loaded, Path(output), workshop, names, tables, accuracy, texts, content_type(loaded))
+    options.tell_slow(loaded)
+    written = reported(loaded, output, engines, settings, accuracy, computing)
     click.echo(written.summary)
     for case, run in (*written.incomplete, *written.inaccurate):
         console.tell(f"{case}: engine {run.engine} {run.status}: {run.remark}")
@@ -70,4 +67,4 @@ def command(
         console.tell(f"{case}: table {run.engine} {run.status}: {run.remark}")
     if written.failed:
         return ExitCode.ENGINE_TROUBLE
-    return ExitCode.BAD_INPUT if workshop.store.lost else ExitCode.GOOD
+    return ExitCode.BAD_INPUT if console.call().lost else ExitCode.GOOD

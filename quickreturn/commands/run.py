@@ -1,13 +1,22 @@
-"""`quickreturn run`: measures engines on cases in their steady state, and compares their differences with their claims."""
+"""`quickreturn run` and `compare`: engines, and recorded tables, measured and compared by what they claim."""
 
 from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.shown import in_lines
-from quickreturn.commands import options
-from quickreturn.reports.output import print_json
+from quickreturn.commands import console, options
+from quickreturn.commands.console import ExitCode
+from quickreturn.computing import Computing
+from quickreturn.reports.output import check_writable, print_json, write_file
+
+if TYPE_CHECKING:
+    from quickreturn.cases.runs.comparison import CaseResult
+
+PICTURES: Final = (".png", ".svg", ".pdf")
 
 
 @click.command(name="run")
@@ -18,13 +27,15 @@ from quickreturn.reports.output import print_json
 @options.assignments
 @options.of_workshop
 @options.json
-def command(
+@options.computing
+def run(
     cases: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
     accuracy: float | None,
     assignments: Sequence[str],
     as_json: bool,
+    computing: Computing,
 ) -> int:
     """Bring engines to their steady state on each CASE, measure and compare them.
 
@@ -33,23 +44,92 @@ def command(
     stopped at a limit, did not settle or did not reach the accuracy asked, or a default engine is not installed. The other engines go on.
     Each result is stored at once: an interrupted run continues.
     """
-    from quickreturn.commands.verdicts import as_document, exit_code
-    from quickreturn.engine_choice import prepared
-
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load_all(cases, tag, overrides)
-    names, texts, tables = prepared(loaded, engines, settings)
-    options.refuse_missing(names if engines else ())
-    options.tell_slow(loaded)
-    workshop = options.opened_workshop(loaded, names)
-    from quickreturn.cases.runs.campaign import cross_validate
-    from quickreturn.verdict_text import parts_of
+    options.refuse_missing(engines)
+    from quickreturn.cross_validation import validated
+    from quickreturn.verdict_text import as_document, parts_of
 
-    results = cross_validate(loaded, workshop, names, accuracy, texts, tables)
+    options.tell_slow(loaded)
+    found = validated(loaded, engines, settings, accuracy, computing)
     if as_json:
-        print_json(as_document(results, workshop.store.notices))
+        print_json(as_document(found.results, found.notices))
     else:
-        for result in results:
+        for result in found.results:
             if not all(each.status == Ending.REFUSED for each in result.runs.values()):  # otherwise there is nothing to show
                 click.echo(in_lines(parts_of(result)))
-    return exit_code(results, workshop, engines)
+    return _exit_code(found.results, engines)
+
+
+@click.command(name="compare")
+@options.case
+@click.argument("files", metavar="FILE...", nargs=-1, required=True)
+@options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines.")
+@options.accuracy
+@options.assignments
+@options.single("--output", metavar="PICTURE", help="File for a picture of tables and engines: .png, .svg or .pdf.")
+@options.of_workshop
+@options.json
+@options.computing
+def compare(
+    case: str,
+    files: Sequence[str],
+    engines: Sequence[str],
+    accuracy: float | None,
+    assignments: Sequence[str],
+    output: str | None,
+    as_json: bool,
+    computing: Computing,
+) -> int:
+    """Measure recorded tables of CASE and compare them with engines.
+
+    A FILE is a CSV table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from
+    another tool, an earlier version or a test rig; `quickreturn show CASE --for-other-tools` says what to record. A table that begins in
+    the standard start and has not settled is compared with the engines in the same turn of the crank, any other table in the steady state.
+
+    The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
+    the engine's own estimate. Exit codes 2 and 3 are those of `run`.
+    """
+    overrides, settings = options.read_assignments(assignments)
+    loaded = options.load(case, overrides)
+    options.refuse_missing(engines)
+    if output is not None:
+        check_writable(Path(output), loaded.source, *PICTURES)
+    from quickreturn.cases.recorded import read_table
+    from quickreturn.table_comparison import compared, parts_of_tables, tables_in
+    from quickreturn.verdict_text import as_document
+
+    results = compared(loaded, map(read_table, dict.fromkeys(files)), engines, settings, accuracy, computing)
+    if as_json:
+        document = as_document(results, console.call().notices)
+        for entry, result in zip(document["cases"], results, strict=True):
+            held = {table.name: table for table in tables_in(result)}
+            entry["differences"] = {name: table.differences for name, table in held.items()}
+            entry["slips"] = {name: table.explanations for name, table in held.items()}
+        print_json(document)
+    else:
+        for result in results:
+            click.echo(in_lines(parts_of_tables(result, tables_in(result))))
+    if output:
+        from quickreturn.reports.drawing.recorded import drawn
+
+        write_file(Path(output), drawn(results, Path(output).suffix.lower()))
+    return _exit_code(results, engines)
+
+
+def _exit_code(results: "Sequence[CaseResult]", engines: Sequence[str]) -> int:
+    """The exit code; runs without a result are named on standard error. `engines`: those asked for by name."""
+    results = [result.with_tables for result in results]
+    for result in results:
+        for each in result.failures:
+            console.tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
+    refused = [(result.case.name, each) for result in results for each in result.runs.values() if engines and each.status == Ending.REFUSED]
+    for name, each in refused:
+        console.tell(f"{name}: engine {each.engine}: {each.remark}")
+    if refused:
+        return ExitCode.BAD_INPUT
+    if any(result.failures for result in results):
+        return ExitCode.ENGINE_TROUBLE
+    if console.call().lost:
+        return ExitCode.BAD_INPUT
+    return ExitCode.CLAIMS_BROKEN if any(result.missed for result in results) else ExitCode.GOOD

@@ -11,11 +11,12 @@ import click
 from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
 from quickreturn.commands import console, options
 from quickreturn.commands.console import ExitCode
+from quickreturn.computing import Computing
 from quickreturn.reports.output import check_writable, print_json, print_table
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
-    from quickreturn.commands.trajectories import Found
+    from quickreturn.commands.answers import Found
 
 
 @click.command(name="simulate")
@@ -35,7 +36,8 @@ if TYPE_CHECKING:
 @options.limited
 @options.stored
 @options.json
-def command(
+@options.computing
+def simulate(
     cases: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
@@ -46,6 +48,7 @@ def command(
     assignments: Sequence[str],
     output: str | None,
     as_json: bool,
+    computing: Computing,
 ) -> int:
     """Simulate CASE from the standard start; with --output, write the trajectory.
 
@@ -60,7 +63,7 @@ def command(
         )
     overrides, settings = options.read_assignments(assignments)
     get_ready(COMPUTING)  # what it imports takes longer than what this process does
-    from quickreturn.commands.trajectories import NOTHING, solved, written
+    from quickreturn.commands.answers import NOTHING, solved, written
 
     loaded = options.load_all(cases, tag, overrides, duration, output_step)
     places = _places(output, loaded, engines)
@@ -69,7 +72,7 @@ def command(
             check_writable(Path(file), case.source, ".csv")
     documents: list[dict[str, Any]] = []
     refusal: Exception | None = None
-    for case, name, outcome, found in solved(loaded, engines, settings, accuracy, not no_estimate):
+    for case, name, outcome, found in solved(loaded, engines, settings, accuracy, computing, not no_estimate):
         try:
             known = written(outcome, found, places[case.name, name])
         except Exception as error:  # the results of the others are written before the error is raised

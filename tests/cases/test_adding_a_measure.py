@@ -35,7 +35,7 @@ from pathlib import Path
 import quickreturn as qr
 from quickreturn.cases.measures.catalogue import listed
 from quickreturn.cases.witnesses import table
-from quickreturn.commands.verdicts import as_document
+from quickreturn.verdict_text import as_document
 from quickreturn.cross_validation import CrossValidation
 from quickreturn.reports.output import plain
 from quickreturn.reports.report import write

@@ -9,7 +9,6 @@ import os
 import random
 import re
 import shlex
-from importlib import import_module
 from pathlib import Path
 
 import click
@@ -18,7 +17,7 @@ import pytest
 from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.command_line import COMMANDS
+from quickreturn.command_line import COMMANDS, quickreturn
 from tests.quickreturn import mistakes
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.mistakes import scene, written
@@ -299,7 +298,9 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, words: 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
-    for option in import_module(f"quickreturn.commands.{name}").command.params:
+    command = quickreturn.get_command(click.Context(quickreturn), name)
+    assert command is not None
+    for option in command.params:
         assert not isinstance(option, click.Option) or option.is_flag or option.multiple, option.name
 
 

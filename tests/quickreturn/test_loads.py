@@ -9,10 +9,9 @@ import pytest
 import quickreturn as qr
 from quickreturn.cases.loads import loads_of_run
 from quickreturn.cases.shown import in_lines
-from quickreturn.commands.verdicts import as_document
 from quickreturn.cross_validation import CrossValidation
 from quickreturn.reports.output import plain
-from quickreturn.verdict_text import parts_of
+from quickreturn.verdict_text import as_document, parts_of
 from tests.reports.plotted_results import made_up_result
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.sweep.rows import Row
-from quickreturn.commands.around_case import _stability
+from quickreturn.commands.case_document import _stability
 from tests.quickreturn.conftest import Call
 
 

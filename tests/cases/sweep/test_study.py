@@ -26,8 +26,8 @@ from quickreturn.cases.sweep import grid as of_grid
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import study
+from quickreturn.dataset import dataset_file
 from quickreturn.reference_model.scene_values import Changes
-from quickreturn.table_files import dataset_file
 from tests.quickreturn.program import PROGRAM
 
 ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)

@@ -1,13 +1,17 @@
-"""`quickreturn plot`: a picture of cases, or curves of trajectories."""
+"""`quickreturn plot` and `animate`: pictures of cases, curves of trajectories, and the mechanism, moving."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import click
 
 from quickreturn.commands import console, options
+from quickreturn.computing import Computing
 from quickreturn.reports.output import check_writable, write_file
+
+#: Endings of moving pictures.
+MOVING: Final = (".webp", ".html")
 
 
 @click.command(name="plot")
@@ -22,7 +26,8 @@ from quickreturn.reports.output import check_writable, write_file
 @options.assignments
 @options.stored
 @options.output(f"File for the picture: {', '.join(options.PICTURES)}.")
-def command(
+@options.computing
+def plot(
     sources: Sequence[str],
     tag: str | None,
     engines: Sequence[str],
@@ -31,6 +36,7 @@ def command(
     accuracy: float | None,
     assignments: Sequence[str],
     output: str,
+    computing: Computing,
 ) -> int:
     """Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.
 
@@ -38,7 +44,7 @@ def command(
     other sources.
     """
     from quickreturn.cases.recorded import is_table, read_table
-    from quickreturn.commands.trajectories import trajectories
+    from quickreturn.commands.answers import trajectories
     from quickreturn.reports.drawing.style import picture
 
     overrides, settings = options.read_assignments(assignments)
@@ -60,9 +66,56 @@ def command(
         from quickreturn.reports.drawing.curves import curves
 
         shown: dict[str, Mapping[str, Any]] = {Path(file).stem: read_table(file).columns for file in files}
-        solved = trajectories(loaded, engines, settings, accuracy)
+        solved = trajectories(loaded, engines, settings, accuracy, computing)
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
         figure = curves(shown, columns, title=f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else "")
     write_file(Path(output), picture(figure, Path(output).suffix.lower()))
+    click.echo(output)
+    return 0
+
+
+@click.command(name="animate")
+@options.case
+@options.engines
+@options.duration
+@options.single(
+    "--magnify",
+    metavar="N",
+    read=options.number(1e-3, 1e6, 5),
+    help="Factor of the deflection in the picture; default: a factor that makes it visible.",
+)
+@options.accuracy
+@options.assignments
+@options.stored
+@options.output(f"File for the moving picture: {', '.join(MOVING)}.")
+@options.computing
+def animate(
+    case: str,
+    engines: Sequence[str],
+    duration: float | None,
+    magnify: float | None,
+    accuracy: float | None,
+    assignments: Sequence[str],
+    output: str,
+    computing: Computing,
+) -> int:
+    """Simulate CASE from the standard start and draw it moving, engines over each other.
+
+    A .webp is a picture of the last turn, slowed down. A .html is a page that opens from disk, with controls to play, stop and slow down
+    the motion, and to magnify the deflection.
+    """
+    from quickreturn.commands.answers import trajectories
+
+    overrides, settings = options.read_assignments(assignments)
+    if magnify is not None and output.lower().endswith(".html"):
+        raise click.UsageError("--magnify: a page (.html) has a slider for it; leave it out")
+    loaded = options.load(case, overrides, duration)
+    check_writable(Path(output), "", *MOVING)
+    solved = trajectories([loaded], engines, settings, accuracy, computing)
+    found = {name: trajectory for (_, name), trajectory in solved.items()}
+    console.begin(f"drawing {output}")
+    from quickreturn.reports.drawing.animation import moving
+
+    write_file(Path(output), moving(loaded, found, Path(output).suffix.lower(), magnify))
     click.echo(output)
     return 0
