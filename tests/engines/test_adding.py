@@ -68,6 +68,7 @@ def told_by(package: Path, program: str, folder: Path) -> Any:
     return json.loads(ended.stdout.splitlines()[-1])
 
 
+@pytest.mark.verify  # the copy compiles its equations
 def test_a_column_needs_a_declaration_and_a_line_in_an_engine_and_appears_wherever_columns_do(tmp_path: Path) -> None:
     package = whole_package(tmp_path / "copy")
     columns = package / "reference_model/columns.py"
