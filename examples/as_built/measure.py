@@ -1,4 +1,4 @@
-"""The constructions of `mujoco_machines.py` beside a converged solution: error, peak, frequency, damping, gap and time of each.
+"""The constructions of `mujoco_machines.py` beside a converged solution.
 
 python measure.py [NAME ...]   # all of them, or some
 """
@@ -8,13 +8,15 @@ import sys
 from dataclasses import dataclass
 from typing import Final
 
-import mujoco_machines
 import numpy as np
-
 import quickreturn as qr
 
+import mujoco_machines
+
 #: Run 24, damped by its material.
-CASE: Final = qr.case("thesis-24").with_({"follower.damping": "0 N*s/m^2", "follower.material_damping": "1e-4 s"})
+CASE: Final = qr.case("thesis-24").with_(
+    {"follower.damping": "0 N*s/m^2", "follower.material_damping": "1e-4 s"}
+)
 
 
 @dataclass(frozen=True)
@@ -34,13 +36,16 @@ class Measured:
         if self.end < 2.0:
             return f"{self.name}: ends at {self.end:g} s"
         return (
-            f"{self.name}: deflection {self.error:.2%}, peak {self.peak:+.1%}, frequency {self.frequency:+.2%}, damping ratio"
-            f" {self.damping:.4f}, gap {1e3 * self.gap:.3f} mm, {self.seconds:.2f} s"
+            f"{self.name}: deflection {self.error:.2%}, peak {self.peak:+.1%},"
+            f" frequency {self.frequency:+.2%}, damping ratio {self.damping:.4f}, gap {1e3 * self.gap:.3f} mm, {self.seconds:.2f} s"
         )
 
 
 def truth() -> tuple[np.ndarray, float, float]:
-    """Tip deflection at each millisecond of 2 s, the first frequency at 180 deg, and its damping ratio, which is half of eta omega."""
+    """Tip deflection at each millisecond of 2 s; first frequency at 180 deg, and damping ratio.
+
+    The damping ratio is half of eta omega.
+    """
     run = qr.simulate(CASE, "reference", settings={"modes": 9, "tolerance": 1e-8}, estimate=False)
     frequency = float(qr.modes(CASE, "reference", 180.0, count=1).iloc[0, 0])
     return run.trajectory["tip_deflection"], frequency, 0.5e-4 * 2.0 * math.pi * frequency
@@ -53,9 +58,20 @@ def measured(name: str, deflection: np.ndarray, true_frequency: float) -> Measur
     true = deflection[np.round(1e3 * columns["time"]).astype(int)]
     error = math.sqrt(np.mean((columns["tip_deflection"] - true) ** 2) / np.mean(true**2))
     peak = np.abs(columns["tip_deflection"]).max() / np.abs(true).max() - 1.0
-    frequency, damping = mujoco_machines.pluck(machine) if columns["time"][-1] >= 2.0 else (math.nan, math.nan)
+    frequency, damping = (
+        mujoco_machines.pluck(machine) if columns["time"][-1] >= 2.0 else (math.nan, math.nan)
+    )
     gap = float(columns["constraint_gap"].max())
-    return Measured(name, float(columns["time"][-1]), error, float(peak), frequency / true_frequency - 1.0, damping, gap, seconds)
+    return Measured(
+        name,
+        float(columns["time"][-1]),
+        error,
+        float(peak),
+        frequency / true_frequency - 1.0,
+        damping,
+        gap,
+        seconds,
+    )
 
 
 if __name__ == "__main__":

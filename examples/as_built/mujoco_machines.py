@@ -1,10 +1,11 @@
-"""Run 24 as users of MuJoCo build it: an XML model for each construction, simulated by `mj_step` alone.
+"""Run 24 as users of MuJoCo build it: an XML model each, simulated by `mj_step` alone.
 
     python mujoco_machines.py            # the names
     python mujoco_machines.py NAME FILE  # 2 s of that construction as a CSV table
 
-The follower is a chain of equal links on hinges of stiffness EI/h, damped by its material. A construction says how the crank's pin rides
-along it, with which parameters of the contact, and how MuJoCo integrates.
+The follower is a chain of equal links on hinges of stiffness EI/h, damped by its material. A
+construction says how the crank's pin rides along it, with which parameters of the contact, and how
+MuJoCo integrates.
 """
 
 import csv
@@ -44,7 +45,11 @@ RADIUS: Final = 0.005
 
 @dataclass(frozen=True)
 class Machine:
-    """A construction. `joint`: "slot" (a pin between two walls), "rollers" (two spheres about the arm), "carriages" (see `_carriages`)."""
+    """A construction.
+
+    `joint`: "slot", a pin between two walls; "rollers", two spheres about the arm; "carriage", a
+    slide joint on the middle link, tied to the pin.
+    """
 
     joint: str = "slot"
     links: int = 13
@@ -66,10 +71,14 @@ MACHINES: Final = {
     "slot, contact 1 ms": replace(STIFF, solref=1e-3),
     "slot, contact 2 steps": STIFF,
     "slot, contact 2 steps, 26 links, 0.025 ms": replace(STIFF, links=26, step=2.5e-5, solref=5e-5),
-    "slot, contact 2 steps, armature, 0.25 ms": replace(STIFF, step=2.5e-4, solref=5e-4, armature=1e-5),
+    "slot, contact 2 steps, armature, 0.25 ms": replace(
+        STIFF, step=2.5e-4, solref=5e-4, armature=1e-5
+    ),
     "slot, contact 2 steps, default friction": replace(STIFF, friction=None),
     "slot, contact 2 steps, hinges 3 EI/h": replace(STIFF, stiffness=3.0),
-    "slot, contact 2 steps, discrete, 0.5 ms": replace(STIFF, integrator="discrete", step=5e-4, solref=1e-3),
+    "slot, contact 2 steps, discrete, 0.5 ms": replace(
+        STIFF, integrator="discrete", step=5e-4, solref=1e-3
+    ),
     "slot, contact 2 steps, discrete, 0.1 ms": replace(STIFF, integrator="discrete"),
     "rollers, contact 2 steps": replace(STIFF, joint="rollers"),
     "slide on the middle link and connect": replace(STIFF, joint="carriage"),
@@ -78,63 +87,101 @@ MACHINES: Final = {
 
 def xml(machine: Machine, held: bool = False) -> str:
     """The model. With the crank `held` it has no coordinate of its own."""
-    s, n = SCENE, machine.links
-    h = s["length"] / n
-    contact = "" if machine.solref is None else f' solref="{machine.solref} 1"'
-    if machine.friction is not None:
-        contact += ' condim="1"' if machine.friction == 0.0 else f' condim="3" friction="{machine.friction} 0 0"'
-    link, carriage = "", machine.joint == "carriage"
+    s, n, option = SCENE, machine.links, f'integrator="{machine.integrator}" jacobian="dense"'
+    contact = _contact(machine)
+    follower = ""
     for k in reversed(range(n)):
-        if k == 0:
-            joint = f'<joint name="link0" axis="0 0 1" damping="{s["base_damping"]}" armature="{s["base_inertia"]}"/>'
-        else:
-            k_hinge = machine.stiffness * s["bending_stiffness"] / h
-            damping = k_hinge * s["material_damping"]
-            joint = f'<joint name="link{k}" axis="0 0 1" stiffness="{k_hinge}" damping="{damping}" armature="{machine.armature}"/>'
-        mass = s["mass_per_length"] * h
-        inertia = mass * h**2 / 12.0
-        body = f'<inertial pos="{h / 2} 0 0" mass="{mass}" diaginertia="{inertia} {inertia} {inertia}"/>' + joint
-        if machine.joint == "slot":
-            for side in (1, -1):
-                where = f'size="{h / 2} {RADIUS / 2} {s["width"] / 2}" pos="{h / 2} {side * 1.5 * RADIUS} 0"'
-                body += f'<geom type="box" {where} contype="1" conaffinity="2"{contact}/>'
-        elif machine.joint == "rollers":
-            half = f"{h / 2} {s['thickness'] / 2} {s['width'] / 2}"
-            body += f'<geom type="box" size="{half}" pos="{h / 2} 0 0" contype="1" conaffinity="2"{contact}/>'
-        elif carriage and k == n // 2:
-            inner = '<inertial pos="0 0 0" mass="1e-3" diaginertia="1e-8 1e-8 1e-8"/><joint name="slide" type="slide" axis="1 0 0"/>'
-            body += f'<body name="carriage" pos="0 0 0">{inner}</body>'
-        if k == n - 1:
-            inertia = s["tip_inertia"]
-            at_tip = f'<inertial pos="0 0 0" mass="{s["tip_mass"]}" diaginertia="{inertia} {inertia} {inertia}"/>'
-            body += f'<body name="tip" pos="{h} 0 0">{at_tip}</body>'
-        link = f'<body name="link{k}" pos="{h if k else s["pivot_distance"]} 0 0">{body}{link}</body>'
-    pin = f'contype="2" conaffinity="1"{contact}'
-    if machine.joint == "slot":
-        slider = f'<geom type="sphere" size="{RADIUS}" pos="{s["crank_length"]} 0 0" mass="0" {pin}/>'
-    elif machine.joint == "rollers":
-        y = s["thickness"] / 2 + RADIUS
-        spheres = "".join(f'<geom type="sphere" size="{RADIUS}" pos="0 {side * y} 0" mass="0" {pin}/>' for side in (1, -1))
-        inertial = '<inertial pos="0 0 0" mass="1e-3" diaginertia="1e-8 1e-8 1e-8"/>'
-        slider = f'<body pos="{s["crank_length"]} 0 0">{inertial}<joint name="slider" axis="0 0 1"/>{spheres}</body>'
-    else:
-        slider = ""
-    i = s["crank_inertia"]
-    crank = f'<inertial pos="{s["crank_center"]} 0 0" mass="{s["crank_mass"]}" diaginertia="{i} {i} {i}"/>'
+        place = s["length"] / n if k else s["pivot_distance"]
+        parts = _link(machine, k) + _guide(machine, k, contact)
+        follower = f'<body name="link{k}" pos="{place} 0 0">{parts}{follower}</body>'
+    crank = _inertial(s["crank_mass"], s["crank_inertia"], s["crank_center"])
     if not held:
         crank += f'<joint name="crank" axis="0 0 1" damping="{s["crank_damping"]}"/>'
-    tied = (
-        f'<equality><connect body1="carriage" body2="crank" anchor="0 0 0" solref="{2 * machine.step} 1"/></equality>' if carriage else ""
-    )
+    turned = 'quat="0 0 0 1"' if held else ""
+    tied = ""
+    if machine.joint == "carriage":
+        ends = 'body1="carriage" body2="crank" anchor="0 0 0"'
+        tied = f'<equality><connect {ends} solref="{2 * machine.step} 1"/></equality>'
     return f"""<mujoco>
   <compiler angle="radian"/>
-  <option timestep="{machine.step}" gravity="0 0 0" integrator="{machine.integrator}" jacobian="dense"/>
-  <worldbody><body name="crank" {'quat="0 0 0 1"' if held else ""}>{crank}{slider}</body>{link}</worldbody>{tied}
+  <option timestep="{machine.step}" gravity="0 0 0" {option}/>
+  <worldbody>
+    <body name="crank" {turned}>{crank}{_pin(machine, contact)}</body>
+    {follower}
+  </worldbody>
+  {tied}
 </mujoco>"""
 
 
+def _contact(machine: Machine) -> str:
+    """Attributes of the geometries that touch."""
+    contact = "" if machine.solref is None else f' solref="{machine.solref} 1"'
+    if machine.friction is None:
+        return contact
+    rubs = f'condim="3" friction="{machine.friction} 0 0"' if machine.friction else 'condim="1"'
+    return f"{contact} {rubs}"
+
+
+def _inertial(mass: float, inertia: float, place: float = 0.0) -> str:
+    turning = f"{inertia} {inertia} {inertia}"
+    return f'<inertial pos="{place} 0 0" mass="{mass}" diaginertia="{turning}"/>'
+
+
+def _link(machine: Machine, k: int) -> str:
+    """Mass and hinge of a link; the last one has the tip body."""
+    s, h = SCENE, SCENE["length"] / machine.links
+    mass = s["mass_per_length"] * h
+    spring = machine.stiffness * s["bending_stiffness"] / h
+    values = {"damping": s["base_damping"], "armature": s["base_inertia"]}
+    if k > 0:
+        damping = spring * s["material_damping"]
+        values = {"stiffness": spring, "damping": damping, "armature": machine.armature}
+    attributes = " ".join(f'{name}="{value}"' for name, value in values.items())
+    parts = _inertial(mass, mass * h**2 / 12.0, h / 2.0)
+    parts += f'<joint name="link{k}" axis="0 0 1" {attributes}/>'
+    if k == machine.links - 1:
+        tip = _inertial(s["tip_mass"], s["tip_inertia"])
+        parts += f'<body name="tip" pos="{h} 0 0">{tip}</body>'
+    return parts
+
+
+def _guide(machine: Machine, k: int, contact: str) -> str:
+    """What the pin, or the rollers, ride on."""
+    s, h = SCENE, SCENE["length"] / machine.links
+    touches = f'contype="1" conaffinity="2"{contact}'
+    if machine.joint == "slot":
+        size = f"{h / 2} {RADIUS / 2} {s['width'] / 2}"
+        places = [f"{h / 2} {side * 1.5 * RADIUS} 0" for side in (1, -1)]
+        return "".join(f'<geom type="box" size="{size}" pos="{at}" {touches}/>' for at in places)
+    if machine.joint == "rollers":
+        size = f"{h / 2} {s['thickness'] / 2} {s['width'] / 2}"
+        return f'<geom type="box" size="{size}" pos="{h / 2} 0 0" {touches}/>'
+    if k == machine.links // 2:
+        slide = '<joint name="slide" type="slide" axis="1 0 0"/>'
+        return f'<body name="carriage">{_inertial(1e-3, 1e-8)}{slide}</body>'
+    return ""
+
+
+def _pin(machine: Machine, contact: str) -> str:
+    """What rides along the follower, on the crank's end."""
+    s = SCENE
+    sphere = f'type="sphere" size="{RADIUS}" mass="0" contype="2" conaffinity="1"{contact}'
+    if machine.joint == "slot":
+        return f'<geom {sphere} pos="{s["crank_length"]} 0 0"/>'
+    if machine.joint == "rollers":
+        y = s["thickness"] / 2 + RADIUS
+        spheres = "".join(f'<geom {sphere} pos="0 {side * y} 0"/>' for side in (1, -1))
+        hinge = '<joint name="slider" axis="0 0 1"/>'
+        parts = f"{_inertial(1e-3, 1e-8)}{hinge}{spheres}"
+        return f'<body pos="{s["crank_length"]} 0 0">{parts}</body>'
+    return ""
+
+
 def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndarray], float]:
-    """Columns of a table, and the processor time of the solve, s. It is shorter if MuJoCo lost the motion and began anew."""
+    """Columns of a table, and the processor time of the solve, s.
+
+    The table is shorter if MuJoCo lost the motion and began anew.
+    """
     model = mujoco.MjModel.from_xml_string(xml(machine))
     data = mujoco.MjData(model)
     s, n = SCENE, machine.links
@@ -157,7 +204,9 @@ def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndar
             began = time.process_time()
             mujoco.mj_step(model, data, steps)
             spent += time.process_time() - began
-        if data.time < (k - 0.5) * machine.output:  # after a bad acceleration MuJoCo begins anew, with a warning in a log file
+        if (
+            data.time < (k - 0.5) * machine.output
+        ):  # after a bad acceleration MuJoCo begins anew, with a warning in a log file
             break
         q1, alpha = data.qpos[crank], np.cumsum(data.qpos[hinges])
         e = np.exp(1j * alpha)
@@ -171,7 +220,7 @@ def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndar
 
 
 def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> tuple[float, float]:
-    """Frequency (Hz) and damping ratio of the first mode with the crank held at 180 deg, after the tip was held aside."""
+    """Frequency (Hz) and damping ratio of the first mode, with the crank held at 180 deg."""
     model = mujoco.MjModel.from_xml_string(xml(machine, held=True))
     data, n = mujoco.MjData(model), machine.links
     h = SCENE["length"] / n
@@ -183,7 +232,9 @@ def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> 
     inboard = places / reach * (SCENE["length"] - reach)
     bend = np.where(places < reach, inboard, SCENE["length"] - places)
     data.qpos[hinges[1:]] = bend
-    shape = h * np.concatenate([[0.0, 0.0], np.cumsum(np.cumsum(data.qpos[hinges[1:]]))])  # of the corners, from the first link's line
+    shape = h * np.concatenate(
+        [[0.0, 0.0], np.cumsum(np.cumsum(data.qpos[hinges[1:]]))]
+    )  # of the corners, from the first link's line
     at_pin = np.interp(reach, h * np.arange(n + 1), shape)
     size = deflection / (shape[-1] - at_pin * SCENE["length"] / reach)
     data.qpos[hinges[1:]] *= size
@@ -199,13 +250,18 @@ def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> 
 
 
 def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
-    """Frequency (Hz) and damping ratio of the largest peak of the spectrum: phase and size of the signal about it, smoothed by a window."""
+    """Frequency (Hz) and damping ratio of the spectrum's largest peak.
+
+    Phase and size of the signal about that peak, smoothed by a window, turn and fall with them.
+    """
     window, times = np.hanning(len(signal) // 4), step * np.arange(len(signal))
     if not np.isfinite(signal).all():
         return math.nan, math.nan
     spectrum = np.abs(np.fft.rfft((signal - signal.mean()) * np.hanning(len(signal))))
     near = np.fft.rfftfreq(len(signal), step)[np.argmax(spectrum)]
-    slow = np.convolve((signal - signal.mean()) * np.exp(-2j * np.pi * near * times), window, "valid")
+    slow = np.convolve(
+        (signal - signal.mean()) * np.exp(-2j * np.pi * near * times), window, "valid"
+    )
     middle = times[: len(slow)]
     turning = np.polyfit(middle, np.unwrap(np.angle(slow)), 1)[0]
     rate = -np.polyfit(middle, np.log(np.abs(slow)), 1)[0]
