@@ -37,7 +37,8 @@ class Measured:
             return f"{self.name}: ends at {self.end:g} s"
         return (
             f"{self.name}: deflection {self.error:.2%}, peak {self.peak:+.1%},"
-            f" frequency {self.frequency:+.2%}, damping ratio {self.damping:.4f}, gap {1e3 * self.gap:.3f} mm, {self.seconds:.2f} s"
+            f" frequency {self.frequency:+.2%}, damping ratio {self.damping:.4f},"
+            f" gap {1e3 * self.gap:.3f} mm, {self.seconds:.2f} s"
         )
 
 

@@ -43,10 +43,11 @@ def test_a_number_in_another_unit_has_its_errors_and_their_parts_in_that_unit() 
 
 
 def test_numbers_of_a_turn_are_those_of_the_closed_form() -> None:
-    values = {each.name: each.of(TURN) for each in OF_TURN}
-    assert values == pytest.approx({"mean.crank_speed": 4.0 * np.pi, "variation.crank_speed": 0.3 / (4.0 * np.pi)})
+    known = {"mean.crank_speed": 4.0 * np.pi, "variation.crank_speed": 0.3 / (4.0 * np.pi)}
+    values = {each.name: each.of(TURN) for each in OF_TURN if each.name in known}
+    assert values == pytest.approx(known)
     backwards = TURN | {"crank_angle": np.pi - TURNED, "crank_speed": -TURN["crank_speed"]}
-    assert {each.name: each.of(backwards) for each in OF_TURN} == pytest.approx(values)
+    assert {each.name: each.of(backwards) for each in OF_TURN if each.name in known} == pytest.approx(values)
 
 
 def test_a_column_that_an_engine_does_not_give_leaves_no_number() -> None:

@@ -132,5 +132,5 @@ def test_claims_and_settings_that_reach_an_accuracy_fit_the_size(name: str, size
     if name == "exudyn":  # its steps are in seconds
         assert found.error_estimate <= asked.default_accuracy
         return
-    assert numbers(found.settings) == pytest.approx(numbers(size.settings(expected.settings)), rel=0.11)
+    assert numbers(found.delivered) == pytest.approx(numbers(size.settings(expected.delivered)), rel=0.11)
     assert found.error_estimate == pytest.approx(expected.error_estimate, rel=0.3 if asked.estimates == "integration" else 0.03)

@@ -16,7 +16,7 @@ from quickreturn.cases.sweep.study import Study
 from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
 from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
 from quickreturn.sweeping import dataset_of, summary
-from tests.reports.test_looks import APART, EYES, lab
+from tests.reports.test_line_styles import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")
 SPEEDS = "crank.prescribed_speed = 60 rpm .. 120 rpm : 13"
