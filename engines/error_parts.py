@@ -62,10 +62,10 @@ class ErrorPart:
         return self.counted * self.difference
 
     def __str__(self) -> str:
-        """Such as "3.2e-4 by modes: modes 5 against 7 (0.33 times their difference of 9.6e-4)"."""
+        """Such as "3.2e-4 by modes: modes 5 against 7 (0.333 times their difference of 9.6e-4)"."""
         changed = [name for name in self.run if self.run[name] != self.other.get(name)]
         values = ", ".join(f"{name.replace('_', ' ')} {_short(self.run[name])} against {_short(self.other[name])}" for name in changed)
-        difference = f"{self.counted:.2g} times their difference of {_short(self.difference, '.1e')}"
+        difference = f"{self.counted:.3g} times their difference of {_short(self.difference, '.1e')}"
         return f"{_short(self.error, '.1e')} by {self.of}: {values} ({difference})"
 
     def complete(self, delivered: Mapping[str, Any]) -> "ErrorPart":

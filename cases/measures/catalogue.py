@@ -167,7 +167,8 @@ def _of_turn(declared: OfTurn, motion: SettledMotion) -> Number:
     if not {*declared.columns} <= motion.run.cycle.keys():
         return NO_NUMBER
     value = declared.of(motion.run.cycle)
-    return Number(value, _estimate(motion, declared.name, NUMBER), settling=_left(motion) * abs(value))
+    spacing = declared.by_spacing(motion.run.cycle)
+    return Number(value, _estimate(motion, declared.name, NUMBER), spacing, settling=_left(motion) * abs(value))
 
 
 def _estimate(motion: SettledMotion, name: str, what: str) -> float | None:

@@ -22,8 +22,8 @@ class Number:
     Attributes:
         value: the number; nan where there is none.
         estimate: the engine's estimate of its error; None if it has none.
-        measurement: uncertainty of the measurement: one standard deviation of a frequency or amplitude; of an extreme that from the spacing
-            of rows and places.
+        measurement: uncertainty of the measurement: one standard deviation of a frequency or amplitude; of an extreme, and of a
+            function of a turn's columns, that from the spacing of rows and places.
         settling: what is left to the steady state.
         parts: parts of the estimate, with the runs that show them.
         time: when it is reached, s; nan where that means nothing.

@@ -52,6 +52,16 @@ class OfTurn:
     size: bool = False  # whether it is a size, which is not negative
     shown: Shown | None = None  # None: tables do not show it; it is a variable of `sweep`, and a key of the JSON document
 
+    def by_spacing(self, turn: Turn) -> float:
+        """Uncertainty from the spacing of rows: the difference to the number of every second row, and the last one.
+
+        It covers the error of a number whose order in the spacing is one or higher. Engines are compared on the same rows, so that their
+        estimates do not show it.
+        """
+        count = len(turn["time"])
+        half = np.unique(np.append(np.arange(0, count, 2), count - 1))
+        return abs(self.of(turn) - self.of({name: turn[name][half] for name in self.columns}))
+
 
 def rms_over_time(time: Array, values: Array) -> float:
     """Root mean square of a signal over time, both of shape (n,)."""

@@ -14,7 +14,7 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 #: Smallest mass and inertia of a body in units of the scene (`engines.units`): MuJoCo refuses 1e-15 and less. The inertia of a link of
 #: a chain of 256 is some 5e-9.
 _LEAST = 2e-15
-_AXIS = (0.0, 0.0, 1.0)
+AXIS = (0.0, 0.0, 1.0)
 
 
 def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
@@ -39,10 +39,10 @@ def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
 
 def _add_crank(spec: mujoco.MjSpec, mechanism: Mechanism, drive: TorqueDrive) -> None:
     part = mechanism.crank
-    crank = _add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
-    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS, damping=_polynomial(drive.damping))
+    crank = add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
+    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS, damping=_polynomial(drive.damping))
     if mechanism.slider.mass > 0.0:
-        _add_body(crank, "slider", part.length, mechanism.slider.mass, 0.0, 0.0)
+        add_body(crank, "slider", part.length, mechanism.slider.mass, 0.0, 0.0)
 
 
 def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: float) -> None:
@@ -51,10 +51,10 @@ def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: floa
     for number, piece in enumerate(pieces(follower.length, hinges)):
         mass = follower.mass_per_length * piece
         rod = mass * piece**2 / 12.0
-        body = _add_body(
+        body = add_body(
             body, "base" if number == 0 else f"link {number}", place, mass, piece / 2.0, rod + (base.inertia if number == 0 else 0.0)
         )
-        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS)
+        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS)
         if number == 0:
             joint.damping = _polynomial(base.damping)
         else:
@@ -63,7 +63,7 @@ def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: floa
             joint.armature = armature
         place = piece
     if tip is not None:
-        _add_body(body, "tip", place, tip.mass, tip.center_of_mass, tip.inertia)
+        add_body(body, "tip", place, tip.mass, tip.center_of_mass, tip.inertia)
 
 
 def pieces(length: float, hinges: int) -> list[float]:
@@ -72,7 +72,8 @@ def pieces(length: float, hinges: int) -> list[float]:
     return [link / 2.0, *[link] * (hinges - 1), link / 2.0] if hinges else [length]
 
 
-def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, center: float, inertia: float) -> mujoco.MjsBody:
+def add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, center: float, inertia: float) -> mujoco.MjsBody:
+    """A body with these properties, `place` along the parent's axis, its centre at `center` along its own; MuJoCo needs some mass."""
     turning = max(inertia, _LEAST)
     return parent.add_body(
         name=name,

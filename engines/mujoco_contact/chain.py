@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.engines.mujoco.chain import AXIS, add_body
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 
@@ -21,9 +22,6 @@ Array = NDArray[np.float64]
 
 #: Radius of the pin over the follower's length, and half the thickness of the slot's walls over that.
 PIN: Final = 0.008
-#: Smallest mass and inertia of a body in units of the scene: MuJoCo refuses 1e-15 and less.
-_LEAST: Final = 2e-15
-_AXIS: Final = (0.0, 0.0, 1.0)
 #: Bits of the geometries that touch: the pin touches the walls, walls do not touch each other.
 _WALL, _PIN = 1, 2
 
@@ -60,9 +58,9 @@ def reach_of_pin(scene: Mechanism) -> float:
 def _add_crank(spec: mujoco.MjSpec, scene: Mechanism, contact: dict[str, Any]) -> None:
     part, drive = scene.crank, scene.crank.drive
     assert isinstance(drive, TorqueDrive)
-    crank = _add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
-    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS, damping=(drive.damping, 0.0, 0.0))
-    slider = crank if scene.slider.mass == 0.0 else _add_body(crank, "slider", part.length, scene.slider.mass, 0.0, 0.0)
+    crank = add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
+    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS, damping=(drive.damping, 0.0, 0.0))
+    slider = crank if scene.slider.mass == 0.0 else add_body(crank, "slider", part.length, scene.slider.mass, 0.0, 0.0)
     place = (part.length if slider is crank else 0.0, 0.0, 0.0)
     sphere, size = mujoco.mjtGeom.mjGEOM_SPHERE, (PIN * scene.follower.length, 0.0, 0.0)
     slider.add_geom(name="pin", type=sphere, size=size, pos=place, contype=_PIN, conaffinity=_WALL, **contact)
@@ -75,8 +73,8 @@ def _add_follower(spec: mujoco.MjSpec, scene: Mechanism, links: int, armature: f
     half = (h / 2.0, PIN * follower.length / 2.0, follower.width / 2.0)
     body, place = spec.worldbody, scene.pivot_distance
     for number in range(links):
-        body = _add_body(body, f"link {number}", place, mass, h / 2.0, mass * h**2 / 12.0)
-        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS)
+        body = add_body(body, f"link {number}", place, mass, h / 2.0, mass * h**2 / 12.0)
+        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS)
         if number == 0:
             joint.armature, joint.damping = scene.base.inertia, (scene.base.damping, 0.0, 0.0)
         else:
@@ -87,27 +85,15 @@ def _add_follower(spec: mujoco.MjSpec, scene: Mechanism, links: int, armature: f
             body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, pos=wall, contype=_WALL, conaffinity=_PIN, **contact)
         place = h
     if tip is not None:
-        _add_body(body, "tip", h, tip.mass, tip.center_of_mass, tip.inertia)
-
-
-def _add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, center: float, inertia: float) -> mujoco.MjsBody:
-    turning = max(inertia, _LEAST)
-    return parent.add_body(
-        name=name,
-        pos=(place, 0.0, 0.0),
-        explicitinertial=True,
-        mass=max(mass, _LEAST),
-        ipos=(center, 0.0, 0.0),
-        inertia=(turning, turning, turning),
-    )
+        add_body(body, "tip", h, tip.mass, tip.center_of_mass, tip.inertia)
 
 
 def straight_chain(scene: Mechanism, links: int, armature: float) -> tuple[Array, Array]:
-    """Mass and stiffness matrices of the straight chain alone in the angles of `build`, that of the first box and the hinges'; (N, N)."""
+    """Mass and stiffness matrices of the straight chain alone in the angles of `build`, that of the first link and the hinges'; (N, N)."""
     follower, tip = scene.follower, scene.tip_body
     h = follower.length / links
-    hinge, inboard = h * np.arange(links), np.tri(links)  # a hinge turns its own box and every one outboard of it
-    arms = inboard * (hinge[:, None] + h / 2.0 - hinge)  # from hinge j to the centre of box i
+    hinge, inboard = h * np.arange(links), np.tri(links)  # a hinge turns its own link and every one outboard of it
+    arms = inboard * (hinge[:, None] + h / 2.0 - hinge)  # from hinge j to the centre of link i
     mass = follower.mass_per_length * h * (arms.T @ arms + h**2 / 12.0 * inboard.T @ inboard)
     to_tip = follower.length + tip.center_of_mass - hinge
     mass += tip.mass * np.outer(to_tip, to_tip) + tip.inertia

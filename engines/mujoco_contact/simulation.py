@@ -53,16 +53,16 @@ class ContactSimulation(Simulation):
         tangents, rates = state.tangent(middles), state.tangent_rate(middles)
         arm = scene.crank.length * np.exp(1j * start.crank_angle)
         pin, velocity = arm - scene.pivot_distance, 1j * start.crank_speed * arm
-        box = min(int(state.slider_position / h), n - 1)
-        corner = h * np.exp(1j * tangents[:box]).sum()
-        along = np.exp(1j * tangents[box])
-        # the chain's point at the pin's distance from P, on the box where the slider is
+        link = min(int(state.slider_position / h), n - 1)
+        corner = h * np.exp(1j * tangents[:link]).sum()
+        along = np.exp(1j * tangents[link])
+        # the chain's point at the pin's distance from P, on the link where the slider is
         reach = math.sqrt(max(abs(pin) ** 2 - (corner / along).imag ** 2, 0.0)) - (corner / along).real
         point = corner + reach * along
         tangents = tangents + np.angle(pin / point)
         e = np.exp(1j * tangents)
-        point, normal = point * pin / point, 1j * e[box]
-        moves = h * (1j * rates[:box] * e[:box]).sum() + reach * 1j * rates[box] * e[box]
+        point, normal = point * pin / point, 1j * e[link]
+        moves = h * (1j * rates[:link] * e[:link]).sum() + reach * 1j * rates[link] * e[link]
         lever = _dot(1j * point, normal)
         rates = rates + _dot(velocity - moves, normal) / lever
         self._data.qpos[0], self._data.qvel[0] = start.crank_angle, start.crank_speed

@@ -1,6 +1,7 @@
 """Numbers with their claims, and the catalogue's numbers of a turn in closed form."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from quickreturn.cases.library import library_case
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.measures.number import NO_NUMBER, Number
-from quickreturn.cases.measures.of_turn import OF_TURN
+from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, rms_over_time
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.error_parts import ErrorPart
@@ -48,6 +49,20 @@ def test_numbers_of_a_turn_are_those_of_the_closed_form() -> None:
     assert values == pytest.approx(known)
     backwards = TURN | {"crank_angle": np.pi - TURNED, "crank_speed": -TURN["crank_speed"]}
     assert {each.name: each.of(backwards) for each in OF_TURN if each.name in known} == pytest.approx(values)
+
+
+@pytest.mark.parametrize("rows", [40, 41, 400])
+def test_a_number_of_a_turn_is_off_by_no_more_than_the_spacing_of_rows_says(rows: int) -> None:
+    """The RMS of a sine's derivative by differences, whose error is of second order, and of first order at the ends."""
+
+    def rms_of_rate(turn: Mapping[str, np.ndarray]) -> float:
+        return rms_over_time(turn["time"], np.gradient(turn["crank_speed"], turn["time"]))
+
+    time = np.linspace(0.0, 0.5, rows)
+    turn = {"time": time, "crank_speed": np.sin(24.0 * np.pi * time)}
+    measure = OfTurn("rms.rate", "rad/s^2", "rate of the speed", ("time", "crank_speed"), rms_of_rate, PLAIN(1e-3))
+    error = abs(rms_of_rate(turn) - 24.0 * np.pi / np.sqrt(2.0))
+    assert 1e-4 < error < measure.by_spacing(turn) < 5.0 * error
 
 
 def test_a_column_that_an_engine_does_not_give_leaves_no_number() -> None:

@@ -165,7 +165,7 @@ def test_the_runs_that_a_claim_names_give_that_claim(name: str) -> None:
 
 def test_a_part_of_an_error_in_words() -> None:
     part = ErrorPart("modes", {"modes": 4, "tolerance": 1e-6}, {"modes": 7, "tolerance": 1e-6}, 7.2e-4, 0.2, 1.25)
-    assert str(part) == "9.0e-4 by modes: modes 4 against 7 (1.2 times their difference of 7.2e-4)"
+    assert str(part) == "9.0e-4 by modes: modes 4 against 7 (1.25 times their difference of 7.2e-4)"
 
 
 class Further(FakeEngine):

@@ -73,7 +73,7 @@ def test_an_engine_that_claims_too_much_departs(call: Call) -> None:
     assert "differ by 5e-05" in line
     assert "by overclaims" in line
     assert "by sound" in line
-    assert "      sound: 4.0e-7 by resolution: step 0.2 against 0.4 (0.33 times their difference of 1.2e-6)" in answer.output
+    assert "      sound: 4.0e-7 by resolution: step 0.2 against 0.4 (0.333 times their difference of 1.2e-6)" in answer.output
     assert answer.errors == ""
 
 
