@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.keys import PATHS, shown_value
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.text.copies import in_words, name_of_copy
 from quickreturn.cases.text.document import Document, check_mapping, header_of, read_document
 from quickreturn.cases.text.reading import in_si, read
@@ -17,7 +17,7 @@ from quickreturn.reference_model.scene_values import Changes, changed_values, va
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Case(Shown):
+class Case(Displayed):
     """A named scene in SI units with its simulation times.
 
     Attributes:

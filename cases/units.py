@@ -95,7 +95,7 @@ _NEEDED: Final = (
 #: By the SI unit with which a quantity is declared.
 DIMENSIONS: Final = MappingProxyType({dimension.si_unit: dimension for dimension in _NEEDED})
 #: SI unit -> unit in which numbers are shown to people: on axes, in tables and sentences. Files, JSON and datasets are in SI.
-_SHOWN: Final = MappingProxyType({"Pa": "MPa", "m": "mm"})
+_UNITS_FOR_PEOPLE: Final = MappingProxyType({"Pa": "MPa", "m": "mm"})
 _FREQUENCY: Final = (0, 0, -1, 0)
 #: Names of dimensions that are given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
@@ -151,7 +151,7 @@ def in_si(unit: str) -> float:
 
 def shown_unit(unit: str) -> tuple[str, float]:
     """The unit in which numbers of an SI unit are shown to people, and its size in SI."""
-    return (_SHOWN[unit], in_si(_SHOWN[unit])) if unit in _SHOWN else (unit, 1.0)
+    return (_UNITS_FOR_PEOPLE[unit], in_si(_UNITS_FOR_PEOPLE[unit])) if unit in _UNITS_FOR_PEOPLE else (unit, 1.0)
 
 
 def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Decimal:

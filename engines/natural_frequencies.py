@@ -10,7 +10,7 @@ from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.mechanism import Mechanism
 
-_SHOWN = 60  # characters of an engine's answer that a message quotes
+_QUOTED = 60  # characters of an engine's answer that a message quotes
 
 
 @on_one_thread
@@ -37,6 +37,6 @@ def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: fl
         wrong = "that do not ascend"
     if wrong:
         shown = " ".join(str(answer).split())
-        cause = f"the engine returned natural frequencies {wrong}: {shown if len(shown) <= _SHOWN else f'{shown[:_SHOWN]}...'}"
+        cause = f"the engine returned natural frequencies {wrong}: {shown if len(shown) <= _QUOTED else f'{shown[:_QUOTED]}...'}"
         raise EngineFailure(0.0, cause, "report this to the author of the engine")
     return np.asarray(values, dtype=np.float64)[:count]

@@ -8,8 +8,8 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.classes.groups import MEANINGS, Groups, groups_of
 from quickreturn.cases.classes.map import TIMES, Map, off_the_map
 from quickreturn.cases.classes.measurement import LEVELS, REFUSED
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.trials.trial import Trial
 from quickreturn.cases.units import in_si
 from quickreturn.catalogue import AnyCase, one_case
@@ -18,7 +18,7 @@ from quickreturn.engines.registry import engine
 
 
 @dataclass(frozen=True, repr=False)
-class Advice(Shown):
+class Advice(Displayed):
     """What the recorded map says of a machine.
 
     Attributes:

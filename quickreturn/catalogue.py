@@ -9,16 +9,16 @@ from typing import Any, TypeVar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case, with_times
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.library import CatalogueLine, case_names, catalogue
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.text.document import check_mapping
 
 T = TypeVar("T")
 AnyCase = str | os.PathLike[str] | Case | CatalogueLine
 
 
-class Listing(Shown, tuple[T, ...]):
+class Listing(Displayed, tuple[T, ...]):
     """A list that a terminal or notebook shows as a small table, one item to a row."""
 
     columns: Mapping[str, Callable[[T], str]]

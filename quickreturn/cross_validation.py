@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
 from quickreturn.cases.columns import known_column
+from quickreturn.cases.displayed import Cell, Displayed
 from quickreturn.cases.errors import as_written, nearest_or_all
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Cell, Shown
 from quickreturn.catalogue import AnyCase, loaded
 from quickreturn.computing import Computing
 from quickreturn.engine_choice import AnyEngineOrTable, prepared
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _NUMBERS = (*VIBRATION, *EXTREMES)
 
 
-class CrossValidation(Shown):
+class CrossValidation(Displayed):
     """Results of some engines on some cases.
 
     `passed` says whether all engines delivered and agree within their claims, `departures` where they disagree:
@@ -61,8 +61,9 @@ class CrossValidation(Shown):
     def departures(self) -> dict[tuple[str, str, str], list[Difference]]:
         """(case, engine, the engine or table that it departs from) -> the numbers that differ by more than both claim.
 
-        Each has the measured quantity (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both claims: `mine` and
-        `its`, with `value`, `estimate` and `uncertainty`. Empty if no engine departs; `passed` is None if none could be judged.
+        Each has the measured quantity (`quantity`, `half`, `channel`), the `difference` and the `tolerance`, and both numbers: `number`
+        and `other_number`, with `value`, `estimate` and `uncertainty`. Empty if no engine departs; `passed` is None if none could be
+        judged.
         """
         by_case = {result.case.name: result.with_tables.departures for result in self.results}
         return {(case, *pair): checks for case, pairs in by_case.items() for pair, checks in pairs.items()}

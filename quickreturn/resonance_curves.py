@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from quickreturn.accuracy import checked
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.keys import PATHS, si_value
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve
 from quickreturn.cases.resonance_curve.range import SPEED, range_of
 from quickreturn.cases.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.dataset import dataset_file, table_file
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from quickreturn.reports.drawing.style import Drawing
 
 
-class Resonance(Shown):
+class Resonance(Displayed):
     """The periodic motion of a machine over one of its quantities.
 
     Attributes:

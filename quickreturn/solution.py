@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
 from quickreturn.cases.columns import known_column
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.job import Job, T
 from quickreturn.cases.jobs.store import Store, StoreError
 from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.loads.arm import missing
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.solving import Answer, TrajectoryRequest
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.dataset import dataset_of
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Solution(Shown):
+class Solution(Displayed):
     """A trajectory with its error estimates.
 
     Attributes:

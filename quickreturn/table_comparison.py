@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.recorded import RecordedTable, read_table, table_of
 from quickreturn.cases.runs.campaign import hold_against_engines
+from quickreturn.cases.runs.column_differences import column_differences, explanations
 from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
-from quickreturn.cases.runs.differences import column_differences, explanations
 from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.computing import Computing
 from quickreturn.cross_validation import given_settings
@@ -43,7 +43,7 @@ AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Traject
 _SAME_INSTANT: Final = 1e-2
 
 
-class TableComparison(Shown):
+class TableComparison(Displayed):
     """The comparison of a table with engines, in the turn of the crank or the steady state that it shows.
 
     Attributes:
@@ -184,7 +184,7 @@ def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> li
     return [*parts, *(f"  {table.name}: {sentence}" for table in tables for sentence in table.explanations.values())]
 
 
-class Differences(Shown, Mapping[str, float]):
+class Differences(Displayed, Mapping[str, float]):
     """RMS(ours - theirs) / RMS(theirs) by column, over the rows that both have.
 
     Attributes:

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.cases.case import Case
+from quickreturn.cases.displayed import Cell, Rows
 from quickreturn.cases.loads import UNITS, loads_of_run, resonance
-from quickreturn.cases.measures.catalogue import MEASURES, SHOWN, numbers
+from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
@@ -26,7 +26,7 @@ FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_for
 #: Measure that the terminal shows -> its heading there.
 _MEASURED: Final = {
     name: f"{shown.head.replace('₁', '1')} {MEASURES[name].unit.replace('^', '')}".removesuffix(" 1")
-    for name, shown in SHOWN.items()
+    for name, shown in IN_TABLES.items()
     if shown.in_terminal
 }
 _HEADS: Final = (
@@ -112,7 +112,7 @@ def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
         "-" if run.solve_seconds is None else cost(run.solve_seconds),
         number(run.error_estimate, ".1e"),
         accuracy_class or "-",
-        *(number(measured[name].value if measured else None, SHOWN[name].in_terminal) for name in _MEASURED),
+        *(number(measured[name].value if measured else None, IN_TABLES[name].in_terminal) for name in _MEASURED),
         *peaks,
     )
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import click
 
+from quickreturn.cases.displayed import Cell, Rows
 from quickreturn.cases.errors import printable, shortened
 from quickreturn.cases.jobs.whole_file import words_of, write_atomically
-from quickreturn.cases.shown import Cell, Rows
 from quickreturn.reference_model.errors import ToldError
 
 

@@ -7,7 +7,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.engines.base import EngineFailure, Refusal, first_line
 from quickreturn.engines.one_run import raised_at
 
@@ -40,7 +40,7 @@ class Check:
 
 
 @dataclass(frozen=True, repr=False)
-class Conformance(Shown):
+class Conformance(Displayed):
     """The outcome of all checks of an engine."""
 
     engine: str

@@ -31,7 +31,7 @@ _RECORDS: Final = "quickreturn.cases.jobs.records"
 #: Packages and modules that start jobs, or show results and progress: no result depends on them.
 ONLY_TALK: Final = (
     "quickreturn.cases.jobs",
-    "quickreturn.cases.shown",
+    "quickreturn.cases.displayed",
     "quickreturn.engines.progress",
     "quickreturn.reference_model.witnesses",
 )

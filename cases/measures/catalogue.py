@@ -20,7 +20,7 @@ from quickreturn.cases.loads.stress import ArmStress, arm_stress
 from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.number import NO_NUMBER, Number
-from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, Shown, rms_over_time
+from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, TableColumn, rms_over_time
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import NUMBER, TIME
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
@@ -96,7 +96,7 @@ class Measure:
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
     multipliers: bool = False  # whether it needs the multiplier of the whole model, which takes some more turns
     size: bool = False  # whether it is a size: an error as large as `SAYS_NOTHING` of it leaves nothing of the number
-    shown: Shown | None = None  # how the tables of a run show it; None: not at all
+    in_tables: TableColumn | None = None  # how the tables of a run show it; None: not at all
 
     def says_nothing(self, value: float, error: float) -> str:
         """Why a number with its error says nothing (a clause); "" if it says something, or if the error is unknown."""
@@ -235,8 +235,8 @@ def _declared() -> Iterator[Measure]:
         yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), _GAUGES(5e-4), tuple(COLUMNS), size=True)
     for half in HALVES:
         meaning = f"frequency of the first mode, {half}-return, over all channels"
-        shown = Shown(f"f₁ {half}", ".2f", in_terminal=".3f")
-        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), FREQUENCY, CHANNELS, True, shown=shown)
+        in_tables = TableColumn(f"f₁ {half}", ".2f", in_terminal=".3f")
+        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), FREQUENCY, CHANNELS, True, in_tables=in_tables)
         for channel in CHANNELS:
             for what, unit, words, witness in (
                 ("frequency", "Hz", "frequency", FREQUENCY),
@@ -259,7 +259,7 @@ def _declared() -> Iterator[Measure]:
         yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), PLAIN(2e-5), (name,))
     for one in OF_TURN:
         of = partial(_of_turn, one)
-        yield Measure(one.name, one.unit, one.meaning, of, one.witness, one.columns, size=one.size, shown=one.shown)
+        yield Measure(one.name, one.unit, one.meaning, of, one.witness, one.columns, size=one.size, in_tables=one.in_tables)
     yield Measure(
         "solve_seconds",
         "s",
@@ -274,7 +274,7 @@ MEASURES: Final[Mapping[str, Measure]] = MappingProxyType({each.name: each for e
 
 
 #: The measures that the tables of a run show.
-SHOWN: Final = {name: each.shown for name, each in MEASURES.items() if each.shown is not None}
+IN_TABLES: Final = {name: each.in_tables for name, each in MEASURES.items() if each.in_tables is not None}
 
 
 def numbers(mechanism: Mechanism, run: Run, names: Iterable[str] = MEASURES) -> dict[str, Number]:

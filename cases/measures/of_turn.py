@@ -28,7 +28,7 @@ PLAIN: Final = partial(
 
 
 @dataclass(frozen=True)
-class Shown:
+class TableColumn:
     """How the tables of a run show a measure."""
 
     head: str  # heading
@@ -50,7 +50,7 @@ class OfTurn:
     of: Callable[[Turn], float]  # gives the number, SI
     witness: Witness  # confirms it
     size: bool = False  # whether it is a size, which is not negative
-    shown: Shown | None = None  # None: tables do not show it; it is a variable of `sweep`, and a key of the JSON document
+    in_tables: TableColumn | None = None  # None: tables do not show it; it is a variable of `sweep`, and a key of the JSON document
 
     def by_spacing(self, turn: Turn) -> float:
         """Uncertainty from the spacing of rows: the difference to the number of every second row, and the last one.
@@ -89,7 +89,7 @@ OF_TURN: Final = (
         mean_speed,
         PLAIN(2e-5),
         size=True,
-        shown=Shown("mean", ".3f", group="crank speed", key="crank_speed"),
+        in_tables=TableColumn("mean", ".3f", group="crank speed", key="crank_speed"),
     ),
     OfTurn(
         "variation.crank_speed",
@@ -99,6 +99,6 @@ OF_TURN: Final = (
         variation_of_speed,
         PLAIN(5e-4),
         size=True,
-        shown=Shown("max − min", ".1f", "%", "crank speed", "crank_speed_variation"),
+        in_tables=TableColumn("max − min", ".1f", "%", "crank speed", "crank_speed_variation"),
     ),
 )

@@ -8,8 +8,8 @@ import numpy as np
 from scipy import stats
 
 from quickreturn.cases.case import Case
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.keys import text_of, unit_given
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.text.copies import LONGEST_NAME
 from quickreturn.cases.uncertainty.parameters import Parameter, changes
 from quickreturn.reference_model.witnesses import Witness, Witnesses
@@ -70,7 +70,7 @@ class FittedParameter:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Fit(Shown):
+class Fit(Displayed):
     """Parameters fitted to a table, their intervals, and the residuals.
 
     Attributes:

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from quickreturn.cases.case import Case
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.shown import Cell, Rows, Shown
 from quickreturn.cases.sweep.grid import job
 from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import computed, joined
@@ -86,7 +86,7 @@ class Share:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Scatter(Shown):
+class Scatter(Displayed):
     """The measured points.
 
     Attributes:

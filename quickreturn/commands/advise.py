@@ -12,7 +12,7 @@ from quickreturn.commands import options
 from quickreturn.reports.output import print_json
 
 #: What the document says of an engine.
-_SHOWN: Final = ("scene", "engine", "level", "status", "solve_seconds", "waited_seconds", "error", "remark")
+_KEYS: Final = ("scene", "engine", "level", "status", "solve_seconds", "waited_seconds", "error", "remark")
 
 
 @click.command(name="advise")
@@ -31,7 +31,7 @@ def advise(cases: Sequence[str], tag: str | None, accuracy: float, assignments: 
     found = [qr.advise(case, accuracy) for case in loaded]
     options.tell_doubts(loaded)
     if as_json:
-        documents = [asdict(each) | {"reaches": [{key: getattr(trial, key) for key in _SHOWN} for trial in each.reaches]} for each in found]
+        documents = [asdict(each) | {"reaches": [{key: getattr(trial, key) for key in _KEYS} for trial in each.reaches]} for each in found]
         print_json(documents[0] if len(documents) == 1 else documents)
     else:
         click.echo("\n\n".join(map(str, found)))

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from quickreturn.cases.displayed import in_lines
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.shown import in_lines
 from quickreturn.commands import console, options
 from quickreturn.commands.console import ExitCode
 from quickreturn.computing import Computing

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import casadi as ca
 
-from quickreturn.derive.system import SHOWN, Points, System, column, turned
+from quickreturn.derive.system import COMMON_COLUMNS, Points, System, column, turned
 from quickreturn.derive.units import DescriptionError, per
 
 Form = Literal["projection", "multipliers"]
@@ -88,7 +88,7 @@ class Equations:
         shown |= {force.name(): (force, per("J", loop.unit)) for loop in loops for force in ca.vertsplit(loop.force)}
         shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}
         energies = (kinetic, potential, lost, done, kinetic + potential + lost - done)
-        shown |= {name: (e, "J") for name, e in zip(SHOWN[1:], energies, strict=True)}
+        shown |= {name: (e, "J") for name, e in zip(COMMON_COLUMNS[1:], energies, strict=True)}
         self.forces, self.lost, self.done, self.stated = forces, lost, done, shown
         # substitute accelerations and forces, then the speeds that the loops give
         values = _replaced([self.rates, *(e for e, _ in shown.values())], column(self.a, forces), column(self.acceleration, self.force))

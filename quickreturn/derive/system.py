@@ -10,7 +10,7 @@ from quickreturn.derive.tables import Table
 from quickreturn.derive.units import DescriptionError, in_si
 
 #: Outputs of every model, besides coordinates, rates and forces of loops.
-SHOWN: Final = ("time", "kinetic_energy", "potential_energy", "dissipated_energy", "work", "energy_balance")
+COMMON_COLUMNS: Final = ("time", "kinetic_energy", "potential_energy", "dissipated_energy", "work", "energy_balance")
 
 
 def column(*parts: Any) -> ca.SX:
@@ -184,7 +184,7 @@ class System:
         raise DescriptionError(f"{coordinate} is no coordinate of {self.name!r}; declare it with coordinate(...)")
 
     def _new(self, *names: str) -> None:
-        taken = {*SHOWN, *self.parameters, *self.outputs, *(name for c in self.coordinates for name in (c.name, c.rate_name))}
+        taken = {*COMMON_COLUMNS, *self.parameters, *self.outputs, *(name for c in self.coordinates for name in (c.name, c.rate_name))}
         for name in names:
             if name in taken or name in [force.name() for loop in self.loops for force in ca.vertsplit(loop.force)]:
                 raise DescriptionError(f"the name {name!r} is used twice in {self.name!r}")

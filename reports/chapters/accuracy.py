@@ -16,7 +16,7 @@ from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.results.differences import engines_of
+from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import cost, counted, number, percent, settings_words, short_name, size, times

@@ -13,7 +13,7 @@ from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.results.differences import Spread, cause, differences, engines_of, outward
+from quickreturn.reports.results.engine_differences import Spread, cause, differences, engines_of, outward
 from quickreturn.reports.results.sharpness import Sharpness, sharpness
 from quickreturn.reports.tables.cells import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, compared
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table

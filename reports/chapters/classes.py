@@ -24,7 +24,7 @@ _SPEED: Final = "crank speed over the lowest bending frequency"
 
 
 @dataclass(frozen=True)
-class Contest:
+class Winners:
     """Who is first in how many classes.
 
     Attributes:
@@ -46,12 +46,12 @@ def classes(content: Content) -> Chapter | None:
     if not class_map.scenes:
         return None
     scenes = len(class_map.scenes)
-    contests = [_contest(class_map, level, by) for level in LEVELS for by in TIMES]
+    winners = [_winners(class_map, level, by) for level in LEVELS for by in TIMES]
     own = [name for name in dict.fromkeys(trial.engine for trial in class_map.trials) if is_own(name)]
     facts = {
         "of_record": content.of_record.get("classes"),
         "turns": TURNS,
-        "contests": [contest_words(contest, scenes) for contest in contests],
+        "winners": [winners_words(each, scenes) for each in winners],
         "own": own,
         "meanings": MEANINGS,
         "sharp": sharp_words(class_map),
@@ -61,14 +61,14 @@ def classes(content: Content) -> Chapter | None:
         "cells": cells(class_map),
     }
     missing = len(list(grid())) - scenes
-    return Chapter("classes", "Which method, where", finding(contests[0], contests[1].wins, scenes, missing, own), facts)
+    return Chapter("classes", "Which method, where", finding(winners[0], winners[1].wins, scenes, missing, own), facts)
 
 
-def finding(alone: Contest, waited: Mapping[str, int], scenes: int, missing: int, own: Sequence[str]) -> str:
+def finding(alone: Winners, waited: Mapping[str, int], scenes: int, missing: int, own: Sequence[str]) -> str:
     """The most frequent winner by solve time and its lead, and the winners by waiting time.
 
     Args:
-        alone: the contest by solve time.
+        alone: the winners by solve time.
         waited: wins by waiting time.
         scenes: number of classes.
         missing: number of classes of the map that are not recorded.
@@ -97,10 +97,10 @@ def _lead(factors: Sequence[float]) -> str:
     return f"the next takes {least}{times(max(factors))} as long"
 
 
-def contest_words(contest: Contest, scenes: int) -> str:
-    """The winners of a contest."""
-    unwon = scenes - sum(contest.wins.values())
-    return f"{contest.by}, to {percent(contest.level, 'g')}: {_won(contest.wins)}{f'; {unwon} nobody wins' if unwon else ''}."
+def winners_words(winners: Winners, scenes: int) -> str:
+    """The winners to an error by a time."""
+    unwon = scenes - sum(winners.wins.values())
+    return f"{winners.by}, to {percent(winners.level, 'g')}: {_won(winners.wins)}{f'; {unwon} nobody wins' if unwon else ''}."
 
 
 def sharp_words(class_map: Map) -> str:
@@ -113,10 +113,10 @@ def sharp_words(class_map: Map) -> str:
     return f"{errors}{agrees}.{f' In {listed(blunt)} {care}' if blunt else ''}"
 
 
-def _contest(class_map: Map, level: float, by: str) -> Contest:
+def _winners(class_map: Map, level: float, by: str) -> Winners:
     factors_of = class_map.factors(level, by)
     factors = [factor for factor in next(iter(factors_of.values()), []) if factor < math.inf]
-    return Contest(level, by, {name: len(lead) for name, lead in factors_of.items()}, factors)
+    return Winners(level, by, {name: len(lead) for name, lead in factors_of.items()}, factors)
 
 
 def map_table(class_map: Map, level: float, by: str) -> Table:

@@ -1,11 +1,11 @@
 """Run by run: the numbers of each case, and its notes, failures and departures; the script draws the curves."""
 
-from quickreturn.cases.measures.catalogue import MEASURES, SHOWN
+from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.differences import outward
+from quickreturn.reports.results.engine_differences import outward
 from quickreturn.reports.tables.cells import measure_cells, measure_column, status_cell
 from quickreturn.reports.tables.table import Column, ColumnList, Table
 from quickreturn.reports.words import HALF, QUANTITY, channel_name, cost, counted, percent
@@ -43,23 +43,32 @@ def _departs(check: Difference) -> str:
     return f"{where} {difference} (claimed together {percent(check.tolerance / check.scale)})"
 
 
+def _others() -> str:
+    """The measures of `case_table` that are not of the vibration, as their columns are headed."""
+    heads = dict[str, list[str]]()
+    for name, column in IN_TABLES.items():
+        if not MEASURES[name].vibration:
+            heads.setdefault(column.group, []).append(column.head)
+    return ", ".join(f"{group} ({', '.join(parts)})" if group else ", ".join(parts) for group, parts in heads.items())
+
+
 def case_table(result: CaseResult) -> Table:
     """The small table of one case: extremes, frequencies, peaks and cost per engine."""
     columns: ColumnList = (
         "engine",
         "status",
-        *(measure_column(name) for name in SHOWN if MEASURES[name].vibration),
+        *(measure_column(name) for name in IN_TABLES if MEASURES[name].vibration),
         Column("peak_tip_acceleration", "tip acc.", "m/s²", ".1f", group="peak"),
         *(Column(f"peak_{name}", channel_name(name), "10⁻⁶", ".0f", group="peak") for name in CHANNELS[1:]),
         Column("peak_slider_force", "slider force", "N", ".2f", group="peak"),
-        *(measure_column(name) for name in SHOWN if not MEASURES[name].vibration),
+        *(measure_column(name) for name in IN_TABLES if not MEASURES[name].vibration),
         Column("cycles", form="d"),
         Column("solve_seconds", "solve", "s", ".2f", words=cost),
     )
     table = Table(
         f"run_{result.case.name.replace('-', '_')}",
-        """First-mode frequency before and after the return, peaks over the cycle (largest magnitude), mean and variation of the crank
-        speed, cycles until settled and solve time.""",
+        f"""First-mode frequency before and after the return, peaks over the cycle (largest magnitude), {_others()}, cycles until
+        settled and solve time.""",
         columns,
     )
     for run in result.runs.values():

@@ -10,7 +10,7 @@ from quickreturn.cases.trials.trial import Trial
 from quickreturn.cases.trials.truth import CONFIRMED, confirms
 from quickreturn.engines.registry import engine
 from quickreturn.reports.chapters import methods_tables as tables
-from quickreturn.reports.page.answer import Contest, contest, is_own
+from quickreturn.reports.page.answer import Fastest, fastest_in, is_own
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
@@ -28,7 +28,7 @@ def methods(content: Content) -> Chapter | None:
     if not benchmarks:
         return None
     contests = [(benchmark, level) for benchmark in benchmarks for level in LEVELS]
-    first, levels = benchmarks[0], [contest(benchmarks[0], level) for level in LEVELS]
+    first, levels = benchmarks[0], [fastest_in(benchmarks[0], level) for level in LEVELS]
     firsts = _wins(list(fastest_at(benchmark.trials, level)) for benchmark, level in contests)
     soonest = _wins([name for name, _ in soonest_at(benchmark.trials, level)] for benchmark, level in contests)
     winner = next(iter(firsts), "")
@@ -65,7 +65,7 @@ def methods(content: Content) -> Chapter | None:
     return Chapter("methods", "Which method excels", text, facts)
 
 
-def finding(contests: int, firsts: Mapping[str, int], soonest: Mapping[str, int], own: bool, example: Contest, waiting: str) -> str:
+def finding(contests: int, firsts: Mapping[str, int], soonest: Mapping[str, int], own: bool, example: Fastest, waiting: str) -> str:
     """The method that wins most contests, and how fast it is in one of them.
 
     Args:
@@ -103,12 +103,12 @@ def waiting_words(trial: Trial, compiled: Compiling | None) -> str:
     return f"{text}{',' if estimate is None else ''} and once {duration(compiled.compile_seconds)} for compilation"
 
 
-def level_words(contest: Contest) -> str:
+def level_words(found: Fastest) -> str:
     """The fastest methods to an error, with their times."""
-    begin = f"To {percent(contest.level, 'g')} of {case_label(contest.case)}’s tip deflection"
-    if not contest.solve_times:
+    begin = f"To {percent(found.level, 'g')} of {case_label(found.case)}’s tip deflection"
+    if not found.solve_times:
         return f"{begin}: no method reaches it with these ladders."
-    (name, fastest), *others = contest.solve_times
+    (name, fastest), *others = found.solve_times
     texts = [f"{name} {duration(fastest)}"]
     texts += [f"{other} {duration(seconds)} ({times(seconds / fastest)} as long)" for other, seconds in others]
     return f"{begin}: {', '.join(texts)}."

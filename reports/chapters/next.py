@@ -8,8 +8,10 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.words import counted, listed
 
 
-def next_steps(content: Content) -> Chapter:
-    """The chapter."""
+def next_steps(content: Content) -> Chapter | None:
+    """The chapter; None where the report is not about the user's own machines."""
+    if not content.is_own:
+        return None
     case = content.results[0].case
     failures = [f"{result.case.name}, {run.engine}: {run.remark or run.status}" for result in content.results for run in result.failures]
     departing = [result.case.name for result in content.results if result.missed]

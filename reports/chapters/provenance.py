@@ -10,7 +10,7 @@ from quickreturn.engines.error_parts import TIP
 from quickreturn.engines.registry import OWN
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.differences import engines_of
+from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.verification import Verification

@@ -8,7 +8,7 @@ from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.differences import engines_of
+from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.results.measured import MeasuredHalf
 from quickreturn.reports.tables.cells import CASE, CHANNEL, COMPARISON, HALF_COLUMN, UNRESOLVABLE, compared
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table

@@ -12,13 +12,13 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.differences import engines_of
+from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.tables.cells import CASE, UNRESOLVABLE, status_cell
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Mark, Table, Value
 from quickreturn.reports.words import case_label, channel_name, listed, short_name, shown_in
 
 #: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.
-SHOWN: Final = ("tip_acceleration", "strain_2")
+PLOTTED: Final = ("tip_acceleration", "strain_2")
 DIFFERENCE: Final = "Δ"
 #: Format of an amplitude in its unit.
 _FORMS: Final = {"tip_acceleration": ".2f"} | dict.fromkeys(CHANNELS[1:], ".1f")
@@ -58,7 +58,7 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
         Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
         *_number_columns(),
     )
-    others = listed([channel_name(name) for name in CHANNELS if name not in SHOWN])
+    others = listed([channel_name(name) for name in CHANNELS if name not in PLOTTED])
     table = Table(
         "run_by_engine",
         f"""Peaks over the cycle (largest magnitude), first-mode frequency (consensus of the channels, ± one standard deviation) and
@@ -72,7 +72,7 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
             reference = result.runs.get(REFERENCE)
             other = reference if reference is not None and reference.usable and name != REFERENCE else None
             cells: dict[str, Value | Cell] = {}
-            for channel in SHOWN:
+            for channel in PLOTTED:
                 cells |= _peak_cells(run, other, channel)
             for half in HALVES:
                 cells |= _frequency_cells(run, other, half, "missed" if (name, half) in missed else "")
@@ -85,7 +85,7 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
 def _has_gaps(result: CaseResult) -> bool:
     """Whether a frequency or an amplitude that the page shows is missing."""
     halves = [(run, half) for run in result.runs.values() for half in HALVES]
-    measures = [run.measure(half, channel) for run, half in halves for channel in SHOWN]
+    measures = [run.measure(half, channel) for run, half in halves for channel in PLOTTED]
     frequencies = [run.consensus_frequency(half) if run.usable else None for run, half in halves]
     return None in frequencies or any(measure is None or measure.first_mode_amplitude is None for measure in measures)
 
@@ -93,7 +93,7 @@ def _has_gaps(result: CaseResult) -> bool:
 def _number_columns() -> list[Column]:
     """Columns of numbers: those that every run has come first, the others may be empty."""
     columns = []
-    for channel in SHOWN:
+    for channel in PLOTTED:
         unit = shown_in(COLUMNS[channel].unit)
         columns += [
             Column(f"peak_{channel}", short_name(channel), unit, ".1f", group="peak"),
@@ -109,7 +109,7 @@ def _number_columns() -> list[Column]:
     for channel in CHANNELS:
         unit, form = shown_in(COLUMNS[channel].unit), _FORMS[channel]
         for half in HALVES:
-            key, shown, group = f"{half}_{channel}_amplitude", channel in SHOWN, f"{channel_name(channel)}: amplitude"
+            key, shown, group = f"{half}_{channel}_amplitude", channel in PLOTTED, f"{channel_name(channel)}: amplitude"
             columns += [
                 Column(key, half, unit, form, shown, group=group),
                 Column(f"{key}_uncertainty", unit=unit, in_page=False),

@@ -20,7 +20,7 @@ from quickreturn.reports.drawing.curves import WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Array, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text
 
-SHOWN: Final = 0.15  # of the follower's length, largest magnified deflection
+LARGEST: Final = 0.15  # of the follower's length, largest magnified deflection
 STRAIGHT: Final = 1e-6  # of the follower's length, deflection below which the follower counts as straight
 STEPS: Final = (1.0, 2.0, 5.0)  # factors of magnification are these times a power of ten
 POINTS: Final = 61  # along the follower
@@ -86,12 +86,12 @@ def unbent(case: Case) -> Positions:
 
 
 def factor_for(motions: Sequence[Positions], length: float) -> float:
-    """A round factor, at least 1, that magnifies the largest deflection to at most `SHOWN` of `length` (m); 1 where nothing bends."""
+    """A round factor, at least 1, that magnifies the largest deflection to at most `LARGEST` of `length` (m); 1 where nothing bends."""
     largest = max(float(np.max(np.abs(motion.follower[..., 1]))) for motion in motions)
     if largest <= STRAIGHT * length:
         return 1.0
-    decade = 10.0 ** math.floor(math.log10(SHOWN * length / largest))
-    return max(1.0, max(step * decade for step in STEPS if step * decade <= SHOWN * length / largest))
+    decade = 10.0 ** math.floor(math.log10(LARGEST * length / largest))
+    return max(1.0, max(step * decade for step in STEPS if step * decade <= LARGEST * length / largest))
 
 
 class Scenery:

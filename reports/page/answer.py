@@ -12,7 +12,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.trials.queries import LEVELS, fastest_at
 from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.differences import Spread, differences, engines_of, spread
+from quickreturn.reports.results.engine_differences import Spread, differences, engines_of, spread
 from quickreturn.reports.results.loads import accuracies_missed
 
 #: Largest part of an engine's numbers that may differ by more than claimed if it is to count as agreeing.
@@ -30,7 +30,7 @@ class Cubic:
 
 
 @dataclass(frozen=True)
-class Contest:
+class Fastest:
     """The fastest methods in a scene."""
 
     case: str  # the scene
@@ -56,7 +56,7 @@ class Answer:
     amplitude: Spread | None  # likewise in the first-mode amplitudes
     extreme: Spread | None  # likewise in the extremes
     cubic: Cubic | None  # None if the thesis' model or the reference is missing
-    fastest: Contest | None  # to the second of the errors at which methods are compared; None if nothing was measured
+    fastest: Fastest | None  # to the second of the errors at which methods are compared; None if nothing was measured
 
 
 def answer_of(content: Content) -> Answer:
@@ -71,7 +71,7 @@ def answer_of(content: Content) -> Answer:
     against = others[0] if others else REFERENCE
     kinds: tuple[Kind, ...] = ("frequency", "amplitude", "extreme")
     spreads = {kind: spread([difference for name in alike for difference in differences(results, name, kind, against)]) for kind in kinds}
-    fastest = contest(content.benchmarks[0], LEVELS[1]) if content.benchmarks else None
+    fastest = fastest_in(content.benchmarks[0], LEVELS[1]) if content.benchmarks else None
     return Answer(
         cases=len(results),
         compared=sum(result.passed is not None for result in results),
@@ -98,16 +98,16 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
     return Cubic(frequency, float(np.median(ratios)) if ratios else None)
 
 
-def contest(table: Benchmark, level: float) -> Contest:
+def fastest_in(table: Benchmark, level: float) -> Fastest:
     """The fastest methods in a scene to an error `level` of the tip deflection."""
     best = fastest_at(table.trials, level)
     if not best:
-        return Contest(table.case, level, [])
+        return Fastest(table.case, level, [])
     ranked = [(name, trial.engine, trial.seconds) for name, trial in best.items()]
     others = [entry for entry in ranked[1:] if entry[1] != ranked[0][1]]
     shown = ranked[:1] + others[:1] + [entry for entry in others[1:] if entry[0] in PACKAGES]
     first = next(iter(best.values()))
-    return Contest(table.case, level, [(name, seconds) for name, _, seconds in shown], first.setup_seconds or 0.0, is_own(first.engine))
+    return Fastest(table.case, level, [(name, seconds) for name, _, seconds in shown], first.setup_seconds or 0.0, is_own(first.engine))
 
 
 def is_own(engine: str) -> bool:

@@ -1,6 +1,6 @@
 """A chapter of the page: its heading with the finding, and the facts that its template lays out."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,8 +35,8 @@ class Chapter:
         return plots_in(self.facts.values())
 
 
-#: Functions that make the chapters of a page from its content, in their order; None where a report has no such chapter.
-Chapters = Sequence[Callable[[Any], Chapter | None]]
+#: A function that makes a chapter of a page from its content; None where a report has no such chapter.
+MakeChapter = Callable[[Any], Chapter | None]
 
 
 def tables_in(values: Any) -> Iterator[Table]:

@@ -15,11 +15,11 @@ from quickreturn.reports.chapters.recorded import recorded
 from quickreturn.reports.chapters.resonance import resonance
 from quickreturn.reports.chapters.runs import runs
 from quickreturn.reports.chapters.strength import strength
-from quickreturn.reports.page.chapter import Chapter, Chapters
+from quickreturn.reports.page.chapter import Chapter, MakeChapter
 from quickreturn.reports.page.content import Content
 
-#: The chapters of a report on the user's own machine: first the machine itself, and the next steps.
-CHAPTERS: Final[Chapters] = (
+#: All chapters but those of a subject (`Content.placed`): first the user's own machine, and the next steps.
+CHAPTERS: Final[tuple[MakeChapter, ...]] = (
     strength,
     resonance,
     run_by_run,
@@ -37,5 +37,9 @@ CHAPTERS: Final[Chapters] = (
 
 def chapters_of(content: Content) -> list[Chapter]:
     """The chapters of a report, in their order; the last one lists all files."""
-    chapters = [chapter for make in content.chapters or CHAPTERS if (chapter := make(content))]
+    placed = {make for makes in content.placed.values() for make in makes}
+    order = [*content.placed.get(None, ())]
+    for make in CHAPTERS:
+        order += [*([] if make in placed else [make]), *content.placed.get(make, ())]
+    chapters = [chapter for make in order if (chapter := make(content))]
     return [*chapters, files(content, [table for chapter in chapters for table in chapter.tables])]

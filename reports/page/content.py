@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 from quickreturn.cases.benchmark import Benchmark, Compiling
@@ -15,7 +16,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.studies import Studies
 from quickreturn.reports.long_studies import About
-from quickreturn.reports.page.chapter import Chapters
+from quickreturn.reports.page.chapter import MakeChapter
 from quickreturn.reports.results.around import Around
 from quickreturn.reports.results.loads import CaseLoads, loads_of_case
 from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
@@ -59,7 +60,8 @@ class Content:
         around: the resonance curves of the user's own machines, around their speeds.
     """
 
-    chapters: ClassVar[Chapters] = ()  # those of the page, in their order; empty: `chapters.CHAPTERS`
+    #: Chapters of the subject, and those that stand elsewhere than in `chapters.CHAPTERS`, by the chapter that they follow; None: first.
+    placed: ClassVar[Mapping[MakeChapter | None, Sequence[MakeChapter]]] = MappingProxyType({})
     templates: ClassVar[tuple[str, ...]] = ()  # packages with templates of these chapters
     is_own: ClassVar[bool] = True  # whether the report is about the user's own machines
 

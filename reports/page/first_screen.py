@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from quickreturn.cases.loads import Loads
 from quickreturn.cases.measures.number import Number
-from quickreturn.reports.page.answer import Answer, Contest, Cubic
+from quickreturn.reports.page.answer import Answer, Cubic, Fastest
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.results.loads import NAMES, CaseLoads, from_p
 from quickreturn.reports.words import (
@@ -159,11 +159,11 @@ def figures(answer: Answer, subject: Subject, first_mode: Figure | None) -> list
     return shown
 
 
-def _fastest(contest: Contest) -> Figure:
-    (name, seconds), *others = contest.solve_times
-    own = ", made for this mechanism" if contest.own else ""
+def _fastest(found: Fastest) -> Figure:
+    (name, seconds), *others = found.solve_times
+    own = ", made for this mechanism" if found.own else ""
     other = f"; {others[0][0]} takes {times(others[0][1] / seconds)} as long" if others else ""
-    solving = f"to solve {case_label(contest.case)} to {percent(contest.level, 'g')}, after a set-up of {duration(contest.setup_seconds)}"
+    solving = f"to solve {case_label(found.case)} to {percent(found.level, 'g')}, after a set-up of {duration(found.setup_seconds)}"
     return duration(seconds), f"{solving}: {name}{own}{other}"
 
 

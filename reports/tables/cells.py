@@ -4,11 +4,11 @@ import math
 from typing import Any, Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.measures.catalogue import MEASURES, SHOWN, numbers
+from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
-from quickreturn.reports.results.differences import outward
+from quickreturn.reports.results.engine_differences import outward
 from quickreturn.reports.tables.table import Cell, Column
 from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, shown_in
 
@@ -35,7 +35,7 @@ UNRESOLVABLE: Final = "n. r."
 
 def measure_column(name: str) -> Column:
     """The column of a measure that the tables of a run show."""
-    shown = SHOWN[name]
+    shown = IN_TABLES[name]
     unit = shown.unit or shown_in(MEASURES[name].unit)
     return Column(shown.key or name.replace(".", "_"), shown.head, unit, shown.form, group=shown.group)
 
@@ -43,7 +43,7 @@ def measure_column(name: str) -> Column:
 def measure_cells(case: Case, run: Run) -> dict[str, Cell]:
     """The cells of all these measures; empty of a run without a usable cycle."""
     cells = {}
-    for name, found in numbers(case.mechanism, run, SHOWN).items():
+    for name, found in numbers(case.mechanism, run, IN_TABLES).items():
         why = "no channel resolves the first mode" if MEASURES[name].vibration else "it cannot be measured"
         cells[measure_column(name).key] = Cell(None, UNRESOLVABLE, why, "open") if math.isnan(found.value) else Cell(found.value)
     return cells

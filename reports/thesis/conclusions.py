@@ -12,7 +12,7 @@ from quickreturn.cases.thesis.experiment import Statement, statements
 from quickreturn.cases.thesis.finding.study import Row
 from quickreturn.cases.thesis.modes import ELEMENTS, Span, ThesisModes
 from quickreturn.engines.registry import MODEL
-from quickreturn.reports.results.differences import Summary, differences, summary_of
+from quickreturn.reports.results.engine_differences import Summary, differences, summary_of
 from quickreturn.reports.thesis.runs import thesis_runs
 from quickreturn.reports.words import number, percent, size, span
 

@@ -1,21 +1,17 @@
-"""The content of a report on runs of the thesis: its data with the chapters in their order."""
+"""The content of a report on runs of the thesis: its data with the places of its chapters."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.thesis.library import ENTRIES
-from quickreturn.reports.chapters.accuracy import accuracy
 from quickreturn.reports.chapters.agreement import agreement
 from quickreturn.reports.chapters.classes import classes
 from quickreturn.reports.chapters.each import run_by_run
 from quickreturn.reports.chapters.hard import hard_scenes
-from quickreturn.reports.chapters.methods import methods
-from quickreturn.reports.chapters.provenance import provenance
-from quickreturn.reports.chapters.recorded import recorded
-from quickreturn.reports.chapters.runs import runs
-from quickreturn.reports.page.chapter import Chapters
+from quickreturn.reports.page.chapter import MakeChapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.thesis.chapters.experiment import experiment
 from quickreturn.reports.thesis.chapters.inconsistencies import published_inconsistencies
@@ -30,19 +26,8 @@ def content_type(cases: Sequence[Case]) -> type[Content]:
 
 @dataclass(frozen=True, kw_only=True)
 class ThesisContent(ThesisData):
-    """The data of a page on at least one run of the thesis, with its chapters."""
+    """The data of a page on at least one run of the thesis, and the places of its chapters."""
 
-    chapters: ClassVar[Chapters] = (
-        agreement,
-        runs,
-        recorded,
-        methods,
-        classes,
-        thesis,
-        accuracy,
-        hard_scenes,
-        experiment,
-        published_inconsistencies,
-        run_by_run,
-        provenance,
+    placed: ClassVar[Mapping[MakeChapter | None, Sequence[MakeChapter]]] = MappingProxyType(
+        {None: (agreement,), classes: (thesis,), hard_scenes: (experiment, published_inconsistencies, run_by_run)}
     )

@@ -25,7 +25,7 @@ DECLARATION = """    OfTurn(
         rms_of_jerk,
         Witness("a sine", 1e-3, "tests/cases/test_jerk.py::test_the_jerk_of_a_sine"),
         size=True,
-        shown=Shown("RMS tip jerk", ".3g", in_terminal=".1f"),
+        in_tables=TableColumn("RMS tip jerk", ".3g", in_terminal=".1f"),
     ),
 """
 #: Shows made-up results in every way, with the names under which the test finds them.

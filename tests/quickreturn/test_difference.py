@@ -31,8 +31,8 @@ def test_known_signals() -> None:
 
 @settings(max_examples=30, deadline=None)
 @given(SIGNALS, SIGNALS)
-def test_it_is_zero_for_itself_and_does_not_depend_on_units(mine: list[float], its: list[float]) -> None:
-    ours, theirs = ({"time": TIME, "tip_x": np.array(each)} for each in (mine, its))
+def test_it_is_zero_for_itself_and_does_not_depend_on_units(signal: list[float], other: list[float]) -> None:
+    ours, theirs = ({"time": TIME, "tip_x": np.array(each)} for each in (signal, other))
     in_inches = [{"time [ms]": 1e3 * TIME, "tip_x [in]": table["tip_x"] / 0.0254} for table in (ours, theirs)]
     assert qr.difference(ours, ours)["tip_x"] == 0.0
     assert qr.difference(*in_inches)["tip_x"] == pytest.approx(qr.difference(ours, theirs)["tip_x"], rel=1e-9)

@@ -17,7 +17,7 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.drawing.animation import FRAMES, last_turn, moving
-from quickreturn.reports.drawing.mechanism import POINTS, SHOWN, factor_for, mechanisms, positions_of, unbent
+from quickreturn.reports.drawing.mechanism import LARGEST, POINTS, factor_for, mechanisms, positions_of, unbent
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -52,7 +52,7 @@ def test_the_drawn_follower_passes_through_the_slider_and_ends_at_the_tip(trajec
 def test_the_deflection_is_magnified_by_a_round_factor(trajectory: Trajectory) -> None:
     motion, length = positions_of(CASE.scene, trajectory, trajectory["time"]), CASE.scene.follower.length
     largest, factor = np.abs(motion.follower[..., 1]).max(), factor_for([motion], length)
-    assert 0.4 * SHOWN * length < factor * largest <= SHOWN * length
+    assert 0.4 * LARGEST * length < factor * largest <= LARGEST * length
     assert factor in (1.0, 2.0, 5.0, 10.0)
     assert factor_for([unbent(CASE)], length) == 1.0
 

@@ -48,9 +48,9 @@ def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.Monkey
     (tmp_path / "trials.csv").write_text(text_of(measured.trials))
     (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, trials=())]))
     (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))
-    for mine, its in zip(table("trials", Trial), measured.trials, strict=True):
-        for name, value in vars(its).items():  # five digits of numbers
-            known = getattr(mine, name)
+    for read, written in zip(table("trials", Trial), measured.trials, strict=True):
+        for name, value in vars(written).items():  # five digits of numbers
+            known = getattr(read, name)
             assert known == (pytest.approx(value, rel=5e-5) if name in ("errors", "statistics") or isinstance(value, float) else value), (
                 name
             )
@@ -169,8 +169,8 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
     done = [trial for trial in found.trials if trial.method == name and trial.completed]
     trial = sorted(done, key=lambda each: each.degrees_of_freedom or 0)[rank]
     truth = solved(case, found.truth.engine, json.dumps(found.truth.settings))
-    mine = solved(case, name, json.dumps(trial.settings))
-    difference = ((mine["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
+    again = solved(case, name, json.dumps(trial.settings))
+    difference = ((again["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
     # recorded with five digits; the rest is what another machine's rounding may do to adaptive steps
     assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(trial.error, rel=1e-3)
 

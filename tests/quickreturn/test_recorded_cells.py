@@ -73,7 +73,7 @@ def benchmark(draw: Draw, workshop: Workshop) -> None:
 def pace(run: Callable[[], CompletedRun], other: Callable[[], CompletedRun]) -> float:
     """Solve time of one run over that of another, from the least of a few repetitions in turn."""
     pairs = [(run().trajectory.solve_seconds, other().trajectory.solve_seconds) for _ in range(REPETITIONS)]
-    return min(mine for mine, _ in pairs) / min(its for _, its in pairs)
+    return min(first for first, _ in pairs) / min(second for _, second in pairs)
 
 
 def runner(scene: Benchmark, trial: Trial) -> Callable[[], CompletedRun]:

@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +80,9 @@ def test_every_command_can_be_quiet(call: Call, command: str) -> None:
 def test_the_version_is_told(call: Call) -> None:
     from importlib.metadata import version
 
-    assert call("--version").output == f"quickreturn {version('quickreturn')}\n"
+    told = f"quickreturn {version('quickreturn')}\n"
+    assert call("--version").output == told
+    assert subprocess.run([sys.executable, "-m", "quickreturn", "--version"], capture_output=True, text=True, check=True).stdout == told
 
 
 @pytest.mark.parametrize(

@@ -87,8 +87,8 @@ def synthetic_half(
         slow = _slow_part(scale, channel, crank_angle, modulation, random)
         amplitudes[channel] = vibration * np.abs(slow).max()
         signal = slow
-        for mode, (share, its) in enumerate(courses.items()):
-            oscillation, envelope = _mode(scale, channel, mode, time, crank_angle, its)
+        for mode, (share, one) in enumerate(courses.items()):
+            oscillation, envelope = _mode(scale, channel, mode, time, crank_angle, one)
             signal = signal + share * amplitudes[channel] / np.sqrt(np.mean(envelope**2)) * oscillation
         signals[channel] = signal + noise * np.sqrt(np.mean(signal**2)) * _noise(time, random)
     speed = np.gradient(crank_angle, time)

@@ -54,9 +54,9 @@ def multiplier(result: CaseResult) -> float | None:
 def deflections_differ(run: Run, other: Run) -> float:
     """Largest difference of the tip deflections of the settled cycle at equal crank angles, over the sum of what both claim, per half."""
     name = "tip_deflection"
-    mine, its = (on_common_grid(channels_of(each.cycle, [name]))[name] for each in (run, other))
-    halves = zip(("pre", "post"), np.split(np.abs(mine - its), 2), strict=True)
-    unsettled = sum((each.settling_error or 0.0) * rms(its) for each in (run, other))
+    deflection, compared = (on_common_grid(channels_of(each.cycle, [name]))[name] for each in (run, other))
+    halves = zip(("pre", "post"), np.split(np.abs(deflection - compared), 2), strict=True)
+    unsettled = sum((each.settling_error or 0.0) * rms(compared) for each in (run, other))
     return max(float(away.max()) / (unsettled + sum(each.extreme_estimates[name][half] for each in (run, other))) for half, away in halves)
 
 

@@ -9,7 +9,7 @@ from quickreturn.cases.thesis.experiment.stiffness import stiffness_reading
 from quickreturn.cases.thesis.scatter import Band
 from quickreturn.engines.registry import MODEL, OWN
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.results.differences import engines_of
+from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.results.runs import mean_crank_speed
 from quickreturn.reports.tables.cells import CASE, CHANNEL
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table

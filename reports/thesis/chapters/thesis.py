@@ -12,7 +12,7 @@ from quickreturn.cases.runs.comparison import CaseResult, Difference, Kind
 from quickreturn.cases.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
 from quickreturn.engines.registry import MODEL
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.results.differences import Summary, differences, summary_of
+from quickreturn.reports.results.engine_differences import Summary, differences, summary_of
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.thesis.axes import axis_comparisons, fits_worse
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion

@@ -79,10 +79,10 @@ def test_machines_with_the_same_groups_move_alike() -> None:
             "slider.joint_stiffness": small.slider.joint_stiffness * mass / time**2,
         },
     )
-    mine, its = groups_of(small), groups_of(large)
-    assert mine is not None
-    assert its is not None
-    assert vars(its) == pytest.approx(vars(mine), rel=1e-9)
+    of_small, of_large = groups_of(small), groups_of(large)
+    assert of_small is not None
+    assert of_large is not None
+    assert vars(of_large) == pytest.approx(vars(of_small), rel=1e-9)
     turn = 2.0 * math.pi / small.crank.drive.initial_speed
     one, other = deflection(small, turn), deflection(large, turn * time) / length
     # the integration's tolerance is 1e-9, and rounding tells the two apart

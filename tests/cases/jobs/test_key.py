@@ -104,9 +104,9 @@ USES = {
         "text.document text.copies units text.reading measures.catalogue loads.stress runs.steady_state",
         "sweep.study runs.comparison",
     ),
-    "judging.matrix.evidence_of": ("variation judging.evidence", "runs.differences"),
+    "judging.matrix.evidence_of": ("variation judging.evidence", "runs.column_differences"),
     "conformance.conform": ("variation mistakes.diagnosis mistakes.explanation conformance.quantities", "runs.comparison"),
-    "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.differences sweep.rows"),
+    "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.column_differences sweep.rows"),
     "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
     "solving.answer_to": ("solving", "text.document runs.steady_state"),
     "resonance_curve.search.resonance_curve": ("text.copies text.reading loads.peak", "runs.comparison"),
@@ -126,7 +126,7 @@ def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(name: 
     assert {f"quickreturn.cases.{each}" for each in used} <= sources.keys()
     assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.jobs.records"} <= sources.keys()
     assert not {f"quickreturn.cases.{each}" for each in others} & sources.keys()
-    assert not {"quickreturn.cases.jobs.display", "quickreturn.engines.progress", "quickreturn.cases.shown"} & sources.keys()
+    assert not {"quickreturn.cases.jobs.display", "quickreturn.engines.progress", "quickreturn.cases.displayed"} & sources.keys()
 
 
 RUNNING = """

@@ -60,8 +60,8 @@ def test_estimates_compare_the_mean_extremes_and_the_mean_signals() -> None:
     peaks = signals + 10.0 * np.eye(AVERAGED, 360)
 
     def estimate(other: np.ndarray) -> float:
-        one, its = (MeasuredCycle(measures(), {("pre", "strain_1"): values}, rms={}, change={}, numbers={}) for values in (signals, other))
-        return extreme_estimates([Compared(one, its, 2.0)])["strain_1"]["pre"]
+        one, two = (MeasuredCycle(measures(), {("pre", "strain_1"): values}, rms={}, change={}, numbers={}) for values in (signals, other))
+        return extreme_estimates([Compared(one, two, 2.0)])["strain_1"]["pre"]
 
     assert estimate(signals[::-1]) == pytest.approx(0.0, abs=1e-14)
     assert estimate(signals + 0.2) == pytest.approx(0.2)

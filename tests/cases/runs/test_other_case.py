@@ -10,7 +10,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import table_of
-from quickreturn.cases.runs.differences import WHOLE, explanations
+from quickreturn.cases.runs.column_differences import WHOLE, explanations
 from quickreturn.cases.runs.other_case import TRAITS, other_cases
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run

@@ -11,8 +11,8 @@ import pytest
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import read_table
+from quickreturn.cases.runs.column_differences import column_differences, explanations
 from quickreturn.cases.runs.comparison import CaseResult, compare
-from quickreturn.cases.runs.differences import column_differences, explanations
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run, RunRequest
@@ -227,10 +227,10 @@ def test_without_a_crank_angle_the_crank_is_taken_to_turn_evenly(transient: pd.D
     run = recorded(transient[["time", "strain_2"]])
     assert "16.6178 rad/s" in run.remark
     assert run.turn == 5
-    ours, its = (found.measure("post", "strain_2") for found in (run, in_turn_5))
-    assert ours is not None
-    assert its is not None
-    assert ours.first_mode_frequency == pytest.approx(its.first_mode_frequency, rel=0.01)  # the crank's speed varies by 2.5 %
+    alone, whole = (found.measure("post", "strain_2") for found in (run, in_turn_5))
+    assert alone is not None
+    assert whole is not None
+    assert alone.first_mode_frequency == pytest.approx(whole.first_mode_frequency, rel=0.01)  # the crank's speed varies by 2.5 %
 
 
 def test_rows_too_far_apart_for_the_first_mode(transient: pd.DataFrame, recorded: Recorded) -> None:

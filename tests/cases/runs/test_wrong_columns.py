@@ -17,7 +17,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.steady_state import on_common_grid
 from quickreturn.cases.mistakes.diagnosis import Finding, diagnose
 from quickreturn.cases.recorded import table_of
-from quickreturn.cases.runs.differences import LEAST_DIFFERENCE, explanations
+from quickreturn.cases.runs.column_differences import LEAST_DIFFERENCE, explanations
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run, RunRequest

@@ -60,7 +60,7 @@ def assert_as_stiff_as_published(result: CaseResult) -> None:
     for half in HALVES if thesis is not None else ():
         for quantity, channel in ((CONSENSUS, None), *(("first_mode_frequency", channel) for channel in CHANNELS)):
             if pair := pair_of(thesis, reference, quantity, half, channel, claimed=True):
-                mine, its = pair
-                ratio = mine.value / its.value
-                width = ratio * math.hypot(mine.uncertainty / mine.value, its.uncertainty / its.value)
+                model, converged = pair
+                ratio = model.value / converged.value
+                width = ratio * math.hypot(model.uncertainty / model.value, converged.uncertainty / converged.value)
                 assert LEAST_RATIO - width <= ratio <= LARGEST_RATIO + width, (half, channel, ratio)

@@ -35,14 +35,14 @@ TEMPLATE = """{% from "macros.html" import table %}
 {{ table(f.table) }}
 {% endmacro %}
 """
-#: Writes a report on made-up results.
+#: Writes a report on made-up results of a case.
 WRITE = """
 import sys
 from pathlib import Path
 from quickreturn.reports.report import write
 from tests.reports.pages import one_run
 from tests.reports.reported_results import reported_result
-write(one_run(reported_result("example")), Path(sys.argv[1]))
+write(one_run(reported_result(sys.argv[1])), Path(sys.argv[2]))
 """
 
 
@@ -61,15 +61,17 @@ def test_a_chapter_needs_a_module_a_template_and_its_name_in_one_file(tmp_path: 
     insert(chapters, imported.format("speeds"), after=imported.format("runs"))
     insert(chapters, "    speeds,\n", after="    strength,\n")
 
-    (tmp_path / "report").mkdir()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(package.parent), str(ROOT / "build/tests-alone")))}
-    command = [sys.executable, "-c", WRITE, str(tmp_path / "report")]
-    told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert told.returncode == 0, told.stderr
-    page = (tmp_path / "report/index.html").read_text()
-    finding = "The crank turns in 1\N{NO-BREAK SPACE}case"
-    assert f'<span class="name">How fast it turns</span> <span class="finding">{finding}</span>' in page
-    assert page.index('id="strength"') < page.index('id="speeds"') < page.index('id="each"')
-    assert 'id="table-speeds"' in page
-    assert (tmp_path / "report/speeds.csv").read_text().startswith("case,speed [rad/s]\nexample,")
-    assert "speeds.csv,1,Mean speed of the crank." in (tmp_path / "report/tables.csv").read_text()
+    for case, before, after in (("example", "strength", "each"), ("thesis-24", "agreement", "runs")):
+        folder = tmp_path / case
+        folder.mkdir()
+        command = [sys.executable, "-c", WRITE, case, str(folder)]
+        told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert told.returncode == 0, told.stderr
+        page = (folder / "index.html").read_text()
+        finding = "The crank turns in 1\N{NO-BREAK SPACE}case"
+        assert f'<span class="name">How fast it turns</span> <span class="finding">{finding}</span>' in page
+        assert page.index(f'id="{before}"') < page.index('id="speeds"') < page.index(f'id="{after}"')
+        assert 'id="table-speeds"' in page
+        assert (folder / "speeds.csv").read_text().startswith(f"case,speed [rad/s]\n{case},")
+        assert "speeds.csv,1,Mean speed of the crank." in (folder / "tables.csv").read_text()

@@ -15,7 +15,7 @@ from quickreturn.reports.chapters.agreement import (
     sharpness_sentences,
     summary,
 )
-from quickreturn.reports.results.differences import differences, outward, spread
+from quickreturn.reports.results.engine_differences import differences, outward, spread
 from quickreturn.reports.results.sharpness import Sharpness
 from tests.reports.pages import chapter_of, finding_of, one_run, plain, text_of
 from tests.reports.plotted_results import ENGINES, with_run

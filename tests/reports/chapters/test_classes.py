@@ -3,11 +3,11 @@
 import dataclasses
 
 from quickreturn.reports.chapters import classes as tables
-from quickreturn.reports.chapters.classes import Contest, contest_words, finding
+from quickreturn.reports.chapters.classes import Winners, finding, winners_words
 from tests.cases.made_up_map import made_up_map
 from tests.reports.pages import one_run, plain, read, text_of
 
-SOLVED = Contest(1e-2, "solve time", {"a": 20, "b": 9}, (1.43, 12.0, 48.4))
+SOLVED = Winners(1e-2, "solve time", {"a": 20, "b": 9}, (1.43, 12.0, 48.4))
 
 
 def test_the_heading_tells_the_winner_its_lead_and_who_is_done_first() -> None:
@@ -24,7 +24,7 @@ def test_the_heading_tells_the_winner_its_lead_and_who_is_done_first() -> None:
 
 
 def test_the_heading_of_a_map_that_nobody_wins() -> None:
-    nobody = Contest(1e-2, "solve time", {}, ())
+    nobody = Winners(1e-2, "solve time", {}, ())
     assert (
         plain(finding(nobody, {}, 3, 0, []))
         == "No engine reaches 1 % in any of 3 classes of machines; by waiting time, no engine in any class"
@@ -32,8 +32,8 @@ def test_the_heading_of_a_map_that_nobody_wins() -> None:
 
 
 def test_a_contest_is_told_with_the_classes_that_nobody_wins() -> None:
-    assert plain(contest_words(SOLVED, 29)) == "solve time, to 1 %: a in 20, b in 9."
-    assert plain(contest_words(SOLVED, 30)) == "solve time, to 1 %: a in 20, b in 9; 1 nobody wins."
+    assert plain(winners_words(SOLVED, 29)) == "solve time, to 1 %: a in 20, b in 9."
+    assert plain(winners_words(SOLVED, 30)) == "solve time, to 1 %: a in 20, b in 9; 1 nobody wins."
 
 
 def test_the_heading_counts_both_times_and_says_whose_code_it_is() -> None:

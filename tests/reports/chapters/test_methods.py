@@ -8,11 +8,11 @@ from quickreturn.cases.benchmark import Compiling
 from quickreturn.cases.trials.trial import Trial
 from quickreturn.reports.chapters import methods_tables as tables
 from quickreturn.reports.chapters.methods import contest_words, finding, level_words, mark_words, waiting_words
-from quickreturn.reports.page.answer import Contest
+from quickreturn.reports.page.answer import Fastest
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.pages import chapter_of, one_run, plain, read, text_of
 
-EXAMPLE = Contest("thesis-24", 1e-3, [("a", 4e-3), ("b", 160e-3), ("mujoco", 1.0)])
+EXAMPLE = Fastest("thesis-24", 1e-3, [("a", 4e-3), ("b", 160e-3), ("mujoco", 1.0)])
 
 
 def test_the_heading_counts_contests_and_names_the_fastest() -> None:

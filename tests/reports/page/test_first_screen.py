@@ -6,7 +6,7 @@ from typing import Any
 
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.comparison import Difference
-from quickreturn.reports.page.answer import Answer, Contest, Cubic
+from quickreturn.reports.page.answer import Answer, Cubic, Fastest
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.page.first_screen import (
     Figure,
@@ -19,7 +19,7 @@ from quickreturn.reports.page.first_screen import (
     safety_figure,
     sentences,
 )
-from quickreturn.reports.results.differences import Spread, spread
+from quickreturn.reports.results.engine_differences import Spread, spread
 from quickreturn.reports.results.loads import CaseLoads
 from quickreturn.reports.thesis.data import inference
 from quickreturn.reports.thesis.sufficiency import splits
@@ -57,7 +57,7 @@ def answer(**changes: Any) -> Answer:
         amplitude=spread_of(0.036, case="thesis-06"),
         extreme=spread_of(0.05, channel="strain_2"),
         cubic=Cubic(spread_of(0.11, 0.12, 0.14), 0.972),
-        fastest=Contest("thesis-24", 1e-3, [("reference", 4e-3), ("b", 160e-3)], 0.01, True),
+        fastest=Fastest("thesis-24", 1e-3, [("reference", 4e-3), ("b", 160e-3)], 0.01, True),
     )
     return dataclasses.replace(known, **changes)
 
@@ -142,7 +142,7 @@ def test_the_figures_are_what_settled_the_differences_and_the_fastest_method() -
     over = "the 1999 model’s frequency over the converged one (median; 11 to 14 %); which is right is open: measured curves are lost"
     assert shown(figures(answer(), Subject(on_the_model=True), None))[2] == ("+12 %", over)
     assert shown(figures(answer(cubic=None), Subject(on_the_model=True), None))[2] == peak
-    alone = Contest("thesis-24", 1e-3, [("exudyn", 2.0)], 0.01, False)
+    alone = Fastest("thesis-24", 1e-3, [("exudyn", 2.0)], 0.01, False)
     assert shown(figures(answer(fastest=alone), Subject(), None))[3] == ("2.0 s", solving.replace("reference", "exudyn"))
 
 

@@ -117,8 +117,8 @@ def measured(run_24: CaseResult, origin: str, of_experiment: bool = True) -> lis
     found = measured_halves([with_table(run_24, "curve.csv", ["strain_2"], {"origin": origin}, of_experiment)])
     (half,) = (item for item in found if item.measure.half == "pre")
     measure = dataclasses.replace(half.measure, first_mode_frequency=16.0, first_mode_frequency_uncertainty=0.1, first_mode_amplitude=2e-4)
-    its = {"thesis": dataclasses.replace(measure, first_mode_frequency=18.0, first_mode_amplitude=1e-4)}
-    return [dataclasses.replace(half, measure=measure, engines=its)]
+    of_model = {"thesis": dataclasses.replace(measure, first_mode_frequency=18.0, first_mode_amplitude=1e-4)}
+    return [dataclasses.replace(half, measure=measure, engines=of_model)]
 
 
 def test_recordings_of_the_experiment_alone_have_weight_in_a_verdict(run_24: CaseResult) -> None:

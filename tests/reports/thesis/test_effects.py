@@ -53,12 +53,12 @@ def test_frequencies_at_the_return_tell_clearance_from_a_soft_roller() -> None:
 
 
 def test_the_second_formulation_is_held_against_the_first() -> None:
-    mine = next(row for row in made_up_finding() if (row.effect, row.engine) == ("linear", "reference"))
-    pre, post = ([values[run - 1] for run in CONFIRMED_RUNS] for values in (mine.pre_frequency, mine.post_frequency))
-    its = dataclasses.replace(mine, engine=SECOND, pre_frequency=tuple(pre), post_frequency=tuple((each or 0) + 7 for each in post))
+    first = next(row for row in made_up_finding() if (row.effect, row.engine) == ("linear", "reference"))
+    pre, post = ([values[run - 1] for run in CONFIRMED_RUNS] for values in (first.pre_frequency, first.post_frequency))
+    second = dataclasses.replace(first, engine=SECOND, pre_frequency=tuple(pre), post_frequency=tuple((each or 0) + 7 for each in post))
     number = sum(each is not None for each in (*pre, *post))
     told = "A second formulation, mujoco, makes the same changes: {} changes of a frequency differ by 0.07 % at most."
-    assert plain(second_words([(mine, its)])) == told.format(number)
+    assert plain(second_words([(first, second)])) == told.format(number)
     assert second_words([]) == ""
 
 

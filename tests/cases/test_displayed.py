@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.conformance.checks import Check, Conformance
-from quickreturn.cases.shown import Cell, Rows, Shown
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from tests.cases.scene_texts import SCENE
 
 HOSTILE = "</td><script>alert('owned')</script> & \"<b>\""
 
 
-class Things(Shown):
+class Things(Displayed):
     def _parts(self) -> Iterator[Cell]:
         yield HOSTILE
         yield Rows([("length", "4", "in"), ("inner", Rows([("one", "1"), ("two", "22")], ("name", "x")), HOSTILE)], ("a", "b", "c"))
@@ -27,7 +27,7 @@ def texts_of(html: str) -> list[str]:
     return [text for text in root.itertext() if text]
 
 
-def words_of(thing: Shown) -> list[str]:
+def words_of(thing: Displayed) -> list[str]:
     return " ".join(texts_of(thing._repr_html_())).split()
 
 
