@@ -24,7 +24,7 @@ def measure(module_monkeypatch: pytest.MonkeyPatch) -> Any:
 def module_monkeypatch() -> Any:
     with pytest.MonkeyPatch.context() as monkeypatch:
         yield monkeypatch
-    for name in ("measure", "mujoco_machines"):
+    for name in ("measure", "mujoco_machines", "exudyn_machines", "run_24"):
         sys.modules.pop(name, None)
 
 
@@ -45,6 +45,20 @@ def test_the_defaults_lose_the_machine_and_a_stiff_contact_keeps_it(measure: Any
     assert kept["constraint_gap"].max() < 5e-5
 
 
+def test_exudyns_sliding_joint_converges_with_its_step(measure: Any) -> None:
+    """In the first 0.3 s of run 24, against the converged solution."""
+    machines, (deflection, _, _) = measure.exudyn_machines, measure.truth()
+    errors = {}
+    for name in ("sliding joint, not classical, 1 ms", "sliding joint, not classical, 0.25 ms, Newton 1e-5"):
+        columns, _ = machines.simulate(machines.MACHINES[name], 0.3)
+        true = deflection[np.round(1e3 * columns["time"]).astype(int)]
+        errors[name] = math.sqrt(np.mean((columns["tip_deflection"] - true) ** 2) / np.mean(true**2))
+        assert columns["constraint_gap"].max() < 1e-6
+    coarse, fine = errors.values()
+    assert 6.0 * fine < coarse < 5e-3  # a quarter of the step: of more than first order, until the elements' own error counts
+    assert fine < 5e-4
+
+
 @pytest.mark.verify
 def test_the_table_of_the_document_comes_out_again(measure: Any) -> None:
     """In the same order; to a fifth of each error, and for errors above 1, where chaos decides, to a factor of two."""
@@ -52,8 +66,8 @@ def test_the_table_of_the_document_comes_out_again(measure: Any) -> None:
     told = [float(found[1]) / 100.0 for row in rows if (found := re.match(r"\| [^|]+ \| \**([\d.]+) %", row))]
     deflection, frequency, damping = measure.truth()
     assert (frequency, damping) == (pytest.approx(20.354, abs=1e-3), pytest.approx(0.0064, abs=5e-5))
-    found = [measure.measured(name, deflection, frequency) for name in measure.mujoco_machines.MACHINES]
+    found = [measure.measured(name, deflection, frequency) for name in measure.MACHINES]
     errors = [each.error for each in found if each.end >= 2.0]
-    assert len(told) == len(errors) == 12
+    assert len(told) == len(errors) == 23
     for right, error in zip(told, errors, strict=True):
         assert abs(math.log(error / right)) < (math.log(2.0) if right > 1.0 else 0.2)

@@ -1,4 +1,4 @@
-"""The constructions of `mujoco_machines.py` beside a converged solution.
+"""The constructions of all programs beside a converged solution.
 
 python measure.py [NAME ...]   # all of them, or some
 """
@@ -11,12 +11,21 @@ from typing import Final
 import numpy as np
 import quickreturn as qr
 
+import exudyn_machines
 import mujoco_machines
 
 #: Run 24, damped by its material.
 CASE: Final = qr.case("thesis-24").with_(
     {"follower.damping": "0 N*s/m^2", "follower.material_damping": "1e-4 s"}
 )
+
+
+#: Which program, and its constructions by name.
+MACHINES: Final = {
+    name: (program, machine)
+    for program in (mujoco_machines, exudyn_machines)
+    for name, machine in program.MACHINES.items()
+}
 
 
 @dataclass(frozen=True)
@@ -54,13 +63,13 @@ def truth() -> tuple[np.ndarray, float, float]:
 
 def measured(name: str, deflection: np.ndarray, true_frequency: float) -> Measured:
     """One construction."""
-    machine = mujoco_machines.MACHINES[name]
-    columns, seconds = mujoco_machines.simulate(machine)
+    program, machine = MACHINES[name]
+    columns, seconds = program.simulate(machine)
     true = deflection[np.round(1e3 * columns["time"]).astype(int)]
     error = math.sqrt(np.mean((columns["tip_deflection"] - true) ** 2) / np.mean(true**2))
     peak = np.abs(columns["tip_deflection"]).max() / np.abs(true).max() - 1.0
     frequency, damping = (
-        mujoco_machines.pluck(machine) if columns["time"][-1] >= 2.0 else (math.nan, math.nan)
+        program.pluck(machine) if columns["time"][-1] >= 2.0 else (math.nan, math.nan)
     )
     gap = float(columns["constraint_gap"].max())
     return Measured(
@@ -78,5 +87,5 @@ def measured(name: str, deflection: np.ndarray, true_frequency: float) -> Measur
 if __name__ == "__main__":
     deflection, frequency, damping = truth()
     print(f"true: {frequency:.3f} Hz, damping ratio {damping:.4f}")
-    for name in sys.argv[1:] or mujoco_machines.MACHINES:
+    for name in sys.argv[1:] or MACHINES:
         print(measured(name, deflection, frequency), flush=True)

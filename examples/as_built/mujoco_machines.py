@@ -8,39 +8,15 @@ construction says how the crank's pin rides along it, with which parameters of t
 MuJoCo integrates.
 """
 
-import csv
 import math
-import sys
 import time
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import mujoco
 import numpy as np
 
-#: Run 24, SI, with material damping (s) in place of damping against the base.
-SCENE: Final = {
-    "pivot_distance": 0.4572,
-    "crank_length": 0.1016,
-    "crank_mass": 17.5126835,
-    "crank_center": 0.0762,
-    "crank_inertia": 4.51939316e-05,
-    "torque": 1.12984829,
-    "crank_damping": 0.0679903552,
-    "crank_speed": 16.617773,
-    "base_inertia": 1.69477244e-05,
-    "base_damping": 2.25969658e-06,
-    "length": 0.635,
-    "mass_per_length": 0.328181484,
-    "bending_stiffness": 6.10759695,
-    "thickness": 0.003175,
-    "width": 0.0381,
-    "material_damping": 1e-4,
-    "tip_mass": 0.0507867822,
-    "tip_inertia": 2.21450265e-06,
-}
-#: Radius of a roller or pin, m.
-RADIUS: Final = 0.005
+from run_24 import RADIUS, SCENE, ring, write_table
 
 
 @dataclass(frozen=True)
@@ -249,35 +225,5 @@ def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> 
     return ring(np.array(signal), steps * machine.step)
 
 
-def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
-    """Frequency (Hz) and damping ratio of the spectrum's largest peak.
-
-    Phase and size of the signal about that peak, smoothed by a window, turn and fall with them.
-    """
-    window, times = np.hanning(len(signal) // 4), step * np.arange(len(signal))
-    if not np.isfinite(signal).all():
-        return math.nan, math.nan
-    spectrum = np.abs(np.fft.rfft((signal - signal.mean()) * np.hanning(len(signal))))
-    near = np.fft.rfftfreq(len(signal), step)[np.argmax(spectrum)]
-    slow = np.convolve(
-        (signal - signal.mean()) * np.exp(-2j * np.pi * near * times), window, "valid"
-    )
-    middle = times[: len(slow)]
-    turning = np.polyfit(middle, np.unwrap(np.angle(slow)), 1)[0]
-    rate = -np.polyfit(middle, np.log(np.abs(slow)), 1)[0]
-    frequency = near + float(turning) / (2.0 * math.pi)
-    return frequency, float(rate) / (2.0 * math.pi * frequency)
-
-
-def main(arguments: list[str]) -> Any:
-    """The names, or a table of one construction."""
-    if len(arguments) != 2 or arguments[0] not in MACHINES:
-        return print(*MACHINES, sep="\n")
-    columns, _ = simulate(MACHINES[arguments[0]])
-    with open(arguments[1], "w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([list(columns), *np.array(list(columns.values())).T.tolist()])
-    return None
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    write_table(MACHINES, simulate)
