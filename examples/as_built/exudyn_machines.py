@@ -16,12 +16,10 @@ import exudyn as exu
 import exudyn.itemInterface as eii  # noqa: N813
 import numpy as np
 
-from run_24 import RADIUS, SCENE, ring, write_table
+from run_24 import RADIUS, REACH, SCENE, ring, write_table
 
 #: Axial stiffness of the strip, N: that of its section, and of a modulus that gives its EI.
 AXIAL: Final = 12.0 * SCENE["bending_stiffness"] / SCENE["thickness"] ** 2
-#: From P to the crank's pin at the start, m.
-REACH: Final = SCENE["pivot_distance"] + SCENE["crank_length"]
 
 
 @dataclass(frozen=True)
@@ -55,6 +53,7 @@ MACHINES: Final = {
     "circles in contact, 0.5 ms": Machine(5e-4, "circles"),
     "circles in contact, 0.25 ms": Machine(2.5e-4, "circles"),
 }
+PROGRAM: Final = f"Exudyn {exu.__version__}"
 
 
 class System:

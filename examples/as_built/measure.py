@@ -1,18 +1,18 @@
 """The constructions of all programs beside a converged solution.
 
-python measure.py [NAME ...]   # all of them, or some
+python measure.py [NAME ...]         # all of them, or some
+python measure.py --rows [NAME ...]  # as JSON, one line each
 """
 
+import importlib
+import json
 import math
 import sys
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import asdict, dataclass
+from typing import Any, Final
 
 import numpy as np
 import quickreturn as qr
-
-import exudyn_machines
-import mujoco_machines
 
 #: Run 24, damped by its material.
 CASE: Final = qr.case("thesis-24").with_(
@@ -20,35 +20,43 @@ CASE: Final = qr.case("thesis-24").with_(
 )
 
 
-#: Which program, and its constructions by name.
-MACHINES: Final = {
-    name: (program, machine)
-    for program in (mujoco_machines, exudyn_machines)
-    for name, machine in program.MACHINES.items()
-}
-
-
 @dataclass(frozen=True)
 class Measured:
-    """A construction beside the converged solution."""
+    """A construction beside the converged solution; None where the program lost the motion."""
 
     name: str
+    program: str  # with its version
     end: float  # s, of the motion; less than 2 s if the program lost it
-    error: float  # of the tip deflection, RMS of the difference over RMS
-    peak: float  # largest tip deflection over the true one, less 1
-    frequency: float  # of the first mode with the crank held at 180 deg, over the true one, less 1
-    damping: float  # its damping ratio
-    gap: float  # largest distance of pin and centre line, m
-    seconds: float  # processor time of the solve
+    error: float | None = None  # of the tip deflection, RMS of the difference over RMS
+    peak: float | None = None  # largest tip deflection over the true one, less 1
+    frequency: float | None = (
+        None  # of the first mode with the crank held, over the true one, less 1
+    )
+    damping: float | None = None  # its damping ratio
+    gap: float | None = None  # largest distance of pin and centre line, m
+    seconds: float | None = None  # processor time of the solve
 
     def __str__(self) -> str:
-        if self.end < 2.0:
+        if self.error is None:
             return f"{self.name}: ends at {self.end:g} s"
         return (
             f"{self.name}: deflection {self.error:.2%}, peak {self.peak:+.1%},"
             f" frequency {self.frequency:+.2%}, damping ratio {self.damping:.4f},"
             f" gap {1e3 * self.gap:.3f} mm, {self.seconds:.2f} s"
         )
+
+
+def machines() -> dict[str, tuple[Any, Any]]:
+    """Name -> module and construction, of the programs that are installed."""
+    found = {}
+    for name in ("mujoco_machines", "exudyn_machines", "drake_machines"):
+        try:
+            program = importlib.import_module(name)
+        except ModuleNotFoundError as missing:
+            print(f"{name} is left out: {missing}", file=sys.stderr)
+            continue
+        found.update({key: (program, machine) for key, machine in program.MACHINES.items()})
+    return found
 
 
 def truth() -> tuple[np.ndarray, float, float]:
@@ -63,29 +71,24 @@ def truth() -> tuple[np.ndarray, float, float]:
 
 def measured(name: str, deflection: np.ndarray, true_frequency: float) -> Measured:
     """One construction."""
-    program, machine = MACHINES[name]
+    program, machine = machines()[name]
     columns, seconds = program.simulate(machine)
+    end = float(columns["time"][-1])
+    if end < 2.0:
+        return Measured(name, program.PROGRAM, end)
     true = deflection[np.round(1e3 * columns["time"]).astype(int)]
     error = math.sqrt(np.mean((columns["tip_deflection"] - true) ** 2) / np.mean(true**2))
-    peak = np.abs(columns["tip_deflection"]).max() / np.abs(true).max() - 1.0
-    frequency, damping = (
-        program.pluck(machine) if columns["time"][-1] >= 2.0 else (math.nan, math.nan)
-    )
-    gap = float(columns["constraint_gap"].max())
-    return Measured(
-        name,
-        float(columns["time"][-1]),
-        error,
-        float(peak),
-        frequency / true_frequency - 1.0,
-        damping,
-        gap,
-        seconds,
-    )
+    peak = float(np.abs(columns["tip_deflection"]).max() / np.abs(true).max()) - 1.0
+    frequency, damping = program.pluck(machine)
+    off, gap = frequency / true_frequency - 1.0, float(columns["constraint_gap"].max())
+    return Measured(name, program.PROGRAM, end, error, peak, off, damping, gap, seconds)
 
 
 if __name__ == "__main__":
+    as_rows = sys.argv[1:2] == ["--rows"]
     deflection, frequency, damping = truth()
-    print(f"true: {frequency:.3f} Hz, damping ratio {damping:.4f}")
-    for name in sys.argv[1:] or MACHINES:
-        print(measured(name, deflection, frequency), flush=True)
+    if not as_rows:
+        print(f"true: {frequency:.3f} Hz, damping ratio {damping:.4f}")
+    for name in sys.argv[1 + as_rows :] or machines():
+        found = measured(name, deflection, frequency)
+        print(json.dumps(asdict(found)) if as_rows else found, flush=True)

@@ -16,7 +16,17 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from run_24 import RADIUS, SCENE, ring, write_table
+from run_24 import (
+    COLUMNS,
+    RADIUS,
+    REACH,
+    SCENE,
+    aside,
+    bent_chain,
+    chain_row,
+    ring,
+    write_table,
+)
 
 
 @dataclass(frozen=True)
@@ -59,6 +69,7 @@ MACHINES: Final = {
     "rollers, contact 2 steps": replace(STIFF, joint="rollers"),
     "slide on the middle link and connect": replace(STIFF, joint="carriage"),
 }
+PROGRAM: Final = f"MuJoCo {mujoco.__version__}"
 
 
 def xml(machine: Machine, held: bool = False) -> str:
@@ -161,18 +172,16 @@ def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndar
     model = mujoco.MjModel.from_xml_string(xml(machine))
     data = mujoco.MjData(model)
     s, n = SCENE, machine.links
-    h = s["length"] / n
     where = {mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, k): k for k in range(model.njnt)}
     crank, first = where["crank"], where["link0"]
     hinges = [where[f"link{k}"] for k in range(n)]
     # the standard start: crank at 180 deg, follower straight, as the rigid mechanism moves
-    reach = s["pivot_distance"] + s["crank_length"]
     data.qpos[crank], data.qvel[crank] = math.pi, s["crank_speed"]
-    data.qpos[first], data.qvel[first] = math.pi, s["crank_speed"] * s["crank_length"] / reach
+    data.qpos[first], data.qvel[first] = math.pi, s["crank_speed"] * s["crank_length"] / REACH
     if "slider" in where:
         data.qvel[where["slider"]] = data.qvel[first] - data.qvel[crank]
     if "slide" in where:
-        data.qpos[where["slide"]] = reach - (n // 2) * h
+        data.qpos[where["slide"]] = REACH - (n // 2) * s["length"] / n
     data.qfrc_applied[crank] = s["torque"]
     rows, steps, spent = [], round(machine.output / machine.step), 0.0
     for k in range(round(duration / machine.output) + 1):
@@ -184,44 +193,23 @@ def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndar
             data.time < (k - 0.5) * machine.output
         ):  # after a bad acceleration MuJoCo begins anew, with a warning in a log file
             break
-        q1, alpha = data.qpos[crank], np.cumsum(data.qpos[hinges])
-        e = np.exp(1j * alpha)
-        corners = np.concatenate([[0.0], np.cumsum(h * e)])
-        local = (s["crank_length"] * np.exp(1j * q1) - s["pivot_distance"] - corners[:-1]) / e
-        nearest = local[np.argmin(np.abs(local.real - h / 2.0))]
-        deflection = (corners[-1] / e[0]).imag
-        rows.append((k * machine.output, q1, deflection, abs(nearest.imag)))
-    names = ("time", "crank_angle", "tip_deflection", "constraint_gap")
-    return dict(zip(names, np.array(rows).T, strict=True)), spent
+        rows.append((k * machine.output, *chain_row(data.qpos[crank], data.qpos[hinges])))
+    return dict(zip(COLUMNS, np.array(rows).T, strict=True)), spent
 
 
 def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> tuple[float, float]:
     """Frequency (Hz) and damping ratio of the first mode, with the crank held at 180 deg."""
     model = mujoco.MjModel.from_xml_string(xml(machine, held=True))
     data, n = mujoco.MjData(model), machine.links
-    h = SCENE["length"] / n
     hinges = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"link{k}") for k in range(n)]
-    reach = SCENE["pivot_distance"] + SCENE["crank_length"]
-    data.qpos[hinges[0]] = math.pi
-    # a force on the tip: the moment falls from the slider to the tip, and to the pivot
-    places = h * np.arange(1, n)
-    inboard = places / reach * (SCENE["length"] - reach)
-    bend = np.where(places < reach, inboard, SCENE["length"] - places)
-    data.qpos[hinges[1:]] = bend
-    shape = h * np.concatenate(
-        [[0.0, 0.0], np.cumsum(np.cumsum(data.qpos[hinges[1:]]))]
-    )  # of the corners, from the first link's line
-    at_pin = np.interp(reach, h * np.arange(n + 1), shape)
-    size = deflection / (shape[-1] - at_pin * SCENE["length"] / reach)
-    data.qpos[hinges[1:]] *= size
-    data.qpos[hinges[0]] -= size * at_pin / reach
-    signal, steps = [], max(1, round(1e-3 / machine.step))
+    data.qpos[hinges] = bent_chain(n, deflection)
     slide = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, "slide")
     if slide >= 0:
-        data.qpos[slide] = reach - (n // 2) * h
+        data.qpos[slide] = REACH - (n // 2) * SCENE["length"] / n
+    signal, steps = [], max(1, round(1e-3 / machine.step))
     for _ in range(round(duration / (steps * machine.step))):
         mujoco.mj_step(model, data, steps)
-        signal.append(-np.imag(h * np.exp(1j * np.cumsum(data.qpos[hinges])).sum()))
+        signal.append(aside(data.qpos[hinges]))
     return ring(np.array(signal), steps * machine.step)
 
 

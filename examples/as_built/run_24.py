@@ -31,6 +31,42 @@ SCENE: Final = {
 }
 #: Radius of a roller or pin, m.
 RADIUS: Final = 0.005
+#: From P to the crank's pin at the start, m.
+REACH: Final = SCENE["pivot_distance"] + SCENE["crank_length"]
+#: Of a table.
+COLUMNS: Final = ("time", "crank_angle", "tip_deflection", "constraint_gap")
+
+
+def chain_row(q1: float, angles: np.ndarray) -> tuple[float, float, float]:
+    """Crank angle, tip deflection and gap of a chain of equal links, from the hinges' angles."""
+    h = SCENE["length"] / len(angles)
+    e = np.exp(1j * np.cumsum(angles))
+    corners = np.concatenate([[0.0], np.cumsum(h * e)])
+    pin = SCENE["crank_length"] * np.exp(1j * q1) - SCENE["pivot_distance"]
+    local = (pin - corners[:-1]) / e
+    nearest = local[np.argmin(np.abs(local.real - h / 2.0))]
+    return q1, (corners[-1] / e[0]).imag, abs(nearest.imag)
+
+
+def aside(angles: np.ndarray) -> float:
+    """Distance of a chain's tip from the line through O and P, m."""
+    return -SCENE["length"] / len(angles) * float(np.sin(np.cumsum(angles)).sum())
+
+
+def bent_chain(n: int, deflection: float) -> np.ndarray:
+    """Angles of the hinges, with the crank at 180 deg and a force on the tip that moves it."""
+    h, angles = SCENE["length"] / n, np.full(n, math.pi)
+    places = h * np.arange(1, n)
+    # the moment falls from the slider to the tip, and to the pivot
+    inboard = places / REACH * (SCENE["length"] - REACH)
+    bend = np.where(places < REACH, inboard, SCENE["length"] - places)
+    # of the corners, from the first link's line
+    shape = h * np.concatenate([[0.0, 0.0], np.cumsum(np.cumsum(bend))])
+    at_pin = np.interp(REACH, h * np.arange(n + 1), shape)
+    size = deflection / (shape[-1] - at_pin * SCENE["length"] / REACH)
+    angles[0] -= size * at_pin / REACH
+    angles[1:] = size * bend
+    return angles
 
 
 def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
