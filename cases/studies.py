@@ -226,7 +226,7 @@ def _both_starts(results: Mapping[Name, Run], failures: list[str]) -> list[BothS
     pairs: list[BothStarts] = []
     for name in dict.fromkeys(name for name, _ in results):
         orbit, straight = results[name, "orbit"], results[name, "straight"]
-        if not (orbit.usable and straight.usable) or orbit.settings != straight.settings:
+        if not (orbit.usable and straight.usable) or orbit.computation.settings != straight.computation.settings:
             reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other run has"
             failures.append(f"study of {name} from both starts: {reason}")
         else:

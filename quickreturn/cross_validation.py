@@ -94,7 +94,7 @@ class CrossValidation(Displayed):
             | {"unit": COLUMNS[measure.channel].unit}
             for result in self.results
             for name, run in result.runs.items()
-            for measure in run.measures
+            for measure in run.measured.measures
         ]
         table = pd.DataFrame(rows)
         table.attrs["units"] = {name: "Hz" if "frequency" in name else "see unit" for name in table.columns if name.startswith(_NUMBERS)}

@@ -107,10 +107,10 @@ def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
     return (
         run.engine,
         run.status,
-        run.start or "-",
-        str(run.cycles),
-        "-" if run.solve_seconds is None else cost(run.solve_seconds),
-        number(run.error_estimate, ".1e"),
+        run.approach.start or "-",
+        str(run.approach.cycles),
+        "-" if run.computation.solve_seconds is None else cost(run.computation.solve_seconds),
+        number(run.computation.error_estimate, ".1e"),
         accuracy_class or "-",
         *(number(measured[name].value if measured else None, IN_TABLES[name].in_terminal) for name in _MEASURED),
         *peaks,
@@ -163,5 +163,5 @@ def _resonance(mechanism: Mechanism) -> dict[str, Any] | None:
 
 def _as_document(run: Run) -> dict[str, Any]:
     """Everything about a run except its cycle."""
-    known = {name: value for name, value in vars(run).items() if name != "cycle"}
-    return known | {"settling": run.settling and {**vars(run.settling), "sentence": run.settling.sentence()}}
+    outlook = run.approach.settling
+    return run.flat | {"settling": outlook and {**vars(outlook), "sentence": outlook.sentence()}}

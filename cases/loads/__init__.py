@@ -74,8 +74,7 @@ class Claimed:
     def __call__(self, column: str, angle: float) -> float | None:
         begin, end = self.run.cycle["crank_angle"][[0, -1]]
         half = "pre" if 2.0 * abs(angle - begin) <= abs(end - begin) else "post"
-        estimate = self.run.extreme_estimates.get(column, {}).get(half)
+        estimate = self.run.measured.extreme_estimates.get(column, {}).get(half)
         if estimate is None:
             return None
-        settling = (self.run.settling_errors or {}).get(column)
-        return estimate + (settling if settling is not None else (self.run.settling_error or 0.0) * float(np.ptp(self.run.cycle[column])))
+        return estimate + self.run.approach.distance(column, float(np.ptp(self.run.cycle[column])))

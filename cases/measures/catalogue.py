@@ -173,13 +173,13 @@ def _of_turn(declared: OfTurn, motion: SettledMotion) -> Number:
 
 def _estimate(motion: SettledMotion, name: str, what: str) -> float | None:
     """The engine's estimate of the error of a number over a turn (`Run.turn_estimates`); None if it has none."""
-    return motion.run.turn_estimates.get(name, {}).get(what)
+    return motion.run.measured.turn_estimates.get(name, {}).get(what)
 
 
 def _left(motion: SettledMotion) -> float:
     """Relative distance from the steady state."""
-    part = 1.0 if motion.run.periodic_orbit is None else LEFT_BY_SEARCH
-    return part * (motion.run.settling_error or 0.0)
+    part = 1.0 if motion.run.approach.periodic_orbit is None else LEFT_BY_SEARCH
+    return part * (motion.run.approach.settling_error or 0.0)
 
 
 def _consensus(half: str, motion: SettledMotion) -> Number:
@@ -197,7 +197,7 @@ def _fitted(number: Number | None) -> Number:
 
 
 def _multiplier(number: Callable[[PeriodicOrbit], tuple[float, float | None]], motion: SettledMotion) -> Number:
-    orbit = motion.run.periodic_orbit
+    orbit = motion.run.approach.periodic_orbit
     if orbit is None:
         return NO_NUMBER
     return Number(*number(orbit))
@@ -211,7 +211,7 @@ def _period(motion: SettledMotion) -> Number:
 
 
 def _solve_seconds(motion: SettledMotion) -> Number:
-    return Number(motion.run.solve_seconds or math.nan)
+    return Number(motion.run.computation.solve_seconds or math.nan)
 
 
 def _declared() -> Iterator[Measure]:

@@ -11,6 +11,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.estimates import MeasuredNumbers
 from quickreturn.cases.runs.orbit import begins_in_orbit, orbits
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import LARGEST_PERIOD_RATIO, Run, RunRequest
@@ -113,7 +114,7 @@ def hold_against_engines(
     groups: dict[int | None, dict[str, Run]] = {}
     for table in tables:
         run = recorded_run(table, case)
-        groups.setdefault(run.turn, {})[table.name] = run
+        groups.setdefault(run.approach.turn, {})[table.name] = run
     requests = {}
     for turn, group in groups.items():
         end = LARGEST_PERIOD_RATIO * max(float(run.cycle["time"][-1]) for run in group.values())
@@ -155,4 +156,5 @@ def _marches_from_orbit(request: RunRequest) -> bool:
 
 def _without(request: RunRequest, status: str, why: str) -> Run:
     """The run of a request that produced no result."""
-    return replace(Run.begun(request, engine(request.engine)), status=status, remark=why, cause=why, unestimated=why)
+    begun, measured = Run.begun(request, engine(request.engine)), MeasuredNumbers(unestimated=why)
+    return replace(begun, status=status, remark=why, cause=why, measured=measured)

@@ -129,7 +129,7 @@ class CaseResult:
     @property
     def turn(self) -> int | None:
         """The turn from the standard start that is compared; None: the steady state."""
-        return next((run.turn for run in self.runs.values() if run.turn is not None), None)
+        return next((run.approach.turn for run in self.runs.values() if run.approach.turn is not None), None)
 
     @property
     def with_tables(self) -> "CaseResult":
@@ -189,7 +189,7 @@ class CaseResult:
         """
         run, reference = self.runs[name], self.runs.get(REFERENCE)
         comparable = reference is not None and reference.usable and name != REFERENCE
-        if not run.usable or (not comparable if run.estimate_of == "integration" else run.unestimated):
+        if not run.usable or (not comparable if run.estimate_of == "integration" else run.measured.unestimated):
             return None
         sizes = [size for half in HALVES for size in _relative_estimates(run, half)]
         if comparable:
@@ -226,14 +226,15 @@ def compare(case: Case, runs: Mapping[str, Run], recorded: Mapping[str, Run] | N
     judged = {name: run for name, run in runs.items() if not not_judged(run)}
     against = judged.get(REFERENCE) or next(iter(judged.values()), None)
     checks = [check for run in judged.values() if against is not None and run is not against for check in _checks(case, run, against)]
-    turns = {run.turn for run in runs.values()}
-    tables = {name: run if run.turn is None or run.turn in turns else _unsettled(run) for name, run in (recorded or {}).items()}
+    turns = {run.approach.turn for run in runs.values()}
+    tables = {name: run if run.approach.turn in {None, *turns} else _unsettled(run) for name, run in (recorded or {}).items()}
     of_tables = [check for run in tables.values() if run.usable for other in judged.values() for check in _table_checks(case, run, other)]
     return CaseResult(case, runs, tuple(checks), tables, tuple(of_tables))
 
 
 def _unsettled(run: Run) -> Run:
-    told = f"begins in the standard start and has not settled after {run.cycles} turns; `quickreturn compare` compares it in that turn"
+    turns = f"{run.approach.cycles} turns; `quickreturn compare` compares it in that turn"
+    told = f"begins in the standard start and has not settled after {turns}"
     return replace(run, status=Ending.NOT_SETTLED, remark=f"{run.remark}; {told}" if run.remark else told)
 
 
@@ -245,7 +246,7 @@ def not_judged(run: Run) -> str:
         return "its estimate covers the integration alone, not its model"
     if run.estimate_of == "unverified":
         return "its estimates are not verified"
-    return f"no estimates: {run.unestimated}" if run.unestimated else ""
+    return f"no estimates: {run.measured.unestimated}" if run.measured.unestimated else ""
 
 
 def _checks(case: Case, run: Run, other: Run) -> list[Difference]:
@@ -259,15 +260,14 @@ def _table_checks(case: Case, table: Run, other: Run) -> list[Difference]:
     checks = [check for check in _checks(case, table, other) if check.quantity not in EXTREMES]
     filtered = table.recording is not None and table.recording.filtered
     time, angle = other.cycle["time"], other.cycle["crank_angle"]
-    for channel in dict.fromkeys(measure.channel for measure in table.measures if measure.channel in other.extreme_estimates):
+    estimates = other.measured.extreme_estimates
+    for channel in dict.fromkeys(measure.channel for measure in table.measured.measures if measure.channel in estimates):
         its_extremes, scale = extremes_by_half(time, angle, other.cycle[channel], filtered), other.peak(channel)
-        of_channel = (other.settling_errors or {}).get(channel)
-        unsettled = of_channel if of_channel is not None else (other.settling_error or 0.0) * scale
         for half in HALVES:
             for quantity, extreme in zip(EXTREMES, its_extremes[half], strict=True):
                 number = number_of(table, quantity, half, channel)
                 if number is not None and not math.isnan(number.error) and scale > NOTHING:
-                    other_number = replace(extreme, estimate=other.extreme_estimates[channel][half], settling=unsettled)
+                    other_number = replace(extreme, estimate=estimates[channel][half], settling=other.approach.distance(channel, scale))
                     checks.append(Difference(case.name, table.engine, other.engine, quantity, half, channel, number, other_number, scale))
     return checks
 
@@ -312,20 +312,20 @@ def number_of(run: Run, quantity: str, half: str, channel: str) -> Number | None
     number = None if measure is None else measure.number(quantity)
     if number is None or quantity not in EXTREMES:
         return number
-    return replace(number, settling=or_nan((run.settling_errors or {}).get(channel)))
+    return replace(number, settling=or_nan((run.approach.settling_errors or {}).get(channel)))
 
 
 def _consensus(run: Run, half: str, channels: Sequence[str]) -> Number | None:
     number = consensus_of(half, [measure for channel in channels if (measure := run.measure(half, channel))]).number
-    return None if number is None else replace(number, estimate=mean_estimate(run.measures, half, channels))
+    return None if number is None else replace(number, estimate=mean_estimate(run.measured.measures, half, channels))
 
 
 def _relative_estimates(run: Run, half: str) -> Iterator[float]:
     """A run's relative error estimates in a half: of extremes relative to the channel's peak, of the consensus relative to itself."""
-    for measure in run.measures:
+    for measure in run.measured.measures:
         peak, estimates = run.peak(measure.channel), [getattr(measure, f"{name}_estimate") for name in EXTREMES]
         if measure.half == half and peak > 0.0:
             yield from (estimate / peak for estimate in estimates if estimate is not None)
-    frequency, estimate = run.consensus_frequency(half), mean_estimate(run.measures, half)
+    frequency, estimate = run.consensus_frequency(half), mean_estimate(run.measured.measures, half)
     if frequency and estimate is not None:
         yield estimate / frequency

@@ -16,7 +16,7 @@ For cycles that repeat in statistics only, means are compared: of the measures, 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Final
 
@@ -68,6 +68,29 @@ class MeasuredCycle:
         given = [each for each in OF_TURN if all({*each.columns} <= cycle.keys() for cycle in cycles)]
         numbers = {each.name: float(np.mean([each.of(cycle) for cycle in cycles])) for each in given}
         return cls(measures, signals, rms, change, numbers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredNumbers:
+    """The numbers of a cycle, with their error estimates."""
+
+    measures: tuple[ChannelMeasures, ...] = ()
+    consensus: tuple[Consensus, ...] = ()
+    unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
+    extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> error estimate of its extremes
+    turn_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> "rms", "change" -> error estimate over a turn
+
+    @classmethod
+    def of(cls, delivered: CycleMeasures, compared: Sequence[Compared[MeasuredCycle]], unestimated: str = "") -> "MeasuredNumbers":
+        """Numbers of the cycles that are delivered, with the estimates that the compared runs show; none if these are empty."""
+        measures, consensus = with_estimates(delivered, compared)
+        return cls(
+            measures=measures,
+            consensus=consensus,
+            unestimated=unestimated,
+            extreme_estimates=extreme_estimates(compared),
+            turn_estimates=turn_estimates(compared),
+        )
 
 
 def with_estimates(

@@ -25,10 +25,11 @@ from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER,
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.estimates import MeasuredNumbers
 from quickreturn.cases.runs.marching import columns_of
 from quickreturn.cases.runs.noise import noise_of, scatter
 from quickreturn.cases.runs.other_case import cases_of_pace
-from quickreturn.cases.runs.request import STANDARD, Recording, Run
+from quickreturn.cases.runs.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import SHAPE
@@ -119,16 +120,16 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         estimate_of="recorded",
         status=Ending.TRANSIENT if turn is not None else Ending.SETTLED if settling.settled else unsettled,
         remark="; ".join(remarks),
-        start=STANDARD if begins else None,
-        settled=settling.settled,
-        cycles=len(cycles),
-        settling_error=settling.error_estimate if math.isfinite(settling.error_estimate) else None,
-        settling_errors=errors,
-        turn=turn,
         recording=recording,
-        measures=measures,
-        consensus=consensus,
-        unestimated="",
+        approach=Approach(
+            start=STANDARD if begins else None,
+            turn=turn,
+            settled=settling.settled,
+            cycles=len(cycles),
+            settling_error=settling.error_estimate if math.isfinite(settling.error_estimate) else None,
+            settling_errors=errors,
+        ),
+        measured=MeasuredNumbers(measures=measures, consensus=consensus, unestimated=""),
         cycle=last,
     )
 

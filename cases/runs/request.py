@@ -11,6 +11,7 @@ from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import ChannelMeasures
 from quickreturn.cases.measures.steady_state import Outlook
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.estimates import MeasuredNumbers
 from quickreturn.cases.runs.orbit import Orbit
 from quickreturn.cases.runs.stability import Multiplier
 from quickreturn.engines.base import AnyEngine, SteadyState
@@ -130,24 +131,10 @@ class Recording:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
-    """The result of a request, or of a recorded table; None for parts that were not reached."""
+class Computation:
+    """What a run was computed with: its settings, their error estimate from the run's start, and what they cost."""
 
-    engine: str
-    method: str = ""
-    version: str | None = None
-    estimate_of: str  # what its estimates cover, see `engines.base.Engine.estimates`
     accuracy: float | None = None  # error of the tip deflection that was aimed at
-    status: str = Ending.REFUSED  # the word of an `Ending`
-    remark: str = ""  # a sentence if something went wrong, otherwise ""
-    start: str | None = None  # `STANDARD`, `FROM_ORBIT` or `DIRECT`
-    settled: bool = False
-    cycles: int = 0  # number of simulated cycles, or the work of the direct search in cycles
-    averaged_cycles: int = 1  # number of last cycles for the means of the measures; 1: the last cycle alone, which repeats
-    settling_error: float | None = None  # estimated distance of the last cycle from the steady state, relative to the signals' RMS
-    settling_errors: dict[str, float] | None = None  # the same of each channel, in its own unit
-    settling: Outlook | None = None  # outlook of the cycles if they did not settle
-    periodic_orbit: PeriodicOrbit | None = None  # where it was found directly
     settings: dict[str, Any] | None = None
     reached: bool = False  # whether the error estimate is within the accuracy
     error_estimate: float | None = None  # of the tip deflection, relative
@@ -160,34 +147,70 @@ class Run:
     solve_seconds: float | None = None
     wall_seconds: float | None = None  # time of the whole request
     simulated_seconds: float | None = None  # simulated time in the solve time
+
+
+@dataclass(frozen=True, kw_only=True)
+class Approach:
+    """How a run came to the cycle that is measured."""
+
+    start: str | None = None  # `STANDARD`, `FROM_ORBIT` or `DIRECT`
+    turn: int | None = None  # number of the measured turn if the request names one
+    settled: bool = False
+    cycles: int = 0  # number of simulated cycles, or the work of the direct search in cycles
+    averaged_cycles: int = 1  # number of last cycles for the means of the measures; 1: the last cycle alone, which repeats
+    settling_error: float | None = None  # estimated distance of the last cycle from the steady state, relative to the signals' RMS
+    settling_errors: dict[str, float] | None = None  # the same of each channel, in its own unit
+    settling: Outlook | None = None  # outlook of the cycles if they did not settle
+    periodic_orbit: PeriodicOrbit | None = None  # where it was found directly
+
+    def distance(self, channel: str, size: float) -> float:
+        """Estimated distance of a channel, of this size in its unit, from its steady state."""
+        known = (self.settling_errors or {}).get(channel)
+        return (self.settling_error or 0.0) * size if known is None else known
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """The result of a request, or of a recorded table; None for parts that were not reached."""
+
+    engine: str
+    method: str = ""
+    version: str | None = None
+    estimate_of: str  # what its estimates cover, see `engines.base.Engine.estimates`
+    status: str = Ending.REFUSED  # the word of an `Ending`
+    remark: str = ""  # a sentence if something went wrong, otherwise ""
     failure_time: float | None = None  # s, of a run that broke down; with cause and advice
     cause: str | None = None
     advice: str | None = None
-    turn: int | None = None  # number of the measured turn if the request names one
     recording: Recording | None = None  # the recorded table whose run this is; None: an engine's
-    measures: tuple[ChannelMeasures, ...] = ()
-    consensus: tuple[Consensus, ...] = ()
-    unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
-    extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> error estimate of its extremes
-    turn_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> "rms", "change" -> error estimate over a turn
+    computation: Computation = field(default_factory=Computation)
+    approach: Approach = field(default_factory=Approach)
+    measured: MeasuredNumbers = field(default_factory=MeasuredNumbers)
     #: The last cycle with every column of the trajectory, from farthest to farthest; the rows of a failed run; otherwise empty.
     cycle: Columns = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def begun(cls, request: RunRequest, engine: AnyEngine) -> "Run":
         """A run before any computation."""
-        accuracy = request.accuracy or engine.default_accuracy
-        return cls(engine=engine.name, method=engine.method, estimate_of=engine.estimates, accuracy=accuracy)
+        computation = Computation(accuracy=request.accuracy or engine.default_accuracy)
+        return cls(engine=engine.name, method=engine.method, estimate_of=engine.estimates, computation=computation)
 
     def __repr__(self) -> str:
-        lines = [f"{self.engine}: {self.status} after {self.cycles} cycles" + (f"; {self.remark}" if self.remark else "")]
-        shown = {name: self.error_estimates[name] for name in ESTIMATED if name in self.error_estimates}
+        estimates = self.computation.error_estimates
+        lines = [f"{self.engine}: {self.status} after {self.approach.cycles} cycles" + (f"; {self.remark}" if self.remark else "")]
+        shown = {name: estimates[name] for name in ESTIMATED if name in estimates}
         lines += [f"  error of {name}: {'unknown' if error is None else f'{error:.1e}'}" for name, error in shown.items()]
-        lines += [f"  {part}" for part in self.error_parts.get(TIP, ())]
-        for each in self.consensus:
+        lines += [f"  {part}" for part in self.computation.error_parts.get(TIP, ())]
+        for each in self.measured.consensus:
             if each.first_mode_frequency is not None:
                 lines.append(f"  first mode, {each.half}-return: {each.first_mode_frequency:.2f} Hz")
         return "\n".join(lines)
+
+    @property
+    def flat(self) -> dict[str, Any]:
+        """Everything but the cycle, by the names of the fields; those of the parts stand among the others."""
+        own = {name: value for name, value in vars(self).items() if name not in ("computation", "approach", "measured", "cycle")}
+        return {**own, **vars(self.computation), **vars(self.approach), **vars(self.measured)}
 
     @property
     def usable(self) -> bool:
@@ -201,11 +224,11 @@ class Run:
 
     def measure(self, half: str, channel: str) -> ChannelMeasures | None:
         """The measure of a half and channel, or None if there is none."""
-        return next((measure for measure in self.measures if (measure.half, measure.channel) == (half, channel)), None)
+        return next((measure for measure in self.measured.measures if (measure.half, measure.channel) == (half, channel)), None)
 
     def consensus_of(self, half: str) -> Consensus | None:
         """The consensus of a half on the first-mode frequency; None if there is none, or where it is not resolvable."""
-        return next((one for one in self.consensus if one.half == half and one.first_mode_frequency is not None), None)
+        return next((one for one in self.measured.consensus if one.half == half and one.first_mode_frequency is not None), None)
 
     def consensus_frequency(self, half: str) -> float | None:
         """Consensus of the first-mode frequency in a half, Hz, or None where not resolvable."""

@@ -29,7 +29,7 @@ from quickreturn.cases.measures.mean_cycle import mean_measures
 from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates, turn_estimates, with_estimates
+from quickreturn.cases.runs.estimates import MeasuredCycle, MeasuredNumbers
 from quickreturn.cases.runs.marching import March, columns_of, is_determined, output_step, periodic_cycle, settle
 from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, compared_orbits, settled_pairs
 from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, PeriodicOrbit, Run, RunRequest
@@ -74,14 +74,15 @@ def steady_state(request: RunRequest) -> Run:
         unfinished.add_remark(str(reason))
     except EngineFailure as failure:
         partial = {} if failure.partial is None else dict(failure.partial.columns)
-        about = {"cause": failure.cause, "advice": failure.advice, "failure_time": failure.time}
-        unfinished.note(status=Ending.FAILED, remark=str(failure), cycle=partial, **about)
+        unfinished.note(status=Ending.FAILED, remark=str(failure), cycle=partial)
+        unfinished.note(cause=failure.cause, advice=failure.advice, failure_time=failure.time)
     except OF_THE_MACHINE:
         raise
     except Exception as error:  # a third-party engine may raise anything, and must not take the others with it
         unfinished.note(status=Ending.FAILED, remark=raised(error), cause=raised(error), cycle={})
     unfinished.measure()
-    return replace(unfinished.run, wall_seconds=time.perf_counter() - began)
+    unfinished.note("computation", wall_seconds=time.perf_counter() - began)
+    return unfinished.run
 
 
 class _RunInProgress:
@@ -104,9 +105,9 @@ class _RunInProgress:
         self._neutral = False  # whether disturbances neither grow nor die away
         self.run = Run.begun(request, engine)
 
-    def note(self, **fields: Any) -> None:
-        """Set fields of the result; names as in `Run`."""
-        self.run = replace(self.run, **fields)
+    def note(self, part: str = "", **fields: Any) -> None:
+        """Set fields of the result, or of one of its parts; names as in `Run`."""
+        self.run = replace(self.run, **({part: replace(getattr(self.run, part), **fields)} if part else fields))
 
     def add_remark(self, remark: str) -> None:
         """Add a sentence to the remark of the result."""
@@ -124,22 +125,24 @@ class _RunInProgress:
         refines = not self._mechanism.slider.has_corners or bool(self._request.settings)
         self._choose_settings(refines)
         self._cycles = self._settled_cycles()
-        if not refines and self.run.averaged_cycles == 1 and not self.run.reached:
+        if not refines and self.run.approach.averaged_cycles == 1 and not self.run.computation.reached:
             self._choose_settings(True)
             self._cycles = self._settled_cycles()
         self.note(cycle=self._cycles[-1] if self._cycles else Columns())
-        if self.run.turn is None and not self.run.settled:
+        approach = self.run.approach
+        if approach.turn is None and not approach.settled:
             self.note(status=Ending.NOT_SETTLED)
             return
         settled = Ending.NEUTRAL if self._neutral else Ending.SETTLED
-        self.note(status=Ending.TRANSIENT if self.run.turn is not None else settled if self.run.reached else Ending.INACCURATE)
+        steady = settled if self.run.computation.reached else Ending.INACCURATE
+        self.note(status=steady if approach.turn is None else Ending.TRANSIENT)
         if self._engine.estimates == "integration":
-            self.note(unestimated="its own estimates cover the integration alone")
+            self.note("measured", unestimated="its own estimates cover the integration alone")
         elif not self._request.estimated:
-            self.note(unestimated="none were asked for")
+            self.note("measured", unestimated="none were asked for")
         else:
             self._compared, why = self._compare()
-            self.note(unestimated=why)
+            self.note("measured", unestimated=why)
 
     def measure(self) -> None:
         """Measure the settled cycle, with error estimates from the compared runs."""
@@ -154,10 +157,7 @@ class _RunInProgress:
             return by_identity[id(cycles)]
 
         others = [runs.mapped(measured) for runs in self._compared]
-        measures, consensus = with_estimates(measured(self._cycles).measures, others)
-        self.note(
-            measures=measures, consensus=consensus, extreme_estimates=extreme_estimates(others), turn_estimates=turn_estimates(others)
-        )
+        self.note(measured=MeasuredNumbers.of(measured(self._cycles).measures, others, self.run.measured.unestimated))
 
     def _choose_settings(self, refines: bool) -> None:
         """Find the settings that reach the accuracy from the run's start, with their error estimate and all runs for it.
@@ -175,10 +175,11 @@ class _RunInProgress:
         estimate = request.estimated or not request.settings or accuracy is not None  # settings that are given need none
         result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, settings, accuracy, estimate)
         self._settings, self._done = result.delivered, result.runs
+        self.note(remark=result.remark if estimate else "")
         self.note(
+            "computation",
             accuracy=result.accuracy if refines else target,
             settings=result.settings,
-            remark=result.remark if estimate else "",
             reached=result.reached if refines else result.error_estimate is not None and result.error_estimate <= target,
             error_estimate=result.error_estimate,
             error_estimates=result.error_estimates,
@@ -197,34 +198,37 @@ class _RunInProgress:
         multiplier = 0.0 if is_determined(self._mechanism) else None
         if cycle := self._direct_cycle():
             return (cycle,)
-        self.note(start=STANDARD)
+        self.note("approach", start=STANDARD)
         if orbit is not None and orbit.begin is None and not orbit.multiplier:
             self.add_remark(f"begun in the standard start, because `reference` found no periodic state: {orbit.reason}")
         elif orbit is not None:
-            if hopeless := orbit.hopeless(_error(self.run)):
+            errors = self.run.computation.error_estimates  # in a few cycles: on the stretch from the run's start
+            known = (error for name in CHANNELS if (error := errors.get(name)) is not None)
+            if hopeless := orbit.hopeless(max(known, default=UNKNOWN_ERROR)):
                 raise Hopeless(hopeless)
-            self.note(start=FROM_ORBIT)
+            self.note("approach", start=FROM_ORBIT)
             multiplier = orbit.multiplier if multiplier is None else multiplier
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
             cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners)
         finally:
-            self.note(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
-        self.note(settled=settling.settled or len(cycles) > 1, cycles=settling.cycles, averaged_cycles=max(len(cycles), 1))
+            self.note("computation", solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        self.note("approach", settled=settling.settled or len(cycles) > 1, cycles=settling.cycles, averaged_cycles=max(len(cycles), 1))
         if math.isfinite(settling.error_estimate):
-            self.note(settling_error=settling.error_estimate, settling_errors=settling.errors)
+            self.note("approach", settling_error=settling.error_estimate, settling_errors=settling.errors)
         if len(cycles) > 1:
             self._early, self._rattling = (), march.present_start()
-            self.note(reached=self._request.accuracy is None, settling_errors=dict.fromkeys(CHANNELS, 0.0), settling=settling.outlook)
+            self.note("computation", reached=self._request.accuracy is None)
+            self.note("approach", settling_errors=dict.fromkeys(CHANNELS, 0.0), settling=settling.outlook)
             self.add_remark(
                 f"it repeats in statistics only: measures are means over the last {len(cycles)} of {settling.cycles} cycles, each of which"
                 f" differs from the one before by about {settling.outlook.change:.2g} of the signals' RMS"
             )
         elif not settling.settled:
-            self.note(settling=settling.outlook)
+            self.note("approach", settling=settling.outlook)
             self.add_remark(f"not settled after {settling.cycles} cycles: {settling.outlook.sentence()}")
-        if self.run.settled and multiplier is None and not self._mechanism.loses_energy:
+        if self.run.approach.settled and multiplier is None and not self._mechanism.loses_energy:
             self._neutral = True
             self.add_remark("a disturbance neither grows nor dies away, because nothing in the scene takes energy from it")
         return cycles
@@ -232,16 +236,16 @@ class _RunInProgress:
     def _noted(self, cycles: Iterable[Cycle]) -> Iterator[Cycle]:
         """The same cycles; keeps the one that is compared with other settings' in a march from the orbit."""
         for number, cycle in enumerate(cycles, 1):
-            if self.run.start == FROM_ORBIT and number == ESTIMATED_CYCLES:
+            if self.run.approach.start == FROM_ORBIT and number == ESTIMATED_CYCLES:
                 self._early = (columns_of(cycle),)
             yield cycle
 
     def _turn(self, number: int) -> Columns:
         """A turn of the run from the standard start, counted from 1."""
-        self.note(start=STANDARD, turn=number, cycles=number, settling_errors=dict.fromkeys(CHANNELS, 0.0))
+        self.note("approach", start=STANDARD, turn=number, cycles=number, settling_errors=dict.fromkeys(CHANNELS, 0.0))
         march = self._march(self._settings)
         cycle = columns_of(next(islice(march, number - 1, None)))
-        self.note(solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        self.note("computation", solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         return cycle
 
     def _compare(self) -> tuple[tuple[Compared[tuple[Columns, ...]], ...], str]:
@@ -265,12 +269,13 @@ class _RunInProgress:
 
         If cycles repeat in statistics only, these runs begin where the delivered one has ended.
         """
+        averaged = self.run.approach.averaged_cycles
         if self._rattling is not None:
             march = March(self._engine.prepare(self._mechanism, self._rattling, settings), self._rattling.crank_speed, self._step)
-            return tuple(columns_of(cycle) for cycle in islice(march, CYCLES_AFTER_CHANGE, CYCLES_AFTER_CHANGE + self.run.averaged_cycles))
-        if self.run.start != DIRECT:
-            number = ESTIMATED_CYCLES if self._early else self.run.cycles
-            return tuple(columns_of(cycle) for cycle in islice(self._march(settings), number - self.run.averaged_cycles, number))
+            return tuple(columns_of(cycle) for cycle in islice(march, CYCLES_AFTER_CHANGE, CYCLES_AFTER_CHANGE + averaged))
+        if self.run.approach.start != DIRECT:
+            number = ESTIMATED_CYCLES if self._early else self.run.approach.cycles
+            return tuple(columns_of(cycle) for cycle in islice(self._march(settings), number - averaged, number))
         with contextlib.suppress(NoSteadyState):
             state = self._periodic_state(settings)
             if state is not None and (state.stable or self._neutral):
@@ -319,31 +324,29 @@ class _RunInProgress:
             self._found = state
             multiplier = self._multiplier(state)
             orbit = PeriodicOrbit.of(state, multiplier)
-            self.note(periodic_orbit=orbit)
+            self.note("approach", periodic_orbit=orbit)
             if multiplier.status == NOT_CONVERGED:
                 raise Hopeless(multiplier.sentence)
             self._neutral = multiplier.status == Ending.NEUTRAL
             if self._neutral:
                 self.add_remark(multiplier.sentence)
-        self.note(periodic_orbit=orbit)
+        self.note("approach", periodic_orbit=orbit)
         if not orbit.stable and not self._neutral:
             raise Hopeless(Orbit(None, math.hypot(*orbit.multipliers[0])).hopeless(0.0))
         whole, piece = periodic_cycle(state, self._step)
         cycle = columns_of(whole)
         self.note(
+            "computation",
+            solve_seconds=state.solve_seconds + piece.solve_seconds,
+            simulated_seconds=state.cycles_of_work * state.period + float(piece["time"][-1]),
+        )
+        self.note(
+            "approach",
             start=DIRECT,
             settled=True,
             cycles=math.ceil(state.cycles_of_work),
             settling_error=state.residual,
             settling_errors={name: state.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS},
-            solve_seconds=state.solve_seconds + piece.solve_seconds,
-            simulated_seconds=state.cycles_of_work * state.period + float(piece["time"][-1]),
             periodic_orbit=replace(orbit, period=float(cycle["time"][-1] - cycle["time"][0])),
         )
         return cycle
-
-
-def _error(run: Run) -> float:
-    """The engine's error in a few cycles: its largest estimate on the stretch from the run's start."""
-    estimates = [estimate for name in CHANNELS if (estimate := run.error_estimates.get(name)) is not None]
-    return max(estimates, default=UNKNOWN_ERROR)

@@ -17,10 +17,10 @@ from quickreturn.cases.measures.catalogue import SettledMotion, measure
 from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import MOTION, MeasuredCycle, extreme_estimates, turn_estimates, with_estimates
+from quickreturn.cases.runs.estimates import MOTION, MeasuredCycle, MeasuredNumbers
 from quickreturn.cases.runs.marching import output_step
 from quickreturn.cases.runs.orbit import compared_orbits, orbit_of, periodic_state, stability_of
-from quickreturn.cases.runs.request import PeriodicOrbit, Run, RunRequest
+from quickreturn.cases.runs.request import Approach, Computation, PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.runs.stability import NOT_CONVERGED, multiplier_of, nearly_one
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines import progress
@@ -197,17 +197,13 @@ class _Point:
             engine=self._engine.name,
             estimate_of="total",
             status=Ending.SETTLED,
-            settled=True,
-            settling_error=state.residual,
-            periodic_orbit=orbit,
-            solve_seconds=state.solve_seconds,
+            computation=Computation(solve_seconds=state.solve_seconds),
+            approach=Approach(settled=True, settling_error=state.residual, periodic_orbit=orbit),
             cycle=cycle,
         )
         if scale is None and not compared:
             return run
-        estimated, consensus = with_estimates((compared[0].run if compared else measured(cycle)).measures, compared)
-        run = replace(run, measures=estimated, consensus=consensus)
-        return replace(run, extreme_estimates=extreme_estimates(compared), turn_estimates=turn_estimates(compared))
+        return replace(run, measured=MeasuredNumbers.of((compared[0].run if compared else measured(cycle)).measures, compared))
 
     def _run(self, state: FoundOrbit | None) -> None:
         """Measure as `run` does, from the periodic state of `reference` if there is one."""

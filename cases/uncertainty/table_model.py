@@ -42,7 +42,7 @@ class TableModel:
 
     def __init__(self, case: Case, table: RecordedTable) -> None:
         run = recorded_run(table, case)
-        self.begins = run.start == STANDARD  # whether the table begins in the standard start
+        self.begins = run.approach.start == STANDARD  # whether the table begins in the standard start
         if not self.begins and run.status == Ending.NOT_SETTLED:
             raise CaseError(table.shown, None, None, "neither begins in the standard start nor has settled", run.remark)
         self.names = tuple(name for name in COMPARED if name in table.columns and np.any(table.columns[name]))

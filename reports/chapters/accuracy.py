@@ -113,9 +113,9 @@ def both_starts_words(studied: Sequence[BothStarts]) -> str:
     """For each engine that marched from both starts: its cycles, and whether the last ones differ."""
     texts = []
     for both in studied:
-        left = (both.orbit.settling_error or 0.0) + (both.straight.settling_error or 0.0)
+        left = (both.orbit.approach.settling_error or 0.0) + (both.straight.approach.settling_error or 0.0)
         more = "no more" if both.difference <= left else "more"
-        cycles = f"{both.orbit.cycles} and {both.straight.cycles} cycles"
+        cycles = f"{both.orbit.approach.cycles} and {both.straight.approach.cycles} cycles"
         texts.append(f"{both.engine} in {cycles}, {size(both.difference)} apart ({more} than the remaining change that both state)")
     return "; ".join(texts)
 
@@ -237,7 +237,7 @@ def solve_times(results: Sequence[CaseResult]) -> Table:
     for result in results:
         cells: dict[str, Any] = {}
         for name, run in result.runs.items():
-            took, simulated = run.solve_seconds, run.simulated_seconds
+            took, simulated = run.computation.solve_seconds, run.computation.simulated_seconds
             cells[f"{name}_solve_seconds"] = took if took is not None and run.usable else Cell(took, note=run.status, mark="open")
             cells[f"{name}_per_second"] = took / simulated if took is not None and simulated else None
         table.add(case=result.case.name, **cells)
@@ -272,17 +272,17 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
     )
     for result in results:
         run = result.runs.get(REFERENCE)
-        orbit = None if run is None else run.periodic_orbit
+        orbit = None if run is None else run.approach.periodic_orbit
         if run is None or orbit is None or not orbit.multipliers:
             continue
         modulus = math.hypot(*orbit.multipliers[0])
         shrinking = 0.0 < modulus < 1.0
-        cycles = {f"{name}_cycles": result.runs[name].cycles for name in marching if name in result.runs}
+        cycles = {f"{name}_cycles": result.runs[name].approach.cycles for name in marching if name in result.runs}
         table.add(
             orbit,
             case=result.case.name,
             stable=Cell(orbit.stable, Ending.NEUTRAL if run.status == Ending.NEUTRAL else "", run.remark if not orbit.stable else ""),
-            cycles_of_work=run.cycles if orbit.stable else None,
+            cycles_of_work=run.approach.cycles if orbit.stable else None,
             multiplier=modulus,
             cycles_to_settled=math.log(SETTLED_AT) / math.log(modulus) if shrinking else None,
             cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
@@ -307,6 +307,6 @@ def both_starts(studied: Sequence[BothStarts]) -> Table:
     )
     for study in studied:
         runs = {"orbit": study.orbit, "straight": study.straight}
-        cycles = {f"{key}_cycles": run.cycles for key, run in runs.items()}
-        table.add(study, **cycles, **{f"{key}_settling_error": run.settling_error for key, run in runs.items()})
+        cycles = {f"{key}_cycles": run.approach.cycles for key, run in runs.items()}
+        table.add(study, **cycles, **{f"{key}_settling_error": run.approach.settling_error for key, run in runs.items()})
     return table

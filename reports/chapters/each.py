@@ -73,5 +73,5 @@ def case_table(result: CaseResult) -> Table:
     )
     for run in result.runs.values():
         peaks = {f"peak_{column}": run.peak(column) for column in (*CHANNELS, "slider_force") if run.usable}
-        table.add(run, status=status_cell(run), **peaks, **measure_cells(result.case, run))
+        table.add(run.flat, status=status_cell(run), **peaks, **measure_cells(result.case, run))
     return table

@@ -63,7 +63,7 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
         runs = [run for result in results if (run := result.with_tables.runs.get(name)) is not None]
         first = runs[0]
         table.add(
-            first,
+            first.flat,
             engine=name,
             origin="a file" if first.recording else "this project" if name in OWN else "another package",
             version=next((run.version for run in runs if run.version), None) or _no_version(first),
@@ -93,7 +93,7 @@ def troubles(runs: Sequence[tuple[str, Run]]) -> Table:
     columns = (CASE, "engine", "status", Column("remark", "in the engine's words"))
     table = Table("failures", "Every run whose status is not “settled”.", columns)
     for case, run in runs:
-        table.add(run, case=case, status=Cell(run.status, mark="failed" if run.ending.incomplete else "open"))
+        table.add(run.flat, case=case, status=Cell(run.status, mark="failed" if run.ending.incomplete else "open"))
     return table
 
 
@@ -119,10 +119,10 @@ def settings(results: Sequence[CaseResult]) -> Table:
     )
     for result in results:
         for run in result.runs.values():
-            text = settings_words(run.settings or {}) or "none: the run ended before"
-            estimate = Cell(run.error_estimate, note="; ".join(map(str, run.error_parts.get(TIP, ()))))
-            start = run.start or Cell(None, note=run.status)
-            table.add(run, case=result.case.name, error_estimate=estimate, start=start, settings=text)
+            text = settings_words(run.computation.settings or {}) or "none: the run ended before"
+            estimate = Cell(run.computation.error_estimate, note="; ".join(map(str, run.computation.error_parts.get(TIP, ()))))
+            start = run.approach.start or Cell(None, note=run.status)
+            table.add(run.flat, case=result.case.name, error_estimate=estimate, start=start, settings=text)
     return table
 
 

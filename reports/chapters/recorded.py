@@ -53,7 +53,7 @@ def recorded_tables(results: Sequence[CaseResult]) -> Table:
             checks = [check for check in result.table_checks if check.engine == run.engine]
             beyond = sum(not check.passed for check in checks)
             table.add(
-                run,
+                run.flat,
                 compared=len(checks),
                 beyond=Cell(beyond, mark="missed" if beyond else ""),
                 case=result.case.name,

@@ -169,6 +169,6 @@ def measures(results: Sequence[CaseResult]) -> Table:
     )
     for result in results:
         for name, run in result.runs.items():
-            for measure in run.measures:
+            for measure in run.measured.measures:
                 table.add(measure, case=result.case.name, engine=name, status=run.status)
     return table

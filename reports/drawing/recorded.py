@@ -38,7 +38,7 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
             for axes, name in zip(panels[place:], shown, strict=False):
                 if name in run.cycle:
                     axes.plot(fraction(run.cycle["crank_angle"]), run.cycle[name], **style)
-        turn = next(iter(result.recorded.values())).turn
+        turn = next(iter(result.recorded.values())).approach.turn
         note(panels[place], 0.01, 0.97, "steady state" if turn is None else f"turn {turn} from the standard start")
         labels += [f"{name.replace('_', ' ')}\n({COLUMNS[name].unit.replace('^2', '²')})" for name in shown]
         place += len(shown)

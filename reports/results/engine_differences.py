@@ -68,7 +68,7 @@ def cause(result: CaseResult, check: Difference) -> str:
     causes = []
     if check.quantity in EXTREMES and _slider_at_gauge(result, check):
         causes.append("at this instant the slider passes the gauge, where the curvature has a kink that elements and links round off")
-    missed = [name for name in (check.engine, check.other) if not result.runs[name].reached]
+    missed = [name for name in (check.engine, check.other) if not result.runs[name].computation.reached]
     causes += [f"{name} does not reach the accuracy asked, by its own estimate" for name in missed]
     if abs(check.difference) < (1.0 + MARGINAL) * check.tolerance:
         causes.append(f"marginal: beyond the tolerance by less than {MARGINAL:.0%} of it")

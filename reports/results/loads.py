@@ -102,8 +102,9 @@ def accuracies_missed(result: "CaseResult") -> tuple[str, ...]:
 
 
 def _missed(run: "Run") -> str:
-    estimate = "an unknown error" if run.error_estimate is None else f"an error of {size(run.error_estimate)} of the tip’s deflection"
-    asked = "" if run.accuracy is None else f" where {percent(run.accuracy, 'g')} was asked"
+    error, accuracy = run.computation.error_estimate, run.computation.accuracy
+    estimate = "an unknown error" if error is None else f"an error of {size(error)} of the tip’s deflection"
+    asked = "" if accuracy is None else f" where {percent(accuracy, 'g')} was asked"
     return f"{run.engine} estimates {estimate}{asked}"
 
 

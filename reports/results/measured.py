@@ -25,7 +25,7 @@ def measured_halves(results: Sequence[CaseResult]) -> list[MeasuredHalf]:
     halves = []
     for result in results:
         for table in (run for run in result.recorded.values() if run.usable):
-            for measure in (measure for measure in table.measures if measure.channel in CHANNELS):
+            for measure in (measure for measure in table.measured.measures if measure.channel in CHANNELS):
                 same = {name: run.measure(measure.half, measure.channel) for name, run in result.runs.items() if run.usable}
                 engines = {name: of_engine for name, of_engine in same.items() if of_engine is not None}
                 halves.append(MeasuredHalf(result.case, table, measure, engines))

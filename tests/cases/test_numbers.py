@@ -68,7 +68,7 @@ def test_a_number_of_a_turn_is_off_by_no_more_than_the_spacing_of_rows_says(rows
 def test_a_column_that_an_engine_does_not_give_leaves_no_number() -> None:
     mechanism = library_case("thesis-24").mechanism
     turn = {name: TURN[name] for name in ("time", "crank_angle")}
-    run = Run(engine="foreign", estimate_of="total", status=Ending.SETTLED, settled=True, cycle=turn)
+    run = Run(engine="foreign", estimate_of="total", status=Ending.SETTLED, cycle=turn)
     found = numbers(mechanism, run)
     assert found.keys() == MEASURES.keys()
     assert {name for name, number in found.items() if not math.isnan(number.value)} == {

@@ -100,18 +100,18 @@ def steady_rows(pairs: Sequence[tuple[str, str]], jobs: int | None) -> dict[tupl
 def steady_row(run: Run) -> Row:
     """Frequencies with uncertainty, extremes with what the estimate says of them."""
     row: Row = {"status": run.status}
-    if not run.settled:
+    if not run.approach.settled:
         return row
-    for consensus in run.consensus:
+    for consensus in run.measured.consensus:
         row[f"{consensus.half} frequency"] = consensus.first_mode_frequency
         row[f"{consensus.half} frequency claim"] = consensus.uncertainty
-    for channel in dict.fromkeys(measure.channel for measure in run.measures):
-        of_channel = [measure for measure in run.measures if measure.channel == channel]
+    for channel in dict.fromkeys(measure.channel for measure in run.measured.measures):
+        of_channel = [measure for measure in run.measured.measures if measure.channel == channel]
         row[f"{channel} minimum"] = min(measure.minimum for measure in of_channel)
         row[f"{channel} maximum"] = max(measure.maximum for measure in of_channel)
         peak = max(abs(row[f"{channel} minimum"]), abs(row[f"{channel} maximum"]))
-        estimate = run.error_estimates.get(channel)
-        row[f"{channel} claim"] = None if estimate is None else (estimate + (run.settling_error or 0.0)) * peak
+        estimate = run.computation.error_estimates.get(channel)
+        row[f"{channel} claim"] = None if estimate is None else (estimate + (run.approach.settling_error or 0.0)) * peak
     return row
 
 

@@ -215,7 +215,7 @@ def test_run_takes_names_and_gives_frames(place: Path) -> None:
     found = qr.run(qr.case("small.toml"), ["sound", "also-sound"])
     assert found.passed is True
     assert set(found.frame["engine"]) == {"sound", "also-sound"}
-    assert found["small", "sound"].settled
+    assert found["small", "sound"].approach.settled
     assert found._ipython_key_completions_() == [("small", "sound"), ("small", "also-sound")]
     cycle = found.cycle("small", "also-sound")
     assert cycle.attrs["units"]["strain_1"] == "1"

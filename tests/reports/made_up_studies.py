@@ -7,13 +7,14 @@ from quickreturn.cases.studies import BothStarts, Prescribed, Studies
 from quickreturn.cases.trials.trial import Trial
 from quickreturn.cases.trials.truth import Truth
 from quickreturn.engines.own.reference import ReferenceSettings
+from tests.changed_run import changed_run
 
 ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
 
 
 def made_up_both_starts(difference: float = 6e-4) -> BothStarts:
     orbit, straight = (
-        Run(engine="exudyn", estimate_of="total", status="settled", cycles=cycles, settling_error=left)
+        changed_run(Run(engine="exudyn", estimate_of="total", status="settled"), cycles=cycles, settling_error=left)
         for cycles, left in ((4, 5e-4), (25, 9e-4))
     )
     return BothStarts("exudyn", orbit, straight, difference)

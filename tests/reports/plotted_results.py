@@ -21,6 +21,7 @@ from quickreturn.engines.trajectory import OPTIONAL, REQUIRED
 from quickreturn.reference_model.columns import MOMENTS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import RigidMotion, rigid_kinetostatics, rigid_motion
+from tests.changed_run import changed_run
 from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 
 ENGINES = ("thesis", "reference", "exudyn", "mujoco")
@@ -29,9 +30,8 @@ STIFFER = {"thesis": 1.13, "reference": 1.0, "exudyn": 1.002, "mujoco": 0.997}  
 
 def made_up_run(case: Case, engine: str, status: str = Ending.SETTLED, seed: int = 0, samples: int = 400, turning: int = 1) -> Run:
     """A run of any status; a failed one has no cycle, a rigid case no vibration."""
-    run = Run(
-        engine=engine,
-        estimate_of="integration" if engine == "thesis" else "total",
+    run = changed_run(
+        Run(engine=engine, estimate_of="integration" if engine == "thesis" else "total"),
         status=status,
         start=None if status in ("failed", "refused") else "standard",
         unestimated="" if status in (Ending.SETTLED, Ending.INACCURATE) else status,
@@ -74,7 +74,7 @@ def made_up_run(case: Case, engine: str, status: str = Ending.SETTLED, seed: int
         columns[name] = bends * 1e-4 * (gauge * np.sin(angle) + vibration)
     errors = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
     estimates = {name: dict.fromkeys(("pre", "post"), 2e-3 * float(np.max(np.abs(values)))) for name, values in columns.items()}
-    run = dataclasses.replace(run, settling_errors=errors, cycle=columns, extreme_estimates=estimates)
+    run = changed_run(run, settling_errors=errors, cycle=columns, extreme_estimates=estimates)
     if not (bends and status == Ending.SETTLED):
         return run
     consensus, measures = [], []
@@ -82,7 +82,7 @@ def made_up_run(case: Case, engine: str, status: str = Ending.SETTLED, seed: int
         frequency = 17.0 * factor * (1.0 + 0.004 * random.standard_normal())
         consensus.append(Consensus(half, frequency, 0.1, 0.02))
         measures += [_measure(half, name, frequency, columns[name], random) for name in CHANNELS]
-    return dataclasses.replace(run, consensus=tuple(consensus), measures=tuple(measures))
+    return changed_run(run, consensus=tuple(consensus), measures=tuple(measures))
 
 
 def _bending(mechanism: Mechanism, angle: np.ndarray, speed: float, motion: RigidMotion) -> dict[str, np.ndarray]:
@@ -136,7 +136,7 @@ def made_up_result(name: str, statuses: dict[str, str] | None = None, seed: int 
 
 def with_run(result: CaseResult, engine: str, **changes: Any) -> CaseResult:
     """The same results with another run of one engine."""
-    return dataclasses.replace(result, runs={**result.runs, engine: dataclasses.replace(result.runs[engine], **changes)})
+    return dataclasses.replace(result, runs={**result.runs, engine: changed_run(result.runs[engine], **changes)})
 
 
 def with_table(

@@ -45,8 +45,8 @@ def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: f
     for engine, run in result.runs.items():
         frequency = {half: base * factor for half, factor in zip(HALVES, factors[engine], strict=True)}
         known = {half: {"first_mode_frequency": frequency[half], "first_mode_frequency_uncertainty": 0.1} for half in HALVES}
-        measures = tuple(dataclasses.replace(measure, **known[measure.half]) for measure in run.measures)
-        consensus = tuple(dataclasses.replace(each, first_mode_frequency=frequency[each.half]) for each in run.consensus)
+        measures = tuple(dataclasses.replace(measure, **known[measure.half]) for measure in run.measured.measures)
+        consensus = tuple(dataclasses.replace(each, first_mode_frequency=frequency[each.half]) for each in run.measured.consensus)
         result = with_run(result, engine, measures=measures, consensus=consensus)
     return result
 
@@ -54,8 +54,8 @@ def with_frequencies(name: str, factors: dict[str, tuple[float, float]], base: f
 def agreeing(result: CaseResult) -> CaseResult:
     """The same with estimates of the extremes so large that the made-up numbers agree."""
     for engine, run in result.runs.items():
-        wide = [{f"{name}_estimate": 0.04 * run.peak(each.channel) for name in EXTREMES} for each in run.measures]
-        measures = tuple(dataclasses.replace(each, **estimates) for each, estimates in zip(run.measures, wide, strict=True))
+        wide = [{f"{name}_estimate": 0.04 * run.peak(each.channel) for name in EXTREMES} for each in run.measured.measures]
+        measures = tuple(dataclasses.replace(each, **estimates) for each, estimates in zip(run.measured.measures, wide, strict=True))
         result = with_run(result, engine, measures=measures)
     return compare(result.case, result.runs)
 
@@ -72,7 +72,7 @@ def departing(result: CaseResult, excess: float = 3.0) -> tuple[CaseResult, Diff
         return check
 
     off = reference.maximum + excess * found(result).tolerance
-    measures = [dataclasses.replace(each, maximum=off) if each is exudyn else each for each in result.runs["exudyn"].measures]
+    measures = [dataclasses.replace(each, maximum=off) if each is exudyn else each for each in result.runs["exudyn"].measured.measures]
     result = with_run(result, "exudyn", measures=tuple(measures))
     other = compare(result.case, result.runs)
     return other, found(other)

@@ -134,7 +134,7 @@ def check(results: Sequence[CaseResult], record_property: Any) -> None:
     record_property("median", float(np.median(list(ratios.values()))))
     record_property("median tolerance", {name: float(np.median(values)) for name, values in tolerances(results).items()})
     record_property("worst", max(ratios.items(), key=lambda item: item[1]))
-    record_property("means over cycles", sum(run.averaged_cycles > 1 for run in states.values()))
+    record_property("means over cycles", sum(run.approach.averaged_cycles > 1 for run in states.values()))
     record_property("not settled", bad)
     assert len(bad) <= max(1.0, (1.0 - HOLD) * len(states)), bad
     assert np.mean([each <= 1.0 for each in ratios.values()]) >= HOLD

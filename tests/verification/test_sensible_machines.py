@@ -47,7 +47,7 @@ def case_of(scene: Scene) -> Case:
 
 def multiplier(result: CaseResult) -> float | None:
     """Largest modulus of the Floquet multipliers, where the reference found a periodic state."""
-    orbit = result.runs["reference"].periodic_orbit
+    orbit = result.runs["reference"].approach.periodic_orbit
     return max((abs(complex(*each)) for each in orbit.multipliers), default=None) if orbit else None
 
 
@@ -56,8 +56,9 @@ def deflections_differ(run: Run, other: Run) -> float:
     name = "tip_deflection"
     deflection, compared = (on_common_grid(channels_of(each.cycle, [name]))[name] for each in (run, other))
     halves = zip(("pre", "post"), np.split(np.abs(deflection - compared), 2), strict=True)
-    unsettled = sum((each.settling_error or 0.0) * rms(compared) for each in (run, other))
-    return max(float(away.max()) / (unsettled + sum(each.extreme_estimates[name][half] for each in (run, other))) for half, away in halves)
+    unsettled = sum((each.approach.settling_error or 0.0) * rms(compared) for each in (run, other))
+    claims = [each.measured.extreme_estimates[name] for each in (run, other)]
+    return max(float(away.max()) / (unsettled + sum(claim[half] for claim in claims)) for half, away in halves)
 
 
 def verdict(result: CaseResult) -> str:

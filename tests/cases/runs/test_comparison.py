@@ -14,6 +14,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, CaseResult, Difference, compare, not_judged
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
+from tests.changed_run import changed_run
 
 CASE = load_case("thesis-24")
 PEAK = 2.0
@@ -49,9 +50,8 @@ def run(
         return replace(found, **changes)
 
     halves = ("pre", "post") if settled else ()
-    return Run(
-        engine=name,
-        estimate_of=estimate_of,
+    return changed_run(
+        Run(engine=name, estimate_of=estimate_of),
         status=status,
         settling_error=SETTLING,
         settling_errors=dict.fromkeys(CHANNELS, SETTLING * PEAK),
@@ -114,7 +114,7 @@ def test_without_the_reference_the_others_are_held_against_the_first_that_settle
 
 
 def test_a_reference_without_estimates_judges_nobody() -> None:
-    reference = replace(run("reference"), unestimated="the run for their estimate failed")
+    reference = changed_run(run("reference"), unestimated="the run for their estimate failed")
     found = result(reference, run("a"), run("b"))
     assert {(check.engine, check.other) for check in found.checks} == {("b", "a")}
     assert found.accuracy_class("reference") is None
@@ -127,7 +127,7 @@ def test_an_engine_without_a_claim_on_its_whole_error_is_not_judged(kind: str) -
     assert found.passed is True
     assert found.accuracy_class("own") == "worse"
     own = run("own", off=0.02, claimed=1e-6, estimate_of="integration")
-    own = replace(own, unestimated="its own estimates cover the integration alone")
+    own = changed_run(own, unestimated="its own estimates cover the integration alone")
     assert result(run("reference"), own).accuracy_class("own") == "3 %"
     alone = result(run("reference"), run("own", off=0.13, estimate_of=kind))
     assert alone.passed is None

@@ -73,13 +73,14 @@ def test_a_rattling_slider_repeats_in_statistics_only() -> None:
     rigid = load_case("example", {"follower.bending_stiffness": "inf"}).mechanism
     scene = changed(rigid, {"slider.joint_stiffness": 1e5, "slider.clearance": 5e-4, "slider.contact_damping": 0.5})
     run = steady_state(RunRequest(mechanism=scene, duration=0.1, engine="reference", estimated=False))
-    assert (run.status, run.settled, run.averaged_cycles, run.cycles) == (Ending.SETTLED, True, AVERAGED, GREATEST_NUMBER)
+    assert (run.status, run.approach.settled) == (Ending.SETTLED, True)
+    assert (run.approach.averaged_cycles, run.approach.cycles) == (AVERAGED, GREATEST_NUMBER)
     assert "means over the last 30 of 60 cycles" in run.remark
     acceleration, middle = run.cycle["tip_acceleration"], len(run.cycle["time"]) // 2
     halves = {"pre": acceleration[:middle], "post": acceleration[middle:]}
     apart = [
         abs(mean / last - 1.0)
-        for measure in run.measures
+        for measure in run.measured.measures
         if measure.channel == "tip_acceleration"
         for mean, last in zip((measure.minimum, measure.maximum), (halves[measure.half].min(), halves[measure.half].max()), strict=True)
     ]

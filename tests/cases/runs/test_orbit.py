@@ -132,14 +132,14 @@ def test_the_runner_lets_them_begin_where_they_shall(tmp_path: Path) -> None:
     }
     found = carry_out(requests, Workshop(Store(tmp_path), LocalProcesses(1)))
     runs = {name[0]: run for name, run in found.items()}
-    assert {name: run.start for name, run in runs.items()} == {
+    assert {name: run.approach.start for name, run in runs.items()} == {
         "orbit": FROM_ORBIT,
         "straight": STANDARD,
         "thesis": STANDARD,
         "reference": DIRECT,
     }
     assert all(run.status == Ending.SETTLED for run in runs.values()), [run.remark for run in runs.values()]
-    assert {name for name, run in runs.items() if run.unestimated} == {"straight", "thesis"}
+    assert {name for name, run in runs.items() if run.measured.unestimated} == {"straight", "thesis"}
 
 
 def test_a_run_that_will_not_do_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -147,14 +147,14 @@ def test_a_run_that_will_not_do_is_not_begun(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("quickreturn.cases.runs.steady_state.settle", lambda *_: pytest.fail("it marched"))
     for orbit in (Orbit(start, 0.993), Orbit(None, 1.02, "the periodic state is not stable")):
         found = steady_state(request(settings=CHEAP, orbit=orbit))
-        assert (found.status, found.settled, found.cycles) == (Ending.NOT_SETTLED, False, 0)
+        assert (found.status, found.approach.settled, found.approach.cycles) == (Ending.NOT_SETTLED, False, 0)
         assert f"{orbit.multiplier:.3f}" in found.remark
-        assert found.error_estimate is not None, "what was found out before is kept"
+        assert found.computation.error_estimate is not None, "what was found out before is kept"
 
 
 def test_where_there_is_no_orbit_the_standard_start_serves_and_it_is_said() -> None:
     found = steady_state(request(settings=CHEAP, orbit=Orbit(None, None, "the search went astray"), estimated=False))
-    assert (found.status, found.start) == (Ending.SETTLED, STANDARD)
+    assert (found.status, found.approach.start) == (Ending.SETTLED, STANDARD)
     assert "begun in the standard start" in found.remark
     assert "the search went astray" in found.remark
 

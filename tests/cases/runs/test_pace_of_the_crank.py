@@ -61,8 +61,8 @@ def test_a_run_whose_crank_stalls_says_so() -> None:
     run = steady_state(RunRequest(mechanism=scene.mechanism, duration=0.5, engine="reference"))
     assert run.status == Ending.FAILED
     assert "the crank stands still or turns back" in run.remark
-    assert run.solve_seconds is not None
-    assert run.solve_seconds > 0.0
+    assert run.computation.solve_seconds is not None
+    assert run.computation.solve_seconds > 0.0
 
 
 @pytest.mark.parametrize(("first", "final"), [(0.0, 10.0), (0.5, 10.0), (10.0, 2.0), (-10.0, -9.0)])

@@ -98,12 +98,12 @@ def marched(name: str, settings: dict[str, str]) -> dict[str, Array]:
 
 
 def test_a_run_of_the_reference_is_one_cycle_of_its_orbit(found: Run) -> None:
-    cycle, orbit = found.cycle, found.periodic_orbit
+    cycle, orbit = found.cycle, found.approach.periodic_orbit
     assert found.status == Ending.SETTLED
-    assert found.settled
+    assert found.approach.settled
     assert orbit is not None
     assert orbit.stable
-    assert orbit.iterations <= found.cycles < 20
+    assert orbit.iterations <= found.approach.cycles < 20
     assert np.hypot(*orbit.multipliers[0]) == pytest.approx(0.773, abs=8e-3)
     assert cycle["time"][-1] - cycle["time"][0] == pytest.approx(orbit.period, rel=1e-6)
     assert abs(cycle["crank_angle"][-1] - cycle["crank_angle"][0]) == pytest.approx(2.0 * math.pi, abs=1e-8)
@@ -138,17 +138,17 @@ def outcome_with(monkeypatch: pytest.MonkeyPatch, stable: bool | None) -> Run:
 
 def test_without_an_orbit_it_marches_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     run = outcome_with(monkeypatch, None)
-    assert (run.status, run.start) == (Ending.SETTLED, STANDARD)
+    assert (run.status, run.approach.start) == (Ending.SETTLED, STANDARD)
     assert "marched, because no periodic state was found directly: the search went astray" in run.remark
-    assert run.settling_error < 1e-3
+    assert run.approach.settling_error < 1e-3
 
 
 def test_with_an_unstable_orbit_it_does_not_march(monkeypatch: pytest.MonkeyPatch) -> None:
     run = outcome_with(monkeypatch, False)
-    assert (run.status, run.settled, run.cycles) == (Ending.NOT_SETTLED, False, 0)
+    assert (run.status, run.approach.settled, run.approach.cycles) == (Ending.NOT_SETTLED, False, 0)
     assert "1.250-fold" in run.remark
-    assert run.periodic_orbit is not None
-    assert not run.periodic_orbit.stable
+    assert run.approach.periodic_orbit is not None
+    assert not run.approach.periodic_orbit.stable
 
 
 def assert_same_steady_state(name: str, engine_name: str) -> None:
@@ -158,9 +158,9 @@ def assert_same_steady_state(name: str, engine_name: str) -> None:
     straight = steady_state(request(name, engine_name, settings=texts))
     from_orbit = steady_state(request(name, engine_name, settings=texts, orbit=find_orbit(mechanism)))
     assert [run.status for run in (straight, from_orbit)] == [Ending.SETTLED, Ending.SETTLED]
-    assert [run.start for run in (straight, from_orbit)] == [STANDARD, FROM_ORBIT]
-    assert from_orbit.cycles < straight.cycles
-    assert cycle_difference(straight.cycle, from_orbit.cycle) < sum(run.settling_error or 0.0 for run in (straight, from_orbit))
+    assert [run.approach.start for run in (straight, from_orbit)] == [STANDARD, FROM_ORBIT]
+    assert from_orbit.approach.cycles < straight.approach.cycles
+    assert cycle_difference(straight.cycle, from_orbit.cycle) < sum(run.approach.settling_error or 0.0 for run in (straight, from_orbit))
 
 
 @pytest.mark.verify
@@ -175,7 +175,7 @@ def test_two_cycles_from_the_orbit_show_the_errors_of_settled_ones() -> None:
     of_case = {"mechanism": case.mechanism, "duration": case.duration, "engine": "mujoco", "settings": {"links": "15"}}
     early, settled = (steady_state(RunRequest(**of_case, **way)) for way in ({"orbit": find_orbit(case.mechanism)}, {"straight": True}))
     ratios = [
-        early.extreme_estimates[name][half] / settled.extreme_estimates[name][half]
+        early.measured.extreme_estimates[name][half] / settled.measured.extreme_estimates[name][half]
         for name in (*CHANNELS, "tip_deflection", "slider_force")
         for half in HALVES
     ]

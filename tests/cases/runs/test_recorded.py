@@ -70,7 +70,7 @@ def held(run: Run, other: Run) -> CaseResult:
 
 def test_a_table_from_the_standard_start_is_held_against_the_same_turn(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
     run = recorded(transient)
-    assert (run.status, run.turn, in_turn_5.status, in_turn_5.turn) == (Ending.TRANSIENT, 5, Ending.TRANSIENT, 5)
+    assert (run.status, run.approach.turn, in_turn_5.status, in_turn_5.approach.turn) == (Ending.TRANSIENT, 5, Ending.TRANSIENT, 5)
     result = held(run, in_turn_5)
     assert result.passed is True, result.missed
     assert {check.quantity for check in result.checks} == {
@@ -98,13 +98,13 @@ def test_noise_is_no_disagreement(transient: pd.DataFrame, in_turn_5: Run, recor
     random = np.random.default_rng(1)
     noisy = {name: transient[name] + share * transient[name].std() * random.standard_normal(len(transient)) for name in COLUMNS[3:]}
     run = recorded(transient, **noisy)
-    assert run.turn == 5
+    assert run.approach.turn == 5
     result = held(run, in_turn_5)
     assert result.passed is True, result.missed
     # and it is not bought with a tolerance that lets everything pass: an extreme may be off by some five times the noise
     for name in COLUMNS[3:]:
-        assert run.settling_errors is not None
-        assert 3.0 < run.settling_errors[name] / (share * transient[name].std()) < 6.0
+        assert run.approach.settling_errors is not None
+        assert 3.0 < run.approach.settling_errors[name] / (share * transient[name].std()) < 6.0
 
 
 @pytest.mark.parametrize("digits", [4, 5, 8])
@@ -116,14 +116,14 @@ def test_neither_are_few_digits_and_another_sampling(transient: pd.DataFrame, in
 
 
 def test_where_no_column_tells_the_start_the_way_to_the_steady_state_does(transient: pd.DataFrame, recorded: Recorded) -> None:
-    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]]).turn == 5
-    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]][:400]).turn is None  # a single turn is taken to repeat
+    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]]).approach.turn == 5
+    assert recorded(transient[["time", "crank_angle", "tip_acceleration"]][:400]).approach.turn is None  # a single turn is taken to repeat
 
 
 @pytest.mark.verify
 def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
     run = recorded(settled)
-    assert (run.status, run.turn) == (Ending.SETTLED, None)
+    assert (run.status, run.approach.turn) == (Ending.SETTLED, None)
     result = held(run, steady)
     assert result.passed is True, result.missed
     assert result.accuracy_class("tool.csv") in ("0.1 %", "0.3 %")
@@ -138,7 +138,7 @@ def test_a_single_turn_is_taken_to_repeat(settled: pd.DataFrame, steady: Run, re
     last = settled[(settled["crank_angle"] > 61 * np.pi) & (settled["crank_angle"] < 63 * np.pi)]
     assert 0.0 < float(last["crank_angle"].iloc[0]) - 61 * np.pi < 0.06  # the turn lacks a little at both its ends
     run = recorded(last, "# origin = digitised\n", crank_angle=last["crank_angle"] - 60 * np.pi, time=last["time"] - last["time"].iloc[0])
-    assert (run.status, run.cycles) == (Ending.ASSUMED, 1)
+    assert (run.status, run.approach.cycles) == (Ending.ASSUMED, 1)
     assert "one turn" in run.remark
     result = held(run, steady)
     assert result.passed is True, result.missed
@@ -162,7 +162,7 @@ def test_one_wrong_column_is_named_and_does_not_make_another_start_of_it(
 ) -> None:
     others = {name: transient[name] for name in ("strain_1", "strain_3")}
     run = recorded(transient, **others | {name: change(transient) for name, change in changes.items()})
-    assert run.turn == 5
+    assert run.approach.turn == 5
     told = explanations(run, in_turn_5, CASE)
     assert set(told) == set(changes)
     for word in words:
@@ -186,7 +186,7 @@ def test_where_all_is_late_the_crank_angle_is_named(settled: pd.DataFrame, stead
 def test_strains_that_loads_leave_in_a_straight_beam_are_no_other_start(transient: pd.DataFrame, recorded: Recorded) -> None:
     share = 3e-3 * transient["strain_2"].abs().max() * np.exp(-20.0 * transient["time"])  # as gravity does
     run = recorded(transient, strain_2=transient["strain_2"] + share)
-    assert (run.turn, run.remark) == (5, "")
+    assert (run.approach.turn, run.remark) == (5, "")
 
 
 @pytest.mark.parametrize(
@@ -226,7 +226,7 @@ def test_beside_a_steady_engine_a_transient_table_has_not_settled(transient: pd.
 def test_without_a_crank_angle_the_crank_is_taken_to_turn_evenly(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
     run = recorded(transient[["time", "strain_2"]])
     assert "16.6178 rad/s" in run.remark
-    assert run.turn == 5
+    assert run.approach.turn == 5
     alone, whole = (found.measure("post", "strain_2") for found in (run, in_turn_5))
     assert alone is not None
     assert whole is not None

@@ -62,9 +62,9 @@ def test_a_multiplier_is_compared_with_its_own_counterpart() -> None:
     """At twice the speed the slow model's largest three are 0.012 +- 0.866i and 0.866, of which the last is the whole model's 0.881."""
     run = run_of(library_case("hard-speed-x2").mechanism, tolerance=3e-7)
     assert run.status == Ending.SETTLED
-    assert run.periodic_orbit is not None
-    assert run.periodic_orbit.multiplier_error is not None
-    assert run.periodic_orbit.multiplier_error < 0.02
+    assert run.approach.periodic_orbit is not None
+    assert run.approach.periodic_orbit.multiplier_error is not None
+    assert run.approach.periodic_orbit.multiplier_error < 0.02
 
 
 def test_run_and_sweep_have_the_same_multiplier() -> None:
@@ -127,7 +127,7 @@ def test_last_digits_decide_nowhere_whether_a_machine_is_neutral(modes: int, tol
 def test_cycles_that_were_marched_without_damping_are_neutral() -> None:
     """No search finds this motion with so large a tolerance, and its vibration never dies away: a mean over cycles is the start's own."""
     run = run_of(undamped(1.01), 5, 1e-5)
-    assert (run.status, run.start) == (Ending.NEUTRAL, STANDARD)
+    assert (run.status, run.approach.start) == (Ending.NEUTRAL, STANDARD)
     assert "nothing in the scene takes energy" in run.remark
 
 
@@ -151,10 +151,10 @@ def undamped(speed: float) -> Mechanism:
 
 def assert_neutral(modes: int, tolerance: float, speed: float) -> None:
     run = run_of(undamped(speed), modes, tolerance)
-    assert (run.status, run.start) == (Ending.NEUTRAL, DIRECT)
-    assert run.periodic_orbit is not None
-    claim = run.periodic_orbit.multiplier_error
-    assert np.hypot(*run.periodic_orbit.multipliers[0]) == pytest.approx(1.0, abs=UNCOMPARED_ERROR if claim is None else claim)
+    assert (run.status, run.approach.start) == (Ending.NEUTRAL, DIRECT)
+    assert run.approach.periodic_orbit is not None
+    claim = run.approach.periodic_orbit.multiplier_error
+    assert np.hypot(*run.approach.periodic_orbit.multipliers[0]) == pytest.approx(1.0, abs=UNCOMPARED_ERROR if claim is None else claim)
 
 
 def test_an_engine_that_marches_is_not_sent_to_a_neutral_motion() -> None:

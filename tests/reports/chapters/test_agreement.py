@@ -110,7 +110,7 @@ def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) 
     result = reported_result("thesis-24")
     smaller = [
         dataclasses.replace(each, minimum=factor * each.minimum, maximum=factor * each.maximum)
-        for each in result.runs["reference"].measures
+        for each in result.runs["reference"].measured.measures
     ]
     result = with_run(result, "exudyn", measures=tuple(smaller))
     signed = [outward(each.quantity, each.relative) for each in differences([result], "exudyn", "extreme")]

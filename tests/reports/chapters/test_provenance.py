@@ -1,7 +1,7 @@
 """Provenance: engines, statuses, and whether there is a long verification."""
 
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.reports.chapters.provenance import finding
+from quickreturn.reports.chapters.provenance import engines, finding, settings
 from quickreturn.reports.verification import Verification
 from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.reported_results import reported_result
@@ -22,3 +22,13 @@ def test_the_heading_is_about_the_runs_of_the_page() -> None:
     assert "failed: " in text_of(content)  # what the status means
     assert "Every engine" not in text_of(content)
     assert f"Every engine {Ending.SETTLED.sentence}, on every case." in text_of(one_run(verification=ABSENT))
+
+
+def test_tables_of_engines_and_settings_have_what_the_runs_have() -> None:
+    """With the numbers of `reported_result`."""
+    result = reported_result("thesis-24", {"exudyn": "failed"})
+    for row in engines([result], {}).rows:
+        assert (row["method"].value, row["accuracy"].value, row["runs"].value) == ("made up", 1e-3, 1)
+    for row in settings([result]).rows:
+        keys = ("accuracy", "error_estimate", "cycles", "settling_error")
+        assert tuple(row[key].value for key in keys) == (1e-3, 8e-4, 12, 5e-4)

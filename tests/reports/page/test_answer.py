@@ -18,12 +18,12 @@ from tests.reports.reported_results import reported_result
 def test_an_engine_is_alike_as_long_as_few_of_its_numbers_depart(missed: int) -> None:
     result = reported_result("thesis-24")
     reference = result.runs["reference"]
-    measures = list(reference.measures)
+    measures = list(reference.measured.measures)
     for number in range(missed):
         quantity = "maximum" if number < len(measures) else "minimum"
         place = number % len(measures)
         measures[place] = dataclasses.replace(measures[place], **{quantity: 1e9})  # type: ignore[arg-type]
-    result = with_run(result, "mujoco", measures=tuple(measures), consensus=reference.consensus)
+    result = with_run(result, "mujoco", measures=tuple(measures), consensus=reference.measured.consensus)
     found = answer_of(content_of(results=[compare(result.case, result.runs)]))
     # 34 numbers of mujoco at most are compared: one is less than a twentieth, twelve are not
     assert ("mujoco" in found.alike) == (missed < 2)
@@ -46,9 +46,9 @@ def test_claims_as_wide_as_the_numbers_make_no_engine_alike_and_no_set_up_the_sa
         estimates = ("first_mode_frequency", "first_mode_amplitude", "minimum", "maximum")
         wide = [
             {f"{name}_estimate": number and abs(number.value) for name in estimates for number in [each.number(name)]}
-            for each in run.measures
+            for each in run.measured.measures
         ]
-        measures = tuple(dataclasses.replace(each, **changes) for each, changes in zip(run.measures, wide, strict=True))
+        measures = tuple(dataclasses.replace(each, **changes) for each, changes in zip(run.measured.measures, wide, strict=True))
         result = with_run(result, engine, measures=measures)
     result = compare(result.case, result.runs)
     assert result.agreement == {"agree": 0, "disagree": 0, "says_nothing": len(result.checks)}

@@ -15,6 +15,7 @@ from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare
 from quickreturn.cases.runs.request import Run
 from quickreturn.reports.results.sharpness import Sharpness, sharpness, smallest_found
+from tests.changed_run import changed_run
 from tests.reports.reported_results import agreeing, reported_result
 
 #: Part of an error by which planted ones are more, or less: rounding of a number that is larger than its error.
@@ -45,8 +46,8 @@ def scaled(kind: Kind, factor: float) -> Callable[[Run], Run]:
         def larger(each: object) -> dict[str, float]:
             return {name: factor * value for name in SCALED[kind] if (value := getattr(each, name, None)) is not None}
 
-        measures = tuple(dataclasses.replace(each, **larger(each)) for each in run.measures)
-        return dataclasses.replace(run, measures=measures)
+        measures = tuple(dataclasses.replace(each, **larger(each)) for each in run.measured.measures)
+        return changed_run(run, measures=measures)
 
     return change
 
@@ -102,9 +103,10 @@ def test_an_error_in_the_motion_is_found_like_one_in_the_numbers(run_24: CaseRes
             time, channels = run.cycle["time"] / faster, {name: larger * run.cycle[name] for name in CHANNELS}
             found = measure_cycle(scale, time, run.cycle["crank_angle"], channels)
             measures = tuple(
-                dataclasses.replace(number, **vars(other_number)) for number, other_number in zip(run.measures, found.measures, strict=True)
+                dataclasses.replace(number, **vars(other_number))
+                for number, other_number in zip(run.measured.measures, found.measures, strict=True)
             )
-            return dataclasses.replace(run, measures=measures)
+            return changed_run(run, measures=measures)
 
         return change
 

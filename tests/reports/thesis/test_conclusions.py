@@ -21,6 +21,7 @@ from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from quickreturn.reports.thesis.measured import statement_values
+from tests.changed_run import changed_run
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import ALIKE, reported_result, with_frequencies
@@ -131,7 +132,7 @@ def test_recordings_of_the_experiment_alone_have_weight_in_a_verdict(run_24: Cas
 
 def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
     """Neither an engine of another package nor a recorded table, however far off, though both are compared."""
-    wrong = dataclasses.replace(run_24.runs["mujoco"], engine="foreign", consensus=(Consensus("pre", 99.0, 0.1, 0.1),))
+    wrong = changed_run(run_24.runs["mujoco"], engine="foreign", consensus=(Consensus("pre", 99.0, 0.1, 0.1),))
     others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
     before, after = content_of(results=[run_24]), content_of(results=[others])
     assert after.conclusions == before.conclusions
