@@ -27,6 +27,8 @@ Portion = Callable[[Iterable[Any], int], list[Any]]
 #: What shows that cases of a file share something: a cached function in it, a fixture that lives as long as the file's tests.
 _CACHE = re.compile(r"^@(?:functools\.)?cache\b", re.MULTILINE)
 _FIXTURE = re.compile(r"^@pytest\.fixture\(.*scope=\"module\"", re.MULTILINE)
+#: End of the names of files whose tests share a browser.
+IN_A_BROWSER = "_in_a_browser.py"
 UNREACHED = "not begun: the slice's time is over"
 
 
@@ -139,7 +141,8 @@ class Slices:
     def pytest_xdist_make_scheduler(self, config: pytest.Config, log: Any) -> Any:
         """With `--dist loadgroup`, deal out groups: xdist's own way marks names of cases, which pytest no longer allows.
 
-        Of the quick tests only the longest files are dealt out by cases; the others stay whole, for helpers keep what they compute.
+        Of the quick tests only the longest files are dealt out by cases; the others stay whole, for helpers keep what they compute, and
+        one process has all tests in a browser.
         """
         if config.getoption("dist") != "loadgroup":
             return None
@@ -150,6 +153,8 @@ class Slices:
         class Groups(LoadScopeScheduling):  # type: ignore[misc]
             def _split_scope(self, nodeid: str) -> str:
                 file = nodeid.partition("::")[0]
+                if not long and file.endswith(IN_A_BROWSER):
+                    return IN_A_BROWSER
                 return group_of(nodeid, config.rootpath) if long or Path(file).stem in LONGEST else file
 
         return Groups(config, log)

@@ -1,29 +1,14 @@
-"""A report of made-up runs opened in Chromium: fixtures of the tests of the page."""
+"""Tabs of Chromium, in which the tests of the page open reports."""
 
-import os
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
-import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
-from quickreturn.reports.machine import machine_facts
-from quickreturn.reports.report import write
-from tests.cases.made_up_map import made_up_map
-from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.made_up_studies import made_up_studies
-from tests.reports.pages import content_of
 from tests.reports.reported_results import reported_result
-from tests.reports.thesis.made_up_finding import made_up_finding
-
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-if CHROMIUM is None and os.environ.get("CI") != "true":
-    pytest.skip("no Chromium was found (Debian: apt-get install chromium)", allow_module_level=True)
 
 Open = Callable[..., Page]
 RESULTS = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5), reported_result("thesis-17", seed=9)]
-
 
 #: Keeps what is on each canvas since it was cleared last: texts with their boxes in pixels of the page, places and colours of lines.
 WATCHING = """(() => {
@@ -39,25 +24,6 @@ WATCHING = """(() => {
     pen.lineTo = function (x, y) { of(this).points.push([x, y]); lineTo.call(this, x, y); };
     pen.stroke = function () { of(this).colours.add(this.strokeStyle); stroke.call(this); };
 })()"""
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """A report on three made-up runs, in one of which an engine failed."""
-    folder = tmp_path_factory.mktemp("page")
-    benchmarks = [made_up_benchmark(timed=True), made_up_benchmark("thesis-17")]
-    write(
-        content_of(
-            results=RESULTS,
-            studies=made_up_studies(),
-            benchmarks=benchmarks,
-            finding=made_up_finding(),
-            classes=made_up_map(),
-            facts=machine_facts(),
-        ),
-        folder,
-    )
-    return (folder / "index.html").as_uri()
 
 
 class Tabs:
@@ -95,35 +61,3 @@ class Tabs:
         self._taken.clear()
         complaints, self.complaints = self.complaints, []
         return complaints
-
-
-@pytest.fixture(scope="module")
-def tabs() -> Iterator[Tabs]:
-    assert CHROMIUM is not None, "no Chromium was found, and CI is true"
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield Tabs(browser)
-        browser.close()
-
-
-@pytest.fixture
-def opened(tabs: Tabs, address: str) -> Iterator[Open]:
-    """Open the page at a place in it; whatever the browser complains of fails the test."""
-
-    def open_page(
-        place: str = "",
-        url: str = address,
-        width: int = 1400,
-        height: int = 900,
-        has_touch: bool = False,
-        reduced_motion: str = "no-preference",
-        color_scheme: str = "light",
-    ) -> Page:
-        page = tabs.take(has_touch, reduced_motion, color_scheme)
-        page.set_viewport_size({"width": width, "height": height})
-        page.goto(url + place)
-        page.wait_for_selector("html[data-ready=true]", timeout=10_000)
-        return page
-
-    yield open_page
-    assert tabs.leave_all() == []

@@ -13,11 +13,9 @@ from quickreturn.cases.runs.comparison import compare
 from quickreturn.reports.line_styles import looks
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.report import write
-from tests.reports.in_a_browser import Open, address, opened, tabs
+from tests.reports.in_a_browser import Open
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import made_up_result
-
-__all__ = ["address", "opened", "tabs"]
 
 #: Pixels by which boxes of letters may reach into each other: they are higher than what is drawn of the letters.
 LEADING = 3.0

@@ -14,12 +14,10 @@ from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.render import animation_page
 from quickreturn.reports.report import write
-from tests.reports.in_a_browser import RESULTS, Open, address, opened, tabs
+from tests.reports.in_a_browser import RESULTS, Open
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import made_up_result
 from tests.reports.reported_results import reported_result
-
-__all__ = ["address", "opened", "tabs"]
 
 HOSTILE = "</script><img src=x onerror=\"document.title='owned'\"> & <b>bold</b>"
 

@@ -1,8 +1,6 @@
 """The page on paper, in Chromium."""
 
-from tests.reports.in_a_browser import Open, address, opened, tabs
-
-__all__ = ["address", "opened", "tabs"]
+from tests.reports.in_a_browser import Open
 
 
 def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) -> None:

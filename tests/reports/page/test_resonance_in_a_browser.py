@@ -9,12 +9,10 @@ from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
 from quickreturn.reports.results.around import Around
-from tests.reports.in_a_browser import Open, opened, tabs
+from tests.reports.in_a_browser import Open
 from tests.reports.made_up_resonance import RPM, height, made_up_around, speed
 from tests.reports.page.test_charts_in_a_browser import TEXTS, meet
 from tests.reports.reported_results import reported_result
-
-__all__ = ["opened", "tabs"]
 
 AROUND = made_up_around()
 
