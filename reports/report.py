@@ -195,6 +195,7 @@ def _studies(cases: Sequence[Case], workshop: Workshop, engines: Sequence[str]) 
         "compiling": compiling(workshop.as_it_is, ENGINES) or long_studies.compiling(),
         "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
         "classes": long_studies.class_map(),
+        "as_built": long_studies.built(),
         "of_record": {
             study: about for study in long_studies.STUDIES if of_record.get(study, True) and (about := long_studies.about(study))
         },

@@ -84,6 +84,11 @@ def measured(name: str, deflection: np.ndarray, true_frequency: float) -> Measur
     return Measured(name, program.PROGRAM, end, error, peak, off, damping, gap, seconds)
 
 
+def shortened(row: dict[str, Any]) -> dict[str, Any]:
+    """The row with three digits of each number."""
+    return {key: float(f"{v:.3g}") if isinstance(v, float) else v for key, v in row.items()}
+
+
 if __name__ == "__main__":
     as_rows = sys.argv[1:2] == ["--rows"]
     deflection, frequency, damping = truth()
@@ -91,4 +96,4 @@ if __name__ == "__main__":
         print(f"true: {frequency:.3f} Hz, damping ratio {damping:.4f}")
     for name in sys.argv[1 + as_rows :] or machines():
         found = measured(name, deflection, frequency)
-        print(json.dumps(asdict(found)) if as_rows else found, flush=True)
+        print(json.dumps(shortened(asdict(found))) if as_rows else found, flush=True)

@@ -9,6 +9,7 @@ computed anew and confirmed (`tests/quickreturn/test_recorded_cells.py`).
 import csv
 import dataclasses
 import json
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
-from quickreturn.cases import benchmark, studies
+from quickreturn.cases import as_built, benchmark, studies
 from quickreturn.cases import conformance as conform
 from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.benchmark.scenes import ENGINES
@@ -46,6 +47,8 @@ DIGITS: Final = 5
 #: Statistics of a benchmark's trials that the page shows, and further ones of `reference`; the others are not recorded.
 STATISTICS: Final = ("largest_gap", "spurious_share")
 OF_REFERENCE: Final = ("right_hand_side_calls", "integration_seconds", "calls_per_period")
+#: A zero that an exponent begins with: 1e-06 is written as 1e-6, which saves a kilobyte, as leaving out empty last cells does.
+_LEADING_ZERO: Final = re.compile(r"(?<=\d)e-0")
 #: Types of mappings with a column for each key; they have no keys whose cells are empty.
 _NUMBERS: Final = (dict[str, float], dict[str, float | None], Mapping[str, float])
 
@@ -146,6 +149,11 @@ def matrix(cases: Iterable[Case]) -> Matrix | None:
     return Matrix(shown, MAIN, cells, {row.scene: row for row in table("hard_scenes_conditioning", Conditioning)})
 
 
+def built() -> list[as_built.Construction]:
+    """Constructions of run 24 as users of other programs build it."""
+    return table("as_built", as_built.Construction)
+
+
 def _benchmark(workshop: Workshop) -> dict[str, Sequence[Any]]:
     cases = [load_case(name) for name in benchmark.SCENES]
     measured = [benchmark.stored(case, workshop) or (benchmark.measure(case, workshop) if workshop.computes else None) for case in cases]
@@ -180,6 +188,13 @@ def _classes(workshop: Workshop) -> dict[str, Sequence[Any]]:
     return {"classes": trials, "classes_scenes": scenes}
 
 
+def _as_built(workshop: Workshop) -> dict[str, Sequence[Any]]:
+    """Rows of programs that are not installed stay as they were recorded, with the version of the program."""
+    found = as_built.constructions() if workshop.computes else []
+    programs = {row.program.split()[0] for row in found}
+    return {"as_built": found and found + [row for row in built() if row.program.split()[0] not in programs]}
+
+
 #: Study -> the function that gives the rows of its tables. What the workshop lacks is computed, or left out if it only has what is stored.
 #: Packages beside the core add theirs.
 STUDIES: Final[dict[str, Callable[[Workshop], Mapping[str, Sequence[Any]]]]] = {
@@ -188,6 +203,7 @@ STUDIES: Final[dict[str, Callable[[Workshop], Mapping[str, Sequence[Any]]]]] = {
     "confirmation": lambda workshop: {"confirmation": studies.confirming(workshop)},
     "conformance": _conformance,
     "classes": _classes,
+    "as built": _as_built,
 }
 
 
@@ -204,7 +220,7 @@ def text_of(rows: Iterable[Any]) -> str:
     flat = [_flat(row) for row in rows]
     if not flat:
         raise ValueError("a table without rows")
-    return pd.DataFrame(flat).to_csv(index=False, lineterminator="\n")
+    return re.sub(r",+$", "", pd.DataFrame(flat).to_csv(index=False, lineterminator="\n"), flags=re.MULTILINE)
 
 
 def _flat(item: Any, prefix: str = "") -> dict[str, str]:
@@ -225,7 +241,8 @@ def _flat(item: Any, prefix: str = "") -> dict[str, str]:
 def _cell(value: Any) -> str:
     if isinstance(value, str):
         return value
-    return f"{value:.{DIGITS}g}" if isinstance(value, float) else json.dumps(_short(encoded(value).document), separators=(",", ":"))
+    text = f"{value:.{DIGITS}g}" if isinstance(value, float) else json.dumps(_short(encoded(value).document), separators=(",", ":"))
+    return _LEADING_ZERO.sub("e-", text)
 
 
 def _short(value: Any) -> Any:

@@ -4,6 +4,7 @@ from typing import Final
 
 from quickreturn.reports.chapters.accuracy import accuracy
 from quickreturn.reports.chapters.agreement import agreement
+from quickreturn.reports.chapters.as_built import as_built
 from quickreturn.reports.chapters.classes import classes
 from quickreturn.reports.chapters.each import run_by_run
 from quickreturn.reports.chapters.files import files
@@ -31,6 +32,7 @@ CHAPTERS: Final[tuple[MakeChapter, ...]] = (
     classes,
     accuracy,
     hard_scenes,
+    as_built,
     provenance,
 )
 

@@ -6,6 +6,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from quickreturn.cases.as_built import Construction
 from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.classes.map import Map
 from quickreturn.cases.jobs.workshop import Workshop
@@ -51,6 +52,7 @@ class Content:
         compiling: times to compile engines, if they were measured.
         hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
         classes: the recorded map of classes.
+        as_built: recorded constructions of run 24 by users of other programs.
         of_record: study of `long_studies.STUDIES` -> about its recorded results, where these stand for the user's own.
         verification: results of the long verification, or why there are none.
         conformance: engine -> verdict on whether it does what it says, if that was tested.
@@ -71,6 +73,7 @@ class Content:
     compiling: Sequence[Compiling] = ()
     hard_scenes: Matrix | None = None
     classes: Map = field(default_factory=Map)
+    as_built: Sequence[Construction] = ()
     of_record: Mapping[str, About] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
     conformance: Mapping[str, str] = field(default_factory=dict)

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import pytest
 
+from quickreturn.cases.as_built import constructions
 from quickreturn.cases.benchmark.measurement import Benchmark
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.classes.grid import case_of
@@ -128,6 +129,20 @@ def classes(draw: Draw, workshop: Workshop) -> None:
             assert again.error == pytest.approx(recorded.error, rel=SAME, abs=scenes[recorded.scene].difference or 0.0), recorded
 
 
+def as_built(draw: Draw, workshop: Workshop) -> None:
+    """The errors of a construction whose program is installed; above 1, where chaos decides, to a factor of two."""
+    installed = [row for row in long_studies.built() if not row.program.startswith("Drake") and (row.seconds or 0.0) < SLOWEST]
+    for recorded in draw(installed):
+        (again,) = constructions([recorded.name])
+        if recorded.error is None or again.error is None:
+            assert (again.error, again.end) == (recorded.error, pytest.approx(recorded.end, rel=SAME)), recorded
+        elif recorded.error > 1.0:
+            assert 0.5 < again.error / recorded.error < 2.0, recorded
+        else:
+            assert again.error == pytest.approx(recorded.error, rel=SAME), recorded
+            assert again.frequency == pytest.approx(recorded.frequency, abs=1e-4), recorded
+
+
 def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:
     """The change of the first frequency after the return by an effect in a run."""
     rows = {(row.effect, row.strength): row for row in of_the_thesis.finding() if row.engine != finding.SECOND}
@@ -170,6 +185,7 @@ AGAIN: Final[dict[str, Callable[[Draw, Workshop], None]]] = {
     "confirmation": confirmation,
     "conformance": conformance,
     "classes": classes,
+    "as built": as_built,
     "finding": finding_of_the_thesis,
     "unprinted": unprinted,
 }
