@@ -3,7 +3,7 @@
 A block's first word says how it is read, the second which file it becomes, or who runs it:
 
     sh                commands; `sh verify`, and likewise with the next two: by `make verify`; `sh long`: what would take hours is only
-                      asked for its `--help`
+                      asked for its `--help`, by `make verify`, too
     python            runs in the document's folder, after the blocks before it
     console           `$ command` and what it prints; "..." stands for anything. Below a command that is refused stands its message,
                       below one that ends otherwise but well `# exit code N`
@@ -119,7 +119,7 @@ PRINTED: dict[str, str] = {}
 def _marks(block: Block, *shown: Block) -> Any:
     """A block that is run, and what is shown of it, named by the place of the last."""
     place = (block, *shown)[-1]
-    marks = [pytest.mark.verify] if block.about == "verify" else []
+    marks = [pytest.mark.verify] if block.about in ("verify", "long") else []
     return pytest.param(block, *shown, id=f"{place.document}:{place.line}", marks=marks)
 
 

@@ -37,11 +37,13 @@ def columns(engine: str) -> Columns:
 
 
 @pytest.mark.parametrize("name", ["moment_base", "moment_tip"])
-def test_three_engines_ask_for_the_same_moments_at_the_ends(name: str) -> None:
+@pytest.mark.parametrize("others", [("mujoco",), pytest.param(("mujoco", "exudyn"), marks=pytest.mark.verify)], ids="+".join)
+def test_three_engines_ask_for_the_same_moments_at_the_ends(name: str, others: tuple[str, ...]) -> None:
     """`reference` sums the loads outboard, the others take the laws of the bodies, with angles of a cable's slopes and of links."""
     right, witness = columns("reference"), COLUMNS[name].witness.largest
     assert np.max(np.abs(right[name])) > 0.1 * np.max(np.abs(right["moment_06"]))
     size = np.sqrt(np.mean(right[name] ** 2))
-    apart = {each: float(np.sqrt(np.mean((columns(each)[name] - right[name]) ** 2)) / size) for each in ("mujoco", "exudyn")}
+    apart = {each: float(np.sqrt(np.mean((columns(each)[name] - right[name]) ** 2)) / size) for each in others}
     assert max(apart.values()) < witness, apart
-    assert max(apart.values()) > 0.2 * witness, f"the declared difference is out of date: {apart}"
+    if "exudyn" in others:
+        assert max(apart.values()) > 0.2 * witness, f"the declared difference is out of date: {apart}"

@@ -143,7 +143,7 @@ def test_rest_that_differences_to_finer_runs_show() -> None:
     assert ringing.part(lambda a, b: abs(a - b)).error == pytest.approx(9.0 / (1.0 - LARGEST_REST)), "the larger difference counts"
 
 
-@pytest.mark.parametrize("name", ["reference", "mujoco", "stiff-spring"])
+@pytest.mark.parametrize("name", ["reference", "mujoco", pytest.param("stiff-spring", marks=pytest.mark.verify)])
 def test_the_runs_that_a_claim_names_give_that_claim(name: str) -> None:
     """Each run is made anew from the named settings alone."""
     chosen, scene = engine(name), run_24()

@@ -91,6 +91,7 @@ def test_spring_approaches_the_constraint_at_first_order() -> None:
     assert relative_error(np.abs(force) / 3e6, gap) < 0.02  # the damper's share, c/k times the force's rate
 
 
+@pytest.mark.verify
 def test_linear_force_on_nodes_converges_to_the_common_motion_slowly() -> None:
     """The lever rule differs from the consistent distribution by what falls with the element's size, second order at best."""
     lever = [relative_error(nodal(n, "lever")["tip_deflection"], with_multiplier(shapes=12)["tip_deflection"]) for n in (6, 12)]

@@ -23,7 +23,7 @@ def test_the_output_step_does_not_show(method: Method, scene: Scene, times: int)
     assert_close(seen, method.run(scene), scene, method, bound)
 
 
-@pytest.mark.parametrize("method", [REFERENCE, THESIS, FIXED_SHAPES, EXUDYN, MUJOCO], ids=str)
+@pytest.mark.parametrize("method", [REFERENCE, THESIS, FIXED_SHAPES, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
 @for_all(few=4, many=25, scene=scenes(), share=st.floats(0.1, 0.9))
 def test_pieces_do_not_show(method: Method, scene: Scene, share: float) -> None:
     first = max(1, int(share * scene.rows))

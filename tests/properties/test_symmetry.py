@@ -115,7 +115,7 @@ def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
     )
 
 
-@pytest.mark.parametrize("method", [*EXPLICIT, EXUDYN, MUJOCO], ids=str)
+@pytest.mark.parametrize("method", [*EXPLICIT, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
 @for_all(few=4, many=25, scene=scenes())
 def test_the_mirror_image_moves_like_the_mirror_image(method: Method, scene: Scene) -> None:
     assert_close(image(method.run(mirrored(scene)).columns), method.run(scene), scene, method, REPEATED[method.engine.name])

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.package_copy import whole_package
 
 #: Of an engine that compiles nothing, so that the copy begins at once.
@@ -61,6 +63,7 @@ def run(package: Path, *arguments: str) -> str:
     return told.stdout
 
 
+@pytest.mark.verify
 def test_a_study_needs_a_module_and_its_name_in_one_file(tmp_path: Path) -> None:
     package = whole_package(tmp_path / "copy")
     (package / "cases/coarse.py").write_text(MODULE)

@@ -175,6 +175,7 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
     assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(trial.error, rel=1e-3)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", ["thesis"])
 def test_a_recorded_error_of_the_map_comes_out_again(name: str) -> None:
     known = long_studies.class_map()

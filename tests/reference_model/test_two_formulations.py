@@ -31,7 +31,7 @@ def errors(mechanism: Mechanism, modes: int, elements: int, duration: float, tol
     return {name: error(witness[name], following[name]) for name in CHANNELS}
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", [pytest.param(name, marks=pytest.mark.verify if name == "crank 6 in" else ()) for name in SCENES])
 def test_both_converge_to_the_same_motion(scene: str) -> None:
     """Of second order in the elements' length at least; found: 3.5 to 9 times less with twice as many."""
     coarse, fine = (errors(SCENES[scene], 7, elements, 0.2, 1e-8) for elements in (4, 8))

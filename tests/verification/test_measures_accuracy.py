@@ -12,7 +12,7 @@ import pytest
 from tests.verification.measures_accuracy import accuracy
 
 SAMPLES = 128  # four times every scene, channel and half
-QUICK_SAMPLES = 64
+QUICK_SAMPLES = 32
 FALSE_SAMPLES = 96
 SEED = 2
 

@@ -90,6 +90,7 @@ def test_machines_are_the_same_each_time() -> None:
     assert machines(1) == machines(1)
 
 
+@pytest.mark.verify
 def test_a_quick_machine_settles_and_engines_agree(tmp_path: Path) -> None:
     case = machines(QUICK)[-1]
     assert stiffness_ratio(case.mechanism) >= LEAST_STIFFNESS_RATIO

@@ -109,7 +109,7 @@ def test_a_machine_without_damping_is_neutral() -> None:
     assert found.values[0, 1] == pytest.approx(1.0, abs=1e-3)
 
 
-@pytest.mark.parametrize(("modes", "tolerance", "speed"), [(2, 1e-6, 1.0), (3, 1e-5, 1.0), (4, 1e-6, 0.99), (4, 1e-6, 1.1)])
+@pytest.mark.parametrize(("modes", "tolerance", "speed"), [(3, 1e-5, 1.0), (4, 1e-6, 1.1)])
 def test_last_digits_do_not_decide_whether_a_machine_is_neutral(modes: int, tolerance: float, speed: float) -> None:
     """All multipliers are equally large, so the last digits decide which is the largest: on the real axis or anywhere on the circle."""
     assert_neutral(modes, tolerance, speed)
@@ -118,7 +118,7 @@ def test_last_digits_do_not_decide_whether_a_machine_is_neutral(modes: int, tole
 @pytest.mark.verify
 @pytest.mark.parametrize("modes", [2, 3, 4, 5])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-7, 1e-8])
-@pytest.mark.parametrize("speed", [0.99, 1.0, 1.01])
+@pytest.mark.parametrize("speed", [0.99, 1.0, 1.01, 1.1])
 def test_last_digits_decide_nowhere_whether_a_machine_is_neutral(modes: int, tolerance: float, speed: float) -> None:
     assert_neutral(modes, tolerance, speed)
 

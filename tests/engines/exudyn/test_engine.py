@@ -26,18 +26,18 @@ ENGINE = ExudynEngine()
 def default_run() -> Trajectory:
     mechanism = run_24()
     settings = ENGINE.settings_for(ENGINE.default_accuracy, mechanism)
-    return ENGINE.prepare(mechanism, standard_start(mechanism), settings).advance(2.0, 1e-3)
+    return ENGINE.prepare(mechanism, standard_start(mechanism), settings).advance(1.0, 1e-3)  # all peaks of two seconds are in it
 
 
 def test_run_24_has_the_known_peaks(default_run):
-    assert len(default_run) == 2001
+    assert len(default_run) == 1001
     assert all(np.all(np.isfinite(default_run[name])) for name in REQUIRED)
     # the default aims at 0.3 % of the RMS deflection (11.2 mm); peaks of the published digits within twice that
     assert np.abs(default_run["tip_deflection"]).max() == pytest.approx(27.27e-3, rel=6e-3)
     peaks = [np.abs(default_run[f"strain_{i}"]).max() / (0.0625 * INCH) for i in (1, 2, 3)]
     assert peaks == pytest.approx([0.122, 0.251, 0.167], rel=6e-3)
     assert np.abs(default_run["tip_acceleration"]).max() == pytest.approx(88.9, rel=6e-3)
-    assert default_run["crank_angle"][-1] == pytest.approx(36.38754, abs=2e-4)
+    assert default_run["crank_angle"][-1] == pytest.approx(19.75883, abs=2e-4)  # `reference` with nine modes, to 1e-9
 
 
 def test_run_24_keeps_its_constraint_and_its_energy(default_run):
@@ -235,6 +235,7 @@ def test_work_of_the_drive_is_known_though_the_arm_rings_faster_than_the_rows() 
     assert 3.0 < found[0] / found[1] < 5.0
 
 
+@pytest.mark.verify
 def test_force_of_the_joint_is_there_beside_a_large_axial_stiffness():
     """The arm's axial stiffness is 3e8 times the force; where Newton's residual is at its round-off, that is not yet known."""
     mechanism = arm(0.65, 25.0, 0.087, 1.06, 16.0, Tip(mass=0.45, inertia=1.1e-3))

@@ -109,6 +109,7 @@ def by_exudyn(start: pd.Series, duration: float, elements: int, steps: int, axia
     return turned, 1e3 * ((middle - (first + last) / 2) * across.conjugate()).real
 
 
+@pytest.mark.verify
 def test_exudyns_ancf_cable_moves_alike() -> None:
     duration = 0.1
     model = Model(described("four_bar").four_bar(3))

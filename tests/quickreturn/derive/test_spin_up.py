@@ -1,6 +1,7 @@
 """The spin-up of a cantilever against its published lag and the linear theory of the rotating cantilever."""
 
 import numpy as np
+import pytest
 
 from quickreturn.derive import Model
 from tests.quickreturn.derive.descriptions import described
@@ -8,6 +9,7 @@ from tests.verification.literature.rotating_cantilever import frequencies, time_
 from tests.verification.literature.spin_up import LITERATURE, fitted_vibration, linear_lag, scene
 
 
+@pytest.mark.verify
 def test_it_lags_as_published_and_swings_as_the_linear_theory_says() -> None:
     found = Model(described("spin_up").spin_up()).simulate({}, 30.0, 0.02, tolerance=1e-9)
     assert found["base_angle"].iloc[-1] == np.float64(6.0 * (30.0 - 7.5))

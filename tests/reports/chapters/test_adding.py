@@ -35,14 +35,15 @@ TEMPLATE = """{% from "macros.html" import table %}
 {{ table(f.table) }}
 {% endmacro %}
 """
-#: Writes a report on made-up results of a case.
+#: Writes reports on made-up results, one on the user's own machine and one on a run of the thesis.
 WRITE = """
-import sys
 from pathlib import Path
 from quickreturn.reports.report import write
 from tests.reports.pages import one_run
 from tests.reports.reported_results import reported_result
-write(one_run(reported_result(sys.argv[1])), Path(sys.argv[2]))
+for case in ("example", "thesis-24"):
+    Path(case).mkdir()
+    write(one_run(reported_result(case)), Path(case))
 """
 
 
@@ -62,12 +63,10 @@ def test_a_chapter_needs_a_module_a_template_and_its_name_in_one_file(tmp_path: 
     insert(chapters, "    speeds,\n", after="    strength,\n")
 
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(package.parent), str(ROOT / "build/tests-alone")))}
+    told = subprocess.run([sys.executable, "-c", WRITE], env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stderr
     for case, before, after in (("example", "strength", "each"), ("thesis-24", "agreement", "runs")):
         folder = tmp_path / case
-        folder.mkdir()
-        command = [sys.executable, "-c", WRITE, case, str(folder)]
-        told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert told.returncode == 0, told.stderr
         page = (folder / "index.html").read_text()
         finding = "The crank turns in 1\N{NO-BREAK SPACE}case"
         assert f'<span class="name">How fast it turns</span> <span class="finding">{finding}</span>' in page
