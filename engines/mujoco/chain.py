@@ -26,10 +26,12 @@ def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
         armature: inertia added to every hinge's own motion, kg m^2.
     """
     spec = mujoco.MjSpec()
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     spec.option.gravity = (*scene.gravity, 0.0)
     # After a bad acceleration MuJoCo would reset the state and silently continue from the start.
-    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    spec.option.disableflags = (
+        mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_EULERDAMP
+    )
     spec.nuserdata = 1  # holds the address of the control hook's context
     if scene.crank is not None and isinstance(scene.crank.drive, TorqueDrive):
         _add_crank(spec, scene, scene.crank.drive)
@@ -104,13 +106,15 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> t
 
 
 def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
-    """Damping matrix (N m s) that goes with `follower_matrices`: damping of the link centres and in the hinges."""
+    """Damping matrix (N m s) that goes with `follower_matrices`: of the base, at rest, of the link centres and in the hinges."""
     lengths = np.full(hinges, scene.follower.length / max(hinges, 1))
     lengths[-1:] *= 0.5
     every_hinge = np.tril(np.ones((hinges, hinges)))  # turns its own link and every one beyond
     centres = (np.tril(every_hinge * lengths, -1) + np.diag(0.5 * lengths)) @ every_hinge
     damping = np.zeros((hinges + 1, hinges + 1))
     damping[0, 0] = scene.base.damping
+    if scene.base.friction_torque > 0.0:
+        damping[0, 0] += scene.base.friction_torque / scene.base.friction_rate
     damping[1:, 1:] = scene.follower.damping * (centres.T * lengths) @ centres
     if scene.follower.material_damping > 0.0:
         in_hinge = scene.follower.material_damping * scene.follower.bending_stiffness * hinges / scene.follower.length

@@ -76,13 +76,13 @@ CONTEXT = np.dtype(
         ("tangential_force", "f8"),  # N, on the follower
         ("slider_couple", "f8"),  # N m, on the follower: friction acts at the crank tip, which is off the line by the gap
         ("gap", "f8"),
-        # the drive and the dampings: at present, and integrated with the weights of the Runge-Kutta stages
+        # the drive and the dampings at present, and their work so far
         ("drive_torque", "f8"),
-        ("stage", "i8"),
-        ("mean_drive_power", "f8"),
-        ("mean_dissipation", "f8"),
+        ("drive_power", "f8"),
+        ("dissipation", "f8"),
         ("drive_work", "f8"),
         ("dissipated", "f8"),
+        ("step", "f8"),  # the last one, 0 before the first
     ]
 )
 

@@ -24,8 +24,6 @@ from quickreturn.reference_model import joint
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.tip_force import share_of_force
 
-_STAGE_WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
-
 share, base_motion = compiled(share_of_force), compiled(motion_of_base)
 joint_force, friction_share = compiled(joint.joint_force), compiled(joint.friction_share)
 
@@ -192,10 +190,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         ctx.slider_couple = -ctx.gap * ctx.tangential_force
         if not ctx.crank_is_free:
             ctx.drive_torque += along * crank_sliding
-    if ctx.stage < 4:
-        ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
-        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * (ctx.drive_torque * crank_speed + tool_power)
-        ctx.stage += 1
+    ctx.dissipation, ctx.drive_power = dissipation, ctx.drive_torque * crank_speed + tool_power
 
 
 @compiled
@@ -213,15 +208,12 @@ def _turn_base(model: int, data: int, ctx: Context, time: float) -> None:
     mj_solve_mass(model, data, accelerations.ctypes.data, forces.ctypes.data, 2)
     ctx.drive_torque = (base_motion(ctx.spin_up_speed, ctx.spin_up_time, time)[2] - accelerations[0, 0]) / accelerations[1, 0]
     applied[0] += ctx.drive_torque
-    if ctx.stage < 4:
-        ctx.mean_dissipation += _STAGE_WEIGHTS[ctx.stage] * dissipation
-        ctx.mean_drive_power += _STAGE_WEIGHTS[ctx.stage] * ctx.drive_torque * rates[0]
-        ctx.stage += 1
+    ctx.dissipation, ctx.drive_power = dissipation, ctx.drive_torque * rates[0]
 
 
 @cfunc(types.void(types.intp, types.intp), cache=True)
 def control_hook(model: int, data: int) -> None:
-    """MuJoCo's `mjcb_control`: called in every stage of a step, when the mass matrix and all other forces are known."""
+    """MuJoCo's `mjcb_control`: called by `mj_forward`, when the mass matrix and all other forces are known."""
     time_and_context = np.empty(2)
     mj_get_state(model, data, time_and_context.ctypes.data, TIME_AND_USERDATA)
     context = carray(pointer(int(time_and_context[1])), 1, CONTEXT)

@@ -43,8 +43,8 @@ def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArra
     return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
 
 
-def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
-    """Largest modulus of the straight chain's roots, 1/s, of a vibration or of a decay, which an explicit integrator must follow.
+def stable_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
+    """Longest step (s) for which `time_loop` is stable on the straight chain; infinite for a rigid follower on a rigid joint.
 
     A rigid joint lowers it and is left out. A compliant joint raises it, depending on the slider's place. A base that turns as prescribed
     stays at rest. With a light base the damping, which opposes velocities relative to the base, makes one motion decay very fast, in which
@@ -53,26 +53,28 @@ def fastest_rate(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     mass, stiffness = chain.follower_matrices(model, scene, hinges)
     damping = chain.follower_damping(scene, hinges)
     if scene.crank is None:
-        return _fastest(mass[1:, 1:], damping[1:, 1:], stiffness[1:, 1:])
+        return _stable_step(mass[1:, 1:], damping[1:, 1:], stiffness[1:, 1:])
     slider = scene.slider
     if slider.is_rigid:
-        return _fastest(mass, damping, stiffness)
+        return _stable_step(mass, damping, stiffness)
     joint = sum(slider.sides) if slider.preload > 0.0 else max(slider.sides)
     blow_speed = scene.crank.length * abs(scene.crank.drive.initial_speed)
-    rates = []
+    limits = []
     for crank_angle in np.linspace(0.0, math.pi, 13):
         row = support_row(scene, hinges, crank_angle)
         place = np.outer(row, row)
         # a blow at the speed v has the force v sqrt(k m), with m the mass at the slider, and the damping is in proportion to the force
         blow = slider.contact_damping * blow_speed * math.sqrt(joint / float(row @ np.linalg.solve(mass, row)))
-        rates.append(_fastest(mass, damping + (slider.joint_damping + blow) * place, stiffness + joint * place))
-    return max(rates)
+        limits.append(_stable_step(mass, damping + (slider.joint_damping + blow) * place, stiffness + joint * place))
+    return min(limits)
 
 
-def _fastest(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:
-    """Largest modulus of the roots of a linear system, 1/s."""
-    if not damping.any():
-        return float(np.sqrt(eigh(stiffness, mass)[0][-1]))
-    zero = np.zeros_like(mass)
-    first_order = np.block([[zero, np.eye(len(mass))], [-np.linalg.solve(mass, np.hstack([stiffness, damping]))]])
-    return float(np.max(np.abs(np.linalg.eigvals(first_order))))
+def _stable_step(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:
+    """Longest stable step h (s) of `time_loop` for M q'' + D q' + K q = 0: at it 4 M - 7 h D - h² K is singular.
+
+    The quickest motion then changes its sign from step to step: see `time_loop._step` with a(t + h) = -a(t).
+    """
+    zero, inverse = np.zeros_like(mass), np.linalg.inv(mass)
+    of_one_over_h = np.block([[zero, np.eye(len(mass))], [inverse @ stiffness / 4.0, inverse @ damping * 7.0 / 4.0]])
+    fastest = float(np.max(np.linalg.eigvals(of_one_over_h).real))
+    return 1.0 / fastest if fastest > 0.0 else math.inf

@@ -1,6 +1,6 @@
 """MuJoCo's C functions for compiled Python, without a C compiler.
 
-The bundled library is loaded into numba's linker, so that compiled code calls `mj_step` and other functions by name. Names stay valid in
+The bundled library is loaded into numba's linker, so that compiled code calls `mj_forward` and other functions by name. Names stay valid in
 numba's cache on disk, addresses would not. All pointers are whole numbers here (`intp`); those of model and data are `MjModel._address`
 and `MjData._address`.
 """
@@ -29,8 +29,8 @@ llvmlite.binding.load_library_permanently(_library())
 
 _address = types.intp
 
-#: Advance the state by one time step.
-mj_step: Any = types.ExternalFunction("mj_step", types.void(_address, _address))
+#: Advance the rates by the accelerations of the last `mj_forward` over one time step, and the coordinates by the new rates.
+mj_euler: Any = types.ExternalFunction("mj_Euler", types.void(_address, _address))
 #: Accelerations and all derived quantities of the present state.
 mj_forward: Any = types.ExternalFunction("mj_forward", types.void(_address, _address))
 #: x = M⁻¹ y for n vectors, with the mass matrix factorised last: model, data, x, y, n.

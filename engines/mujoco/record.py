@@ -8,7 +8,7 @@ import numpy as np
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients, crank_of, link_directions, link_rates
 from quickreturn.engines.mujoco.context import TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
 from quickreturn.engines.mujoco.hook import force_on_tip, pivot_friction
-from quickreturn.engines.mujoco.native import mj_energy_position, mj_energy_velocity, mj_forward, mj_get_state
+from quickreturn.engines.mujoco.native import mj_energy_position, mj_energy_velocity, mj_get_state
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.columns import PLACES
 
@@ -137,12 +137,10 @@ def _bearing_forces(
 
 @compiled
 def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None:
-    """Fill a `columns.ROW` from the present state. `gauges`: arc lengths of the strain gauges, m, shape (3,)."""
+    """Fill a `columns.ROW` from the present state, after `mj_forward`. `gauges`: arc lengths of the strain gauges, m, shape (3,)."""
     n, hinges = ctx.coordinates, ctx.hinges
     qpos, qvel = numbers(ctx.qpos, n), numbers(ctx.qvel, n)
     qacc, energy = numbers(ctx.qacc, n), numbers(ctx.energy, 2)
-    ctx.stage = 4  # this evaluation is no stage of a step
-    mj_forward(model, data)
     mj_energy_position(model, data)
     mj_energy_velocity(model, data)
 
@@ -167,7 +165,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     row.follower_angle, row.slider_position = base_angle, ctx.slider_position
     row.tip_x, row.tip_y = ctx.pivot_distance + tip.real, tip.imag
     across = 1j * complex(math.cos(base_angle), math.sin(base_angle))
-    row.tip_deflection = dot(across, tip)
+    row.tip_deflection = dot(across, tip) if hinges else 0.0  # not the round-off of a rigid one
     for place in range(1, PLACES + 1):
         x = place * ctx.follower_length / (PLACES + 1)
         line = centre_line_coefficients(x, hinges, ctx.link_length, 0)

@@ -26,13 +26,9 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
 Array = NDArray[np.float64]
 
-#: Largest step x rate of an undamped vibration for which the classical Runge-Kutta method is stable; for a decay it is 2.79.
-_STABILITY_LIMIT = 2.0 * math.sqrt(2.0)
-#: Step over the stable one of the straight chain: a bent chain and a moving constraint shift the highest frequency.
-_SAFETY = 0.9
-#: Step x rate of the joint's vibration with a rigid follower: the error of the energy is then 1e-6 in each vibration.
-_RESOLVED = 0.1
-_STEPS_PER_TURN = 400  # of the crank, at least
+#: Longest step over the stable one with a rigid follower, whose only vibration is that of a compliant joint.
+_RESOLVED = 1.0 / 64.0
+_STEPS_PER_TURN = 360  # of the crank, at least
 _ROWS_AT_ONCE = 250  # from one call of compiled code, after which Python answers an interrupt from the keyboard
 
 
@@ -56,22 +52,26 @@ class ChainSimulation(Simulation):
         self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
         self._context = _context(scene, self._hinges, self._data)
+        self._past = np.zeros((2, self._model.nv))
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
-        self._step_is_set = settings.step > 0.0
-        self._largest_step = settings.step / self._units.time or _largest_step(self._model, scene, self._hinges)
+        self._relative_step, self._stable_step = settings.step, modes.stable_step(self._model, scene, self._hinges)
         if start is not None:
             self._place(self._units.start(start))
         self.setup_seconds = time.perf_counter() - began
 
     def _step_over(self, duration: float) -> float:
         """Step for the next `duration`, in the scene's units: small enough for the chain's fastest rate and the motion that drives it."""
-        if self._step_is_set:
-            return self._largest_step
+        return self._relative_step * min(
+            self._stable_step * (1.0 if self._hinges else _RESOLVED), self._time_of_drive(duration) / _STEPS_PER_TURN
+        )
+
+    def _time_of_drive(self, duration: float) -> float:
+        """Shortest time of a turn of the crank within `duration`, or the time in which a base alone spins up, in the scene's units."""
         if self._scene.crank is None:
-            return min(self._largest_step, self._scene.spin_up.time / _STEPS_PER_TURN)
+            return self._scene.spin_up.time
         speed = self._largest_crank_speed(self._scene, duration)
-        return min(self._largest_step, 2.0 * math.pi / speed / _STEPS_PER_TURN if speed > 0.0 else math.inf)
+        return 2.0 * math.pi / speed if speed > 0.0 else math.inf
 
     def _largest_crank_speed(self, mechanism: Mechanism, duration: float) -> float:
         """Largest crank speed that the drive alone can reach within `duration`, or at all against its damping, in the scene's units."""
@@ -120,6 +120,7 @@ class ChainSimulation(Simulation):
                     self._model._address,
                     self._data._address,
                     self._context,
+                    self._past,
                     interval / steps,
                     steps,
                     self._gauges,
@@ -141,24 +142,15 @@ class ChainSimulation(Simulation):
 
     def _reason(self, state: int) -> tuple[str, str]:
         """Cause of a failure, and advice, see `EngineFailure`."""
-        if state == time_loop.SLIDER_LEFT:
+        step = self._model.opt.timestep
+        if state == time_loop.SLIDER_LEFT and step < self._stable_step:  # it also leaves in an unstable run
             unit = self._units.length
             place, length = float(self._context["slider_position"][0]) * unit, self._scene.follower.length * unit
             return (
                 f"the slider left the follower (arc length {place:.6g} m, follower.length {length:.6g} m)",
                 "lengthen the follower or slow the crank",
             )
-        step = self._model.opt.timestep * self._units.time
-        return "the motion grew beyond all bounds", f"try a step below {step:.3g} s (engine.step) or more links"
-
-
-def _largest_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
-    """Largest step that the straight chain's fastest rate allows; infinite for a rigid follower on a rigid joint."""
-    if hinges > 0:
-        return _SAFETY * _STABILITY_LIMIT / modes.fastest_rate(model, scene, hinges)
-    if not scene.slider.is_rigid:
-        return _RESOLVED / modes.fastest_rate(model, scene, hinges)
-    return math.inf
+        return "the motion grew beyond all bounds", f"try a step below {step * self._units.time:.3g} s (engine.step) or more links"
 
 
 def _armature(mechanism: Scene, settings: ChainSettings) -> float:

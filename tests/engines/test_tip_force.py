@@ -29,8 +29,8 @@ def prescribed(mechanism: Mechanism) -> Mechanism:
 
 
 @cache
-def run(name: str, mechanism: Mechanism, duration: float = 0.4, accuracy: float | None = None) -> Result:
-    return simulate(engine(name), mechanism, standard_start(mechanism), duration, 1e-3, accuracy=accuracy)
+def run(name: str, mechanism: Mechanism, duration: float = 0.4, accuracy: float | None = None, **settings: str) -> Result:
+    return simulate(engine(name), mechanism, standard_start(mechanism), duration, 1e-3, settings, accuracy)
 
 
 def acting(crank_angle: Array) -> Array:
@@ -66,7 +66,8 @@ def test_on_a_rigid_follower_slider_force_and_torque_follow_from_moments_and_vir
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.verify] if name == "exudyn" else []) for name in MAIN])
 def test_the_work_of_the_force_is_accounted_for(name: str) -> None:
     mechanism = run_24(tip={**CUTTING, "force": (-1.0, 0.5)})
-    trajectory = run(name, mechanism).trajectory
+    settings = {"step": "0.4"} if name == "mujoco" else {}  # its error of the energy falls with the square of the step
+    trajectory = run(name, mechanism, **settings).trajectory
     plain = run("thesis" if name == "thesis" else "reference", run_24()).trajectory
     scale = float(np.ptp(trajectory["strain_energy"]))
     # exudyn's generalized-alpha method dissipates a little of its own, with and without the force
