@@ -164,10 +164,13 @@ def _pin(machine: Machine, contact: str) -> str:
     return ""
 
 
-def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndarray], float]:
+def simulate(
+    machine: Machine, duration: float = 2.0, directions: list[np.ndarray] | None = None
+) -> tuple[dict[str, np.ndarray], float]:
     """Columns of a table, and the processor time of the solve, s.
 
-    The table is shorter if MuJoCo lost the motion and began anew.
+    The table is shorter if MuJoCo lost the motion and began anew. The links' directions (rad) in
+    each row are appended to `directions`.
     """
     model = mujoco.MjModel.from_xml_string(xml(machine))
     data = mujoco.MjData(model)
@@ -194,6 +197,8 @@ def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndar
         ):  # after a bad acceleration MuJoCo begins anew, with a warning in a log file
             break
         rows.append((k * machine.output, *chain_row(data.qpos[crank], data.qpos[hinges])))
+        if directions is not None:
+            directions.append(np.cumsum(data.qpos[hinges]))
     return dict(zip(COLUMNS, np.array(rows).T, strict=True)), spent
 
 
