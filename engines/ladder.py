@@ -6,10 +6,14 @@ from types import MappingProxyType
 from typing import Final, Generic, TypeVar
 
 from quickreturn.engines.settings import Settings
+from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 S = TypeVar("S", bound=Settings)
 Climbing = TypeVar("Climbing", bound=Settings)
 
+#: `stiffness_ratio` of run 24, on which the ladders were measured.
+RATIO_OF_RUN_24: Final = 4.1
 #: What is known of an estimate that there is not.
 NOTHING_KNOWN: Final[Mapping[str, float]] = MappingProxyType({})
 #: Factor on the size if the error is unknown, and the largest factor from one rung to the next.
@@ -57,3 +61,13 @@ class Ladder(Generic[S]):
 
     def _first(self, size: int) -> tuple[S, float]:
         return next((rung for rung in self.rungs if getattr(rung[0], self.size) >= size), self.rungs[-1])
+
+
+def gain_of(scene: Scene) -> float:
+    """Estimated error of few shapes, elements or steps in a scene over that in run 24, at most 1.
+
+    A stiff follower bends as in equilibrium. What few shapes or large steps miss are inertia forces, which are smaller the stiffer the
+    follower is: inversely proportional to the square of `stiffness_ratio`.
+    """
+    ratio = stiffness_ratio(scene)
+    return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0

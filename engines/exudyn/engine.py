@@ -4,7 +4,7 @@ The library is loaded when the first model is built, not when engines are listed
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from typing import Final
 
@@ -14,13 +14,17 @@ from numpy.typing import NDArray
 from quickreturn.engines.base import ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.ladder import gain_of
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.natural_modes import clamped_modes
+from quickreturn.reference_model.natural_modes import clamped_modes, stiffness_ratio
 
 #: Lowest frequency (Hz) in run 24, on which the ladder was measured.
 MEASURED_FREQUENCY: Final = 10.9
+
+#: Fewest elements for natural frequencies, whatever a simulation has: the first of run 24 is then right to 1e-5, the third to 1.5e-4.
+ELEMENTS_OF_MODES: Final = 24
 
 
 class ExudynEngine(Engine[ExudynSettings]):
@@ -46,20 +50,25 @@ class ExudynEngine(Engine[ExudynSettings]):
         return model_of(scene, standard_start(scene), settings).assembly.describe()
 
     def settings_for(self, accuracy: float, scene: Scene) -> ExudynSettings:
-        """The rung of the ladder measured in run 24; for a follower alone with its step in proportion to the longest period."""
-        rung = ladder.LADDER.pick(accuracy)
-        if scene.crank is not None:
-            return rung
-        slowest = float(clamped_modes(scene, 1).frequencies[0])
-        return rung.replaced(step=min(rung.step * MEASURED_FREQUENCY / slowest, ladder.LARGEST_STEP))
+        """The rung of the ladder measured in run 24, a coarser one for a stiffer follower; for one alone with a step by its longest period.
+
+        Where rollers touch and part, twice the elements and half the step in place of an extrapolated table.
+        """
+        ratio = stiffness_ratio(scene)
+        rung = ladder.rung_for(accuracy, gain_of(scene), 0.0 < ratio < ladder.SLOW)
+        if scene.crank is None:
+            slowest = float(clamped_modes(scene, 1).frequencies[0])
+            return rung.replaced(step=min(rung.step * MEASURED_FREQUENCY / slowest, ladder.LARGEST_STEP))
+        if scene.slider.has_corners:
+            return rung.replaced(elements=min(2 * rung.elements, ladder.MOST_ELEMENTS), step=rung.step / 2.0, extrapolated=False)
+        return rung
 
     def comparisons(self, settings: ExudynSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """Pairs for time, space, stretch and the slider's passing of nodes, whose errors have different signs.
 
         A follower alone has those for time and space; a rigid follower, which has no elements, that for time.
         """
-        order = ladder.SAFE_WITH_BLOWS if scene.slider.has_corners else ladder.SAFE_IN_TIME
-        in_time = ladder.in_time(settings, output_step, order)
+        in_time = ladder.in_time(settings, output_step, scene.slider.has_corners)
         if scene.crank is None:
             return in_time, ladder.in_space(settings, in_time)
         if scene.follower.is_rigid:
@@ -74,11 +83,17 @@ class ExudynEngine(Engine[ExudynSettings]):
         """Build the system in the state `start`; see `Engine.prepare`."""
         self.check(scene)
         from quickreturn.engines.exudyn.models import model_of
-        from quickreturn.engines.exudyn.simulation import ExudynSimulation
+        from quickreturn.engines.exudyn.simulation import ExtrapolatedSimulation, ExudynSimulation
 
-        began, units = time.perf_counter(), Units.of(scene)
-        model = model_of(units.scene(scene), start and units.start(start), settings)
-        return ExudynSimulation(model, settings, units, began)
+        units = Units.of(scene)
+
+        def simulation(steps_in: Callable[[float], int]) -> ExudynSimulation:
+            began = time.perf_counter()
+            model = model_of(units.scene(scene), start and units.start(start), settings)
+            return ExudynSimulation(model, settings, steps_in, units, began)
+
+        fine = simulation(settings.steps_in)
+        return ExtrapolatedSimulation(fine, simulation(settings.fewer_steps_in)) if settings.extrapolated else fine
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
@@ -86,4 +101,5 @@ class ExudynEngine(Engine[ExudynSettings]):
         from quickreturn.engines.exudyn import modes
 
         units = Units.of(mechanism)
-        return modes.natural_frequencies(units.scene(mechanism), crank_angle, count, settings.elements) / units.time
+        elements = max(settings.elements, ELEMENTS_OF_MODES)
+        return modes.natural_frequencies(units.scene(mechanism), crank_angle, count, elements) / units.time

@@ -10,7 +10,7 @@ from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.settings import Settings, setting
 
-FEWEST_ELEMENTS: Final = 6
+FEWEST_ELEMENTS: Final = 4
 LARGEST_STEP: Final = 5e-2  # s
 LEAST_STEP: Final = 1e-7  # s
 SOFTEST: Final = 0.25
@@ -21,30 +21,41 @@ STIFFEST: Final = 100.0
 class ExudynSettings(Settings):
     """Discretization in space and time, second order in both, and how near the cable is to one that cannot stretch."""
 
-    elements: int = setting(24, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
+    elements: int = setting(12, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
     step: float = setting(2.5e-4, "largest time step; the output step is divided evenly", unit="s", low=LEAST_STEP, high=LARGEST_STEP)
+    extrapolated: bool = setting(False, "the table is extrapolated from these steps and steps of about twice their size")
     spectral_radius: float = setting(0.9, "generalized-alpha: damping of the highest frequencies, 1 is none", low=0.5, high=0.95)
     axial_factor: float = setting(1.0, "axial stiffness over that of the section; more is nearer to no stretch", low=SOFTEST, high=STIFFEST)
-    newton_tolerance: float = setting(1e-5, "change by an iteration over the step's first one that ends it", low=1e-10, high=1e-5)
+    newton_tolerance: float = setting(1e-4, "change by an iteration over the step's first one that ends it", low=1e-10, high=1e-4)
 
     def steps_in(self, output_step: float) -> int:
         """Steps from one output to the next, `output_step` (s) later."""
         return max(1, math.ceil(output_step / self.step - 1e-9))
 
+    def fewer_steps_in(self, output_step: float) -> int:
+        """Steps of the coarser of two runs that are extrapolated; it takes a single one to two rows, where the finer run has one a row."""
+        return max(1, self.steps_in(output_step) // 2)
 
-#: Accuracy -> elements, step in s, Newton's tolerance (LADDERS.md, section 3, has what was measured for this and all that follows).
+
+#: Accuracy -> elements, step in s, whether extrapolated (LADDERS.md, section 3, has what was measured for this and all that follows).
 _RUNGS: Final = (
-    (5e-2, 12, 1e-3, 1e-5),
-    (1e-2, 12, 3.4e-4, 1e-5),
-    (3e-3, 24, 2.5e-4, 1e-5),
-    (1e-3, 24, 1.25e-4, 1e-6),
-    (3e-4, 32, 8e-5, 1e-6),
-    (1e-4, 48, 5e-5, 1e-6),
+    (8e-2, 4, 1e-3, False),
+    (3.5e-2, 8, 1e-3, False),
+    (1e-2, 9, 5e-4, False),
+    (7e-3, 12, 5e-4, False),
+    (3e-3, 12, 2.5e-4, False),
+    (1e-3, 16, 5e-4, True),
+    (3e-4, 32, 2.5e-4, True),
+    (1e-4, 48, 2e-4, True),
 )
 LADDER: Final = Ladder(
-    tuple((ExudynSettings(elements=elements, step=step, newton_tolerance=newton), claim) for claim, elements, step, newton in _RUNGS),
+    tuple((ExudynSettings(elements=n, step=step, extrapolated=extrapolated), claim) for claim, n, step, extrapolated in _RUNGS),
     size="elements",
 )
+
+#: Accuracy -> Newton's tolerance; 1e-4 only for a `stiffness_ratio` up to SLOW: what moves little ends its iteration too early by it.
+_NEWTON: Final = ((3e-3, 1e-4), (1e-3, 1e-5), (0.0, 1e-6))
+SLOW: Final = 10.0
 
 #: Orders of convergence.
 ORDER_IN_TIME: Final = 2.0
@@ -54,6 +65,13 @@ ORDER_IN_SPACE: Final = 3.0
 #: slowly than the deflection.
 SAFE_IN_TIME: Final = 1.6
 SAFE_IN_SPACE: Final = 1.6
+
+#: The orders that it counts on where it compares with a finer run: two runs that do not converge differ by more than the error of either.
+FINER_IN_TIME: Final = 2.0
+FINER_IN_SPACE: Final = 2.5
+#: Elements from which on a plain table is compared with larger steps; extrapolated ones and those of fewer elements, whose finer runs are
+#: cheap, are compared with smaller steps, which shows the error more sharply.
+FEWEST_WITH_LARGER_STEPS: Final = 12
 
 #: The order in time that it counts on where rollers touch and part: a blow of run 24 lasts a few steps, and errors then fall irregularly.
 SAFE_WITH_BLOWS: Final = 1.0
@@ -84,24 +102,39 @@ WORTHWHILE: Final = 0.9
 NEW_CABLE: Final = 2.0
 
 
-def in_time(own: ExudynSettings, output_step: float, order: float = SAFE_IN_TIME) -> Comparison:
-    """Half as many steps between two outputs, and half of those, where there are any, for what the differences show of the order.
+def rung_for(accuracy: float, gain: float, moves_much: bool) -> ExudynSettings:
+    """Settings to begin with.
 
-    Twice as many where there is one, for a step cannot pass an output, and where the coarser run breaks down. Two steps and one show no
-    order. In the thesis' 24 runs, most of them so estimated, six columns of the settled cycle differ from `reference` by 0.9 of the
-    estimate at most.
+    Args:
+        accuracy: error of the tip deflection asked for.
+        gain: see `Ladder.pick`.
+        moves_much: whether the follower does, as in run 24.
+    """
+    newton = next(tolerance for least, tolerance in _NEWTON if accuracy >= least)
+    return LADDER.pick(accuracy, gain).replaced(newton_tolerance=newton if moves_much else min(newton, 1e-5))
+
+
+def in_time(own: ExudynSettings, output_step: float, blows: bool = False) -> Comparison:
+    """Half as many steps between two outputs, and half of those; or twice as many, see `FEWEST_WITH_LARGER_STEPS`.
+
+    The other way round where the run to compare with breaks down. In the thesis' 24 runs, most of them estimated by half as many steps
+    alone, six columns of the settled cycle differ from `reference` by 0.9 of the estimate at most.
     """
     steps, fewest = own.steps_in(output_step), math.ceil(output_step / LARGEST_STEP - 1e-9)
     half = (steps + 1) // 2
 
     def pair(run: int, other: int, before: Comparison | None = None, instead: Comparison | None = None) -> Comparison:
         compared, with_this = (own if count == steps else own.replaced(step=output_step / count) for count in (run, other))
+        order = SAFE_WITH_BLOWS if blows else SAFE_IN_TIME if run > other else FINER_IN_TIME
         return Comparison(compared, with_this, (run / other) ** order, before, instead, of="time")
 
     smaller = pair(steps, 2 * steps) if output_step / (2 * steps) >= LEAST_STEP else None
     if half == steps and smaller is not None:
         return smaller
-    return pair(steps, half, pair(half, max((half + 1) // 2, fewest)) if half > fewest else None, smaller)
+    larger = pair(steps, half, pair(half, max((half + 1) // 2, fewest)) if half > fewest else None)
+    if smaller is None or not (own.extrapolated or own.elements < FEWEST_WITH_LARGER_STEPS):
+        return replace(larger, instead=smaller)
+    return replace(smaller, instead=larger)
 
 
 def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
@@ -113,9 +146,12 @@ def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
     fewer = own.elements // 2 if own.elements >= FEWEST_WITH_ORDER else more
     coarsest, *finer = _steps_compared(own, time)
     pairs = [(coarsest, fewer), *((run, more) for run in finer)]
-    return _first_to_run(
-        [Comparison(run, run.replaced(elements=other), (own.elements / other) ** SAFE_IN_SPACE, of="space") for run, other in pairs]
-    )
+
+    def pair(run: ExudynSettings, other: int) -> Comparison:
+        order = SAFE_IN_SPACE if other < own.elements else FINER_IN_SPACE
+        return Comparison(run, run.replaced(elements=other), (own.elements / other) ** order, of="space")
+
+    return _first_to_run([pair(*each) for each in pairs])
 
 
 def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
@@ -139,12 +175,10 @@ def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
 
 
 def _steps_compared(own: ExudynSettings, time: Comparison) -> list[ExudynSettings]:
-    """The runs compared in time, from large to small steps: what hardly depends on the step may be seen in any that does not break down."""
-    coarsest = [time.before.other] if time.before is not None else []
-    runs = [*coarsest, time.other, own] if time.factor > 1.0 else [own, time.other]
-    if time.instead is not None:
-        runs.append(time.instead.other)
-    return [run for run in runs if isinstance(run, ExudynSettings)]
+    """Plain runs with the steps compared in time, large to small: what hardly depends on the step may be seen in any that runs through."""
+    known = [each.other for each in (time, time.before, time.instead) if each is not None]
+    runs = sorted((run for run in (own, *known) if isinstance(run, ExudynSettings)), key=lambda run: -run.step)
+    return [run.replaced(extrapolated=False) for run in runs]
 
 
 def _first_to_run(pairs: list[Comparison]) -> Comparison:

@@ -3,6 +3,7 @@
 import itertools
 import math
 import time
+from collections.abc import Callable
 from typing import Final
 
 import exudyn as exu
@@ -13,7 +14,7 @@ from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.exudyn.damping import longest_stretch
 from quickreturn.engines.exudyn.record import Model, Record
 from quickreturn.engines.exudyn.settings import ExudynSettings
-from quickreturn.engines.trajectory import Trajectory, trajectory_type
+from quickreturn.engines.trajectory import Trajectory, join, trajectory_type
 from quickreturn.engines.units import Units
 
 Array = NDArray[np.float64]
@@ -23,7 +24,58 @@ _Row = tuple[Array, Array, Array, Array, float, float]
 #: round-off moves slopes and angles by 1e-15 to 1e-14 in an iteration.
 LEAST_CHANGE: Final = 1e-12
 
+#: Number of elements up to which a dense factorization is faster than a sparse one (LADDERS.md, section 3).
+MOST_FOR_DENSE: Final = 12
+
 _ACCUMULATED = ("dissipated_energy", "drive_work")
+
+
+class ExtrapolatedSimulation(Simulation):
+    """Two simulations of a scene, one with about twice the steps of the other, and the table that their tables lead to (Richardson).
+
+    The errors fall with the square of the step: a + (a - b) / (r^2 - 1) has none of second order, r being the ratio of the steps. Where
+    the finer run takes one step to a row, the coarser one passes every other row, and a - b is interpolated there.
+    """
+
+    def __init__(self, fine: "ExudynSimulation", coarse: "ExudynSimulation") -> None:
+        self._fine, self._coarse = fine, coarse
+        self.time, self.setup_seconds = 0.0, fine.setup_seconds + coarse.setup_seconds
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        """See `Simulation.advance`; where one of the two fails, the table is extrapolated as far as both go."""
+        fine, failure = _as_far_as_it_goes(self._fine, duration, output_step)
+        steps, rows = self._fine.steps_in(output_step), len(fine) - 1
+        stride = 2 if steps == 1 else 1
+        at, pieces = np.r_[: rows - rows % stride + 1 : stride, rows - rows % stride + 1 : rows + 1], []
+        for intervals, number in ((stride, rows // stride), (1, rows % stride)):  # a row may be left, to which the last step is shorter
+            if number:
+                piece, other = _as_far_as_it_goes(self._coarse, number * intervals * output_step, intervals * output_step)
+                pieces.append(piece)
+                failure = failure or other
+                if other:
+                    break
+        coarse = join(pieces) if pieces else fine
+        at = at[: len(coarse)]
+        squared, shown = (steps * stride / self._coarse.steps_in(stride * output_step)) ** 2, slice(int(at[-1]) + 1)
+        columns = {name: values[shown] for name, values in fine.columns.items()}
+        for name in columns.keys() - {"time", "constraint_gap"}:
+            error = (columns[name][at] - coarse[name]) / (squared - 1.0)
+            columns[name] = columns[name] + np.interp(np.arange(len(columns[name])), at, error)
+        statistics = {name: number + coarse.statistics.get(name, 0.0) for name, number in fine.statistics.items()}
+        trajectory = type(fine)(columns, fine.solve_seconds + coarse.solve_seconds, statistics)
+        self.time = float(trajectory["time"][-1])
+        if failure is not None:
+            raise EngineFailure(self.time, failure.cause, failure.advice, trajectory)
+        return trajectory
+
+
+def _as_far_as_it_goes(simulation: Simulation, duration: float, output_step: float) -> tuple[Trajectory, EngineFailure | None]:
+    try:
+        return simulation.advance(duration, output_step), None
+    except EngineFailure as failure:
+        if failure.partial is None:
+            raise
+        return failure.partial, failure
 
 
 class ExudynSimulation(Simulation):
@@ -32,14 +84,17 @@ class ExudynSimulation(Simulation):
     Exudyn's `SolveSteps` restarts its clock at `it.startTime` but continues from the present state. It is therefore called once
     per output step, or more often where that is long, always from 0: the steps are the same whether a time is covered in one call
     or in many. Exudyn's model is in units of the scene's own, and so are its times and rows.
+
+    Attributes:
+        steps_in: number of steps from one output to the next, a time (s) later.
     """
 
-    def __init__(self, model: Model, settings: ExudynSettings, units: Units, begun: float) -> None:
+    def __init__(self, model: Model, settings: ExudynSettings, steps_in: Callable[[float], int], units: Units, begun: float) -> None:
         self.time = 0.0
+        self.steps_in = steps_in
         self._units = units
         self._model = model
         self._mbs = model.assembly.mbs
-        self._settings = settings
         self._solver_settings = _solver_settings(settings)
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._impulse = self._lost = 0.0
@@ -62,7 +117,7 @@ class ExudynSimulation(Simulation):
         """See `Simulation.advance`; a slider that reaches an end of the follower is a failure too."""
         count = round(duration / output_step)
         begun = time.perf_counter()
-        steps = self._settings.steps_in(output_step)
+        steps = self.steps_in(output_step)
         interval = output_step / self._units.time
         at_once = max(1, math.floor(self._longest / interval * (1.0 + 1e-9)))  # output steps that make up a stretch
         newton_before = self._solver.it.newtonStepsCount
@@ -194,7 +249,8 @@ def _solver_settings(settings: ExudynSettings) -> exu.SimulationSettings:
     integration.newton.residualMode = 1
     integration.newton.relativeTolerance = settings.newton_tolerance
     integration.newton.absoluteTolerance = LEAST_CHANGE
-    result.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    few = settings.elements <= MOST_FOR_DENSE
+    result.linearSolver.solverType = exu.LinearSolverType.EigenDense if few else exu.LinearSolverType.EigenSparse
     result.solution.file.write = False
     result.solution.sensors.active = False
     return result

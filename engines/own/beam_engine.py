@@ -18,7 +18,6 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 if TYPE_CHECKING:
     from quickreturn.engines.own.simulation import OwnSimulation
@@ -38,9 +37,6 @@ class BeamSettings(Settings, ABC):
 
 
 S = TypeVar("S", bound=BeamSettings)
-
-#: `stiffness_ratio` of run 24, on which the ladders were measured.
-RATIO_OF_RUN_24: Final = 4.1
 
 #: `characteristic_frequency` (1/s) of run 24, and of run 24 with a rigid follower.
 FREQUENCY_OF_RUN_24: Final = 107.0
@@ -98,16 +94,6 @@ class BeamEngine(Engine[S]):
         """See `Engine.natural_frequencies`; those of the discretized model."""
         self.check(mechanism)
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
-
-
-def gain_of(scene: Scene) -> float:
-    """Estimated error of few shapes in a scene over that in run 24, at most 1.
-
-    The recovery from equilibrium has the static deflection of the shapes left out. It lacks their inertia forces, which are smaller the
-    stiffer the follower is: inversely proportional to the square of `stiffness_ratio`.
-    """
-    ratio = stiffness_ratio(scene)
-    return min(1.0, (RATIO_OF_RUN_24 / ratio) ** 2) if ratio else 1.0
 
 
 def time_over_run_24(scene: Scene) -> float:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, USUAL, Comparison, NoSteadyState, SteadyState
-from quickreturn.engines.ladder import Ladder, S
-from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, gain_of
+from quickreturn.engines.ladder import Ladder, S, gain_of
+from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint

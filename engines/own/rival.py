@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import USUAL, Comparison, EstimateOf
-from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.beam_engine import BeamEngine, S, gain_of
+from quickreturn.engines.ladder import Ladder, gain_of
+from quickreturn.engines.own.beam_engine import BeamEngine, S
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, no_shapes
 from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint

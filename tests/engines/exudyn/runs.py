@@ -16,7 +16,9 @@ from tests.engines.scenes import run_24
 
 
 def simulate(mechanism: Mechanism, duration: float, start: Start | None = None, output_step: float = 1e-3, **settings) -> Trajectory:
-    prepared = ExudynEngine().prepare(mechanism, start or standard_start(mechanism), ExudynSettings(**settings))
+    """A run with 24 elements, and Newton's iteration to 1e-5, unless `settings` say otherwise."""
+    chosen = ExudynSettings(**{"elements": 24, "newton_tolerance": 1e-5, **settings})
+    prepared = ExudynEngine().prepare(mechanism, start or standard_start(mechanism), chosen)
     return prepared.advance(duration, output_step)
 
 

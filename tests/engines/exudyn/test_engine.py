@@ -20,6 +20,7 @@ from tests.engines.exudyn.runs import arm, bent_start, errors_of, simulate
 from tests.engines.scenes import INCH, run_24
 
 ENGINE = ExudynEngine()
+SETTINGS = ExudynSettings(elements=24, newton_tolerance=1e-5)  # as `simulate` has them
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,7 @@ def test_run_24_keeps_its_constraint_and_its_energy(default_run):
 def test_pieces_equal_one_run():
     mechanism = run_24()
     whole = simulate(mechanism, 0.2)
-    simulation = ENGINE.prepare(mechanism, standard_start(mechanism), ExudynSettings())
+    simulation = ENGINE.prepare(mechanism, standard_start(mechanism), SETTINGS)
     pieces = join([simulation.advance(0.05, 1e-3), simulation.advance(0.15, 1e-3)])
     assert simulation.time == pytest.approx(0.2, abs=1e-15)
     for name, values in whole.columns.items():
@@ -60,7 +61,7 @@ def test_pieces_equal_one_run():
 
 def test_output_step_may_change_between_pieces():
     mechanism = run_24()
-    simulation = ENGINE.prepare(mechanism, standard_start(mechanism), ExudynSettings(step=2.5e-4))
+    simulation = ENGINE.prepare(mechanism, standard_start(mechanism), SETTINGS)
     simulation.advance(0.05, 1e-3)
     last = simulation.advance(0.05, 5e-3)
     # the same steps in time, but the Jacobian is refreshed at other instants: Newton's tolerance
@@ -217,11 +218,12 @@ def test_the_description_is_what_was_built(mechanism):
 
 
 def test_only_the_parts_of_the_scene_are_built():
-    bodies = ENGINE.describe(run_24(), ExudynSettings()).bodies
+    settings = ExudynSettings(elements=24)
+    bodies = ENGINE.describe(run_24(), settings).bodies
     assert bodies == ("crank", "follower: 24 ANCF cable elements", "base", "tip")
     bare = run_24(tip=None, base={"inertia": 0.0, "damping": 0.0}, follower={"damping": 0.0})
-    assert ENGINE.describe(bare, ExudynSettings()).bodies == ("crank", "follower: 24 ANCF cable elements")
-    assert ENGINE.describe(rigid_mechanism(), ExudynSettings()).bodies == ("crank", "follower: rigid, with the base and the tip")
+    assert ENGINE.describe(bare, settings).bodies == ("crank", "follower: 24 ANCF cable elements")
+    assert ENGINE.describe(rigid_mechanism(), settings).bodies == ("crank", "follower: rigid, with the base and the tip")
 
 
 def test_work_of_the_drive_is_known_though_the_arm_rings_faster_than_the_rows() -> None:
@@ -229,7 +231,8 @@ def test_work_of_the_drive_is_known_though_the_arm_rings_faster_than_the_rows() 
     mechanism = load_case("hard-shaper-steel").mechanism
     found = []
     for step in (2.5e-4, 1.25e-4):
-        simulation = ExudynEngine().prepare(mechanism, standard_start(mechanism), ExudynSettings(elements=12, step=step))
+        settings = ExudynSettings(elements=12, step=step, newton_tolerance=1e-5)
+        simulation = ExudynEngine().prepare(mechanism, standard_start(mechanism), settings)
         found.append(imbalance(join([simulation.advance(0.1, 1e-3), simulation.advance(0.1, 1e-3)])))
     assert found[1] < 5e-3  # measured 2.5e-3
     assert 3.0 < found[0] / found[1] < 5.0

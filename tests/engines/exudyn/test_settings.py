@@ -62,7 +62,7 @@ def test_stretch_is_estimated_and_cured_by_a_stiffer_cable():
 
 def test_few_elements_are_not_taken_for_a_cable_that_stretches():
     """Run 24's cable stretches little. A softer one shows it with half the elements; a stiffer one of few elements does not."""
-    mechanism, rung = run_24(), ladder.LADDER.pick(3e-3)
+    mechanism, rung = run_24(), ExudynSettings(elements=24, newton_tolerance=1e-5)
 
     def part(pair: Comparison) -> float:
         runs = (pair.run.as_dict(), pair.other.as_dict())
@@ -81,8 +81,9 @@ def test_few_elements_are_not_taken_for_a_cable_that_stretches():
 
 def test_ladder_ends() -> None:
     assert ENGINE.settings_for(ENGINE.default_accuracy, run_24()) == ExudynSettings()
-    steps = [rung.step for rung, _ in ladder.LADDER.rungs]
-    assert steps == sorted(steps, reverse=True)
+    elements, claims = zip(*((rung.elements, claim) for rung, claim in ladder.LADDER.rungs), strict=True)
+    assert list(elements) == sorted(elements)
+    assert list(claims) == sorted(claims, reverse=True)
     settings, count = ExudynSettings(), 0
     while (finer := ENGINE.finer(settings, {}, 1e-3)) is not None:
         assert finer.step < settings.step
@@ -131,13 +132,16 @@ def test_climbing_takes_what_the_orders_leave_to_within_reach(excess, elements, 
 
 
 @pytest.mark.parametrize("output_step", [1e-2, 1e-3, 5e-4, 2.5e-4, 1e-5])
-def test_runs_compared_differ_on_any_output_grid(output_step):
+@pytest.mark.parametrize(("elements", "extrapolated"), [(8, False), (12, False), (12, True)])
+def test_runs_compared_differ_on_any_output_grid(output_step, elements, extrapolated):
     """A step cannot pass an output: settings that differ may be the same run."""
     for step in (5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4):
-        own = ExudynSettings(elements=8, step=step)
+        own = ExudynSettings(elements=elements, step=step, extrapolated=extrapolated)
         for pair in ENGINE.comparisons(own, run_24(), output_step):
             fine, coarse = (math.ceil(output_step / settings.step - 1e-9) for settings in (pair.run, pair.other))
             stiffer = pair.other.axial_factor / pair.run.axial_factor
             assert fine != coarse or pair.run.elements != pair.other.elements or stiffer != 1.0
-            in_time, in_space = (fine / coarse) ** ladder.SAFE_IN_TIME, (pair.run.elements / pair.other.elements) ** ladder.SAFE_IN_SPACE
+            more = pair.run.elements / pair.other.elements
+            in_time = (fine / coarse) ** (ladder.SAFE_IN_TIME if fine > coarse else ladder.FINER_IN_TIME)
+            in_space = more ** (ladder.SAFE_IN_SPACE if more > 1.0 else ladder.FINER_IN_SPACE)
             assert pair.factor == pytest.approx(in_time * in_space / stiffer)

@@ -74,7 +74,7 @@ def climbers(fineness: int = 1) -> Iterator[Climber]:
     yield Climber("nodal-load", nodal, f"nodal-load, {elements} elements", lambda mode, beam: _elements(mode, beam, elements, 1e-9))
     spring = StiffSpringSettings(shapes=shapes, stiffness=1e7, damping=300.0, tolerance=1e-7)
     yield Climber("stiff-spring", spring, f"stiff-spring, {shapes}", lambda mode, beam: _spring(mode, beam, shapes, spring.stiffness))
-    cable = ExudynSettings(elements=elements, step=2.5e-4)
+    cable = ExudynSettings(elements=elements, step=2.5e-4, newton_tolerance=1e-5)
     # stretching vibrations reach 1e6 rad/s: rounding is relative to their squares
     yield Climber("exudyn", cable, f"exudyn, {elements} elements", lambda mode, beam: _elements(mode, beam, elements, 1e-7))
     chain = ChainSettings(links=links)
