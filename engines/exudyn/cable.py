@@ -6,6 +6,7 @@ Arrays of nodal coordinates have shape (rows, nodes, 4), one row per instant.
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,10 @@ Array = NDArray[np.float64]
 #: Gauss points of the elements' bending moments and axial forces, as `flexible.section_of` asks for them.
 _BENDING_POINTS, _BENDING_WEIGHTS = np.polynomial.legendre.leggauss(2)
 _AXIAL_POINTS, _AXIAL_WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+#: Iterations to the nearest place of the line to a point: from 5 % of the length away four reach rounding.
+FOOT_ITERATIONS: Final = 6
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,14 @@ class Cable:
         shapes = _hermite((x - element * h) / h, h, nu)
         ends = np.concatenate([q[rows, element], q[rows, element + 1]], axis=1).reshape(len(x), 4, 2)
         return np.einsum("rs,rsc->rc", shapes, ends)
+
+    def foot(self, q: Array, points: Array, near: Array) -> Array:
+        """Arc lengths of the places nearest to `points` (m, shape (rows, 2)), from arc lengths `near` them; m, shape (rows,)."""
+        x = near
+        for _ in range(FOOT_ITERATIONS):
+            slope = self.evaluate(q, x, 1)
+            x = x + dot(points - self.evaluate(q, x), slope) / dot(slope, slope)
+        return x
 
     def curvatures(self, q: Array, places: Array, kink: Kink | None = None) -> Array:
         """Curvature at arc lengths, 1/m.

@@ -35,7 +35,7 @@ def add_nodes(assembly: Assembly, cable: Cable, state: FollowerState) -> list[An
     ]
 
 
-def section_of(cable: Cable) -> dict[str, float]:
+def section_of(cable: Cable) -> dict[str, Any]:
     """Length and section of an element, and the degree of its quadrature, as Exudyn's objects take them.
 
     Gauss points for polynomials of degree 7 (axial) and 3 (bending) in place of 9 and 5: in runs 24 and 17 and the aluminium shaper errors
@@ -51,9 +51,15 @@ def section_of(cable: Cable) -> dict[str, float]:
     }
 
 
-def add_cable(assembly: Assembly, cable: Cable, nodes: list[Any]) -> list[Any]:
-    """Add elements between the nodes, without a slider on them; returns their object numbers."""
-    return [assembly.mbs.AddObject(items.ObjectANCFCable2D(**section_of(cable), nodeNumbers=[*pair])) for pair in itertools.pairwise(nodes)]
+def add_cable(assembly: Assembly, cable: Cable, nodes: list[Any], axial: Any | None = None) -> list[Any]:
+    """Add elements between the nodes; returns their object numbers. With the node `axial` of the slider's travel they are ALE elements."""
+    section = section_of(cable)
+    if axial is None:
+        elements = [items.ObjectANCFCable2D(**section, nodeNumbers=[*pair]) for pair in itertools.pairwise(nodes)]
+    else:
+        section |= {"movingMassFactor": 0.0, "useCouplingTerms": False, "addALEvariation": False}
+        elements = [items.ObjectALEANCFCable2D(**section, nodeNumbers=[*pair, axial]) for pair in itertools.pairwise(nodes)]
+    return [assembly.mbs.AddObject(element) for element in elements]
 
 
 def add_ends(assembly: Assembly, cable: Cable, state: StartState, nodes: list[Any]) -> tuple[Any, Any] | None:

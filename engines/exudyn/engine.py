@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Simulation, installed
+from quickreturn.engines.base import ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Refusal, Simulation, installed
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.ladder import gain_of
@@ -42,9 +42,12 @@ class ExudynEngine(Engine[ExudynSettings]):
     def unavailable(self) -> str | None:
         return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
 
+    def _check(self, scene: Scene, settings: ExudynSettings) -> None:
+        (_SLIDING_JOINT if settings.joint == ladder.SLIDING else self).check(scene)
+
     def describe(self, scene: Scene, settings: ExudynSettings) -> ModelDescription:
         """Bodies, joints and degrees of freedom of the assembled system."""
-        self.check(scene)
+        self._check(scene, settings)
         from quickreturn.engines.exudyn.models import model_of
 
         return model_of(scene, standard_start(scene), settings).assembly.describe()
@@ -68,7 +71,7 @@ class ExudynEngine(Engine[ExudynSettings]):
 
         A follower alone has those for time and space; a rigid follower, which has no elements, that for time.
         """
-        in_time = ladder.in_time(settings, output_step, scene.slider.has_corners)
+        in_time = ladder.in_time(settings, output_step, scene.slider.has_corners or settings.joint == ladder.SLIDING)
         if scene.crank is None:
             return in_time, ladder.in_space(settings, in_time)
         if scene.follower.is_rigid:
@@ -81,7 +84,7 @@ class ExudynEngine(Engine[ExudynSettings]):
 
     def prepare(self, scene: Scene, start: Start | None, settings: ExudynSettings) -> Simulation:
         """Build the system in the state `start`; see `Engine.prepare`."""
-        self.check(scene)
+        self._check(scene, settings)
         from quickreturn.engines.exudyn.models import model_of
         from quickreturn.engines.exudyn.simulation import ExtrapolatedSimulation, ExudynSimulation
 
@@ -103,3 +106,18 @@ class ExudynEngine(Engine[ExudynSettings]):
         units = Units.of(mechanism)
         elements = max(settings.elements, ELEMENTS_OF_MODES)
         return modes.natural_frequencies(units.scene(mechanism), crank_angle, count, elements) / units.time
+
+
+class _SlidingJoint(ExudynEngine):
+    """What the engine accepts with a sliding joint, which has no carriage and needs a cable."""
+
+    name = f'exudyn with engine.joint = "{ladder.SLIDING}"'
+    quantities = (*USUAL, "follower.material_damping")
+
+    def check(self, scene: Scene) -> None:
+        super().check(scene)
+        if scene.follower.is_rigid:
+            raise Refusal(f"follower.bending_stiffness: inf is not modelled by engine {self.name}; accepted: a number")
+
+
+_SLIDING_JOINT: Final = _SlidingJoint()

@@ -1,6 +1,5 @@
 """The mechanism with a flexible follower in Exudyn, and observables from its coordinates."""
 
-import itertools
 from typing import Any, Final
 
 import numpy as np
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
-from quickreturn.engines.exudyn.construction import add_ends, add_nodes, add_weight, cable_of, section_of
+from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of
 from quickreturn.engines.exudyn.damping import Dampers
 from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.record import (
@@ -25,7 +24,7 @@ from quickreturn.engines.exudyn.record import (
     pin_force,
     shape_columns,
 )
-from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.exudyn.settings import SLIDING, ExudynSettings
 from quickreturn.engines.exudyn.slider import add_slider
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
@@ -207,26 +206,8 @@ class FlexibleModel(CableModel):
         self._slider_start = state.slider_position
         crank_node, crank, prescribed = assembly.crank(start)
         self._nodes = nodes = add_nodes(assembly, cable, state)
-        axial = mbs.AddNode(
-            items.NodeGenericODE2(
-                numberOfODE2Coordinates=1,
-                referenceCoordinates=[0.0],
-                initialCoordinates=[0.0],
-                initialCoordinates_t=[state.slider_speed],
-            )
-        )
-        cables = [
-            mbs.AddObject(
-                items.ObjectALEANCFCable2D(
-                    **section_of(cable),
-                    movingMassFactor=0.0,
-                    useCouplingTerms=False,
-                    addALEvariation=False,
-                    nodeNumbers=[*pair, axial],
-                )
-            )
-            for pair in itertools.pairwise(nodes)
-        ]
+        axial = None if settings.joint == SLIDING else _travel(mbs, state)
+        cables = add_cable(assembly, cable, nodes, axial)
         assembly.listed_body(f"follower: {cable.elements} ANCF cable elements")
         self._load(add_ends(assembly, cable, state, nodes))
         assembly.push_tip(mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1])), crank_node)
@@ -235,7 +216,7 @@ class FlexibleModel(CableModel):
         self._locate()
         self.drive_equation = equation_of(assembly, prescribed)
         self._crank_index = index(assembly, crank_node) + 2
-        self._axial_index = index(assembly, axial)
+        self._axial_index = None if axial is None else index(assembly, axial)
         self._spring = spring
         if spring is not None:
             spring.locate(assembly, nodes, axial)
@@ -244,24 +225,36 @@ class FlexibleModel(CableModel):
         return 0.0 if self._spring is None else self._spring.loss()
 
     def slider_position(self, coordinates: Array) -> float:
-        return float(coordinates[self._axial_index]) + self._slider_start
+        places = self._node_indices[None, :, None] + np.arange(4)
+        return float(self._slider_positions(coordinates[None], coordinates[places])[0])
+
+    def _slider_positions(self, coordinates: Array, q: Array) -> Array:
+        """Arc lengths of the slider, m, shape (rows,): the joint's own coordinate, or the foot of the crank tip on the line `q`."""
+        if self._axial_index is not None:
+            return np.asarray(coordinates[:, self._axial_index] + self._slider_start)
+        tip = self._crank_tip(coordinates[:, self._crank_index])
+        return self._cable.foot(q, tip, np.linalg.norm(tip - q[:, 0, :2], axis=1))
+
+    def _crank_tip(self, angle: Array) -> Array:
+        return self._mechanism.crank.length * np.column_stack([np.cos(angle), np.sin(angle)])
 
     def columns(self, record: Record) -> dict[str, Array]:
         mechanism, cable, line = self._mechanism, self._cable, self._line(record)
         q, rates, accelerations = line
         angle, speed, acceleration = (v[:, self._crank_index] for v in (record.coordinates, record.rates, record.accelerations))
-        s = record.coordinates[:, self._axial_index] + self._slider_start
+        s = self._slider_positions(record.coordinates, q)
         frame = direction(*(values[:, 0, 2:] for values in line))
         b1 = frame[0]
         slider_tangent = cable.evaluate(q, s, 1)
-        slider_normal = turned(slider_tangent) / np.linalg.norm(slider_tangent, axis=1)[:, None]
-        crank_arm = np.column_stack([np.cos(angle), np.sin(angle)])
-        crank_tip = mechanism.crank.length * crank_arm
+        stretch = np.linalg.norm(slider_tangent, axis=1)
+        slider_normal = turned(slider_tangent) / stretch[:, None]
+        crank_tip = self._crank_tip(angle)
         apart = crank_tip - cable.evaluate(q, s)
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
-        slider_force = -dot(slider_normal, joint_force)
+        # a sliding joint's multipliers are along its tangent and normal, which are as long as the tangent
+        slider_force = -dot(slider_normal, joint_force) if self._axial_index is not None else -joint_force[:, 1] * stretch
         kink = Kink(s, slider_force[:, None] * slider_normal / mechanism.follower.bending_stiffness)
-        stored = self._stored(line, frame, mechanism.crank_inertia * speed**2, mechanism.crank_moment * crank_arm)
+        stored = self._stored(line, frame, mechanism.crank_inertia * speed**2, mechanism.crank_moment / mechanism.crank.length * crank_tip)
         if self.assembly.joint_is_compliant:
             stored["strain_energy"] = stored["strain_energy"] + JointLaw(mechanism.slider).energy(dot(slider_normal, apart))
         crank_damping = getattr(mechanism.crank.drive, "damping", 0.0)
@@ -282,3 +275,9 @@ class FlexibleModel(CableModel):
             "dissipated_energy": accumulated(record.time, power, power_rate) + record.lost - record.lost[0],
             "constraint_gap": np.linalg.norm(apart, axis=1),
         }
+
+
+def _travel(mbs: Any, state: StartState) -> Any:
+    """Add the coordinate of the slider's travel along ALE cables; its node's number."""
+    zero = {"referenceCoordinates": [0.0], "initialCoordinates": [0.0]}
+    return mbs.AddNode(items.NodeGenericODE2(numberOfODE2Coordinates=1, **zero, initialCoordinates_t=[state.slider_speed]))

@@ -28,7 +28,7 @@ _APART: Final = (exu.OutputVariableType.Displacement, exu.OutputVariableType.Vel
 
 
 def add_slider(
-    assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any
+    assembly: Assembly, cable: Cable, state: StartState, start: Start, crank: Any, elements: list[Any], axial: Any | None
 ) -> tuple[Any, "CarriageSpring | None"]:
     """Add the joint between the crank tip and the cable.
 
@@ -39,11 +39,11 @@ def add_slider(
         start: gives the crank's speed.
         crank: object number of the crank.
         elements: object numbers of the cable's elements.
-        axial: number of the node that holds the slider's travel along the cable.
+        axial: number of the node that holds the slider's travel along ALE cables; None: a sliding joint, which keeps it itself.
 
     Returns:
-        Object number of the joint, whose multipliers are the force on crank tip or carriage along x and y; and the force law that Exudyn
-        calls back, None for a rigid joint or where the connector's own force suffices.
+        Object number of the joint, whose multipliers are the force on crank tip or carriage along x and y, of a sliding joint those of
+        `sliding_force`; and the force law that Exudyn calls back, None for a rigid joint or where the connector's own force suffices.
     """
     mbs, h = assembly.mbs, cable.element_length
     rider = assembly.point_marker(crank, assembly.mechanism.crank.length)
@@ -52,18 +52,21 @@ def add_slider(
         rider, spring = _add_carriage(assembly, cable, state, start, rider)
     markers = [mbs.AddMarker(items.MarkerBodyCable2DCoordinates(bodyNumber=element)) for element in elements]
     first = min(int(state.slider_position / h), len(elements) - 1)
+    placed: dict[str, Any] = {
+        "markerNumbers": [rider, markers[first]],
+        "slidingMarkerNumbers": markers,
+        "slidingMarkerOffsets": [i * h for i in range(len(elements))],
+    }
+    name = f"slider on the follower{assembly.joint_text}"
+    if axial is None:
+        history = mbs.AddNode(items.NodeGenericData(initialCoordinates=[first, state.slider_position], numberOfDataCoordinates=2))
+        joint = items.ObjectJointSliding2D(**placed, nodeNumber=history, useClassicalFormulation=False)
+        return assembly.add_joint(name, joint, 1), None  # of its three equations one finds the slider's place, and one is 0 = 0
     history = mbs.AddNode(items.NodeGenericData(initialCoordinates=[first], numberOfDataCoordinates=1))
-    joint = items.ObjectJointALEMoving2D(
-        markerNumbers=[rider, markers[first]],
-        slidingMarkerNumbers=markers,
-        slidingMarkerOffsets=[i * h for i in range(len(elements))],
-        slidingOffset=state.slider_position,
-        nodeNumbers=[history, axial],
-    )
+    joint = items.ObjectJointALEMoving2D(**placed, slidingOffset=state.slider_position, nodeNumbers=[history, axial])
     # Two equations, for travel and normal. The joint takes one of the carriage's two coordinates, the balance of forces along the tangent
     # the other.
-    equations = 3 if assembly.joint_is_compliant else 2
-    return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations), spring
+    return assembly.add_joint(name, joint, 3 if assembly.joint_is_compliant else 2), spring
 
 
 def _add_carriage(assembly: Assembly, cable: Cable, state: StartState, start: Start, crank_tip: Any) -> tuple[Any, "CarriageSpring | None"]:
