@@ -1,9 +1,9 @@
 """Gathers the evidence for a verdict: one engine on one scene at several settings, without the right answer.
 
 The engine is asked for an accuracy as by a user (`engines.accurate.simulate`): its settings become finer until its own estimate is good
-enough. Its result is then compared with finer settings and judged by the balances of `verdicts`; while these leave a doubt, a smaller error
-is asked for. If the slider reaches the follower's end, the run is judged up to shortly before. With finer settings a numerical breakdown
-moves or disappears, but the end of a scene stays.
+enough. Its result is then compared with finer settings and judged by its balances (`cases.measures.balances`); while these leave a doubt, a
+smaller error is asked for. If the slider reaches the follower's end, the run is judged up to shortly before. With finer settings a
+numerical breakdown moves or disappears, but the end of a scene stays.
 """
 
 import math
@@ -11,10 +11,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-import numpy as np
-
 from quickreturn.cases.judging.conditioning import later_differences
 from quickreturn.cases.judging.verdicts import Breakdown, Evidence, judge
+from quickreturn.cases.measures.balances import Balances
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once
@@ -22,7 +21,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Columns, Trajectory
+from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 
 #: Errors asked of the engine while a doubt remains, as parts of the requested one.
@@ -131,17 +130,13 @@ class _Request:
             breakdown = replace(breakdown, finer_time=finer_failure.time)
         if breakdown is None and finer is not None and rows < len(columns["time"]) == len(finer):
             later = later_differences(columns, dict(finer.columns), evidence.stretch)
-        rigid = self._scene.mechanism.slider.is_rigid  # another joint has a gap by its nature
-        gap = float(np.max(np.abs(shown["constraint_gap"]))) if rigid and "constraint_gap" in shown else None
         return replace(
             evidence,
             breakdown=breakdown,
             finer_difference=difference,
             finer_failure=broken,
             later=later,
-            energy_residual=energy_residual(columns if breakdown is None else shown),
-            constraint_gap=gap,
-            crank_jump=crank_jump(columns),
+            balances=Balances.of(columns if breakdown is None else shown, self._scene.mechanism),
         )
 
     def _once(self, settings: Settings) -> tuple[Trajectory | None, EngineFailure | None]:
@@ -162,21 +157,3 @@ class _Request:
             return False
         place = trajectory["slider_position"]
         return not 0.0 < place[-1] + 2.0 * (place[-1] - place[-2]) < self._scene.mechanism.follower.length
-
-
-def energy_residual(columns: Columns) -> float | None:
-    """Largest violation of the energy balance over the largest strain energy; None without the columns or without strain energy."""
-    gains = ("kinetic_energy", "strain_energy", "gravity_energy", "dissipated_energy")
-    if not {*gains, "drive_work"} <= set(columns):
-        return None
-    balance = sum((columns[name] for name in gains), start=-columns["drive_work"])
-    largest = float(np.max(np.abs(columns["strain_energy"])))
-    return float(np.max(np.abs(balance - balance[0]))) / largest if largest > 0.0 else None
-
-
-def crank_jump(columns: Columns) -> float:
-    """Largest deviation of the crank angle's step from row to row from the trapezoidal rule over the crank speed, over a row's turn."""
-    speed, rows = columns["crank_speed"], np.diff(columns["time"])
-    turned = float(np.max(np.abs(speed))) * float(np.max(rows, initial=0.0))
-    missed = np.abs(np.diff(columns["crank_angle"]) - 0.5 * rows * (speed[1:] + speed[:-1]))
-    return float(np.max(missed)) / turned if turned > 0.0 and len(missed) else 0.0

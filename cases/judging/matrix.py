@@ -14,6 +14,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.judging.conditioning import Conditioning, conditioning, later_differences
 from quickreturn.cases.judging.evidence import TrialScene, gather
 from quickreturn.cases.judging.verdicts import ACCURATE, ENDED, LATER, OWN_EQUATIONS, Breakdown, Evidence, Verdict, contradicted, judge
+from quickreturn.cases.measures.balances import Balances
 from quickreturn.engines.registry import MAIN, MODEL
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.trajectory import Columns
@@ -128,10 +129,14 @@ def _evidence_jobs(case: Case, horizon: float, engines: Sequence[str]) -> dict[s
 def evidence_of(engine: str, scene: TrialScene, requested: float) -> Evidence:
     """The evidence on an engine in a scene as it is stored: NaN, which the store refuses, becomes infinity, which fails every test."""
     found = gather(engine, scene, requested)
-    numbers: Any = {name: math.inf for name, value in vars(found).items() if isinstance(value, float) and math.isnan(value)}
-    later = found.later and {name: math.inf if math.isnan(value) else value for name, value in found.later.items()}
+    numbers, balances, later = (_without_nan(each) for each in (vars(found), vars(found.balances), found.later or {}))
     columns: Columns = {name: found.columns[name] for name in _KEPT if name in found.columns}
-    return replace(found, later=later, columns=columns, **numbers)
+    numbers |= {"columns": columns, "balances": Balances(**balances), "later": found.later and later}
+    return replace(found, **numbers)
+
+
+def _without_nan(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: math.inf if isinstance(value, float) and math.isnan(value) else value for name, value in numbers.items()}
 
 
 def _broken(job: Job[Evidence], outcome: Outcome[Evidence]) -> Evidence:

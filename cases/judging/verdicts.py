@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, Final
 
+from quickreturn.cases.measures.balances import Balances
 from quickreturn.engines.trajectory import Columns
 
 ACCURATE: Final = "accurate"
@@ -35,15 +36,8 @@ MEANINGS: Final = {
 
 #: Largest ratio of an error to the difference from finer settings: these at least halve the error, on every ladder once it converges.
 ERROR_PER_DIFFERENCE: Final = 2.0
-#: Relative error of the strain energy over that of the amplitude: the energy grows with its square.
-ENERGY_PER_ERROR: Final = 2.0
 #: Largest relative difference of energy, extremes and spectrum of the tip deflection, beyond the stretch, of an accurate run.
 LATER: Final = 0.1
-#: Largest gap between slider and centre line, m: ten times that of the loosest engine. A gap only moves the place of the slider's load.
-LARGEST_GAP: Final = 1e-4
-#: Largest deviation of the crank angle from the integral of its speed by the trapezoidal rule, as a part of the turn in a row; 7e-4 was the
-#: largest measured with rows of 1 ms.
-LARGEST_JUMP: Final = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,11 +67,7 @@ class Evidence:
     finer_difference: float | None = None  # RMS difference to finer settings over `stretch`, relative; None where there are none that ran
     finer_failure: str = ""  # why finer settings broke down within the stretch, or ""
     remark: str = ""  # what the engine's run says about its estimate, or ""
-    # largest violation of the energy balance over the largest strain energy, in `stretch`; None where the engine has not all the
-    # columns
-    energy_residual: float | None = None
-    constraint_gap: float | None = None  # m, largest; None where the engine has no such column or the joint is soft
-    crank_jump: float = 0.0  # see `LARGEST_JUMP`
+    balances: Balances = field(default_factory=Balances)  # of the whole run; of one that broke down over the stretch
     # what is compared beyond the stretch -> relative difference to finer settings; None where there is no such part or run
     later: Mapping[str, float] | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)  # of the run; empty if none ran
@@ -146,12 +136,8 @@ def _doubt(evidence: Evidence) -> str:
         return f"with finer settings it {evidence.finer_failure}"
     if not claimed <= asked:  # also where it is no number
         return f"the estimated error {claimed:.2g} exceeds the {asked:g} asked"
-    if evidence.energy_residual is not None and not evidence.energy_residual <= ENERGY_PER_ERROR * asked:
-        return f"the energy balance is violated by {evidence.energy_residual:.2g} of the largest strain energy"
-    if evidence.constraint_gap is not None and not evidence.constraint_gap <= LARGEST_GAP:
-        return f"the slider is off the centre line by up to {evidence.constraint_gap:.2g} m"
-    if not evidence.crank_jump <= LARGEST_JUMP:
-        return f"the crank angle jumps: it is not the integral of the crank speed (by {evidence.crank_jump:.2g} of a row)"
+    if violated := evidence.balances.violated(asked):
+        return violated
     if evidence.breakdown is None and evidence.stretch < evidence.duration:
         return _later_doubt(evidence)
     return ""

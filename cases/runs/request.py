@@ -14,6 +14,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredNumbers
 from quickreturn.cases.runs.orbit import Orbit
 from quickreturn.cases.runs.stability import Multiplier
+from quickreturn.engines.accurate import Result
 from quickreturn.engines.base import AnyEngine, SteadyState
 from quickreturn.engines.error_parts import ESTIMATED, TIP, ErrorPart
 from quickreturn.engines.start import Start, standard_start
@@ -147,6 +148,22 @@ class Computation:
     solve_seconds: float | None = None
     wall_seconds: float | None = None  # time of the whole request
     simulated_seconds: float | None = None  # simulated time in the solve time
+
+    @classmethod
+    def of(cls, result: Result) -> "Computation":
+        """That of a result from which the settings of a run were taken: its solve time belongs to the estimate."""
+        return cls(
+            accuracy=result.accuracy,
+            settings=result.settings,
+            reached=result.reached,
+            error_estimate=result.error_estimate,
+            error_estimates=result.error_estimates,
+            error_parts=result.error_parts,
+            degrees_of_freedom=result.description.degrees_of_freedom,
+            setup_seconds=result.setup_seconds,
+            compile_seconds=result.compile_seconds,
+            estimate_seconds=result.estimate_seconds + result.solve_seconds,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

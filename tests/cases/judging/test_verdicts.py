@@ -10,8 +10,6 @@ from quickreturn.cases.judging.verdicts import (
     CONTRADICTED,
     DIVERGED,
     ENDED,
-    LARGEST_GAP,
-    LARGEST_JUMP,
     LATER,
     MEANINGS,
     NOT_CONVERGED,
@@ -23,8 +21,17 @@ from quickreturn.cases.judging.verdicts import (
     contradicted,
     judge,
 )
+from quickreturn.cases.measures.balances import LARGEST_GAP, LARGEST_JUMP, Balances
 
-GOOD = Evidence(requested=0.01, duration=2.0, stretch=2.0, row=1e-3, error_estimate=0.004, finer_difference=0.0015, energy_residual=1e-3)
+GOOD = Evidence(
+    requested=0.01,
+    duration=2.0,
+    stretch=2.0,
+    row=1e-3,
+    error_estimate=0.004,
+    finer_difference=0.0015,
+    balances=Balances(energy_residual=1e-3),
+)
 #: The slider leaves the follower at 0.25 s, whatever the settings.
 LEAVING = replace(GOOD, stretch=0.24, breakdown=Breakdown(time=0.25, cause="the slider left", at_the_end=True, finer_time=0.2505))
 #: Two good solutions run apart after 0.4 s.
@@ -35,7 +42,7 @@ def test_a_run_without_doubt_is_accurate_and_claims_its_larger_estimate() -> Non
     verdict = judge(GOOD)
     assert (verdict.kind, verdict.claimed_error, verdict.stretch) == (ACCURATE, 0.004, 2.0)
     assert judge(replace(GOOD, finer_difference=0.004)).claimed_error == 0.008  # twice the difference
-    assert judge(replace(GOOD, finer_difference=None, energy_residual=None)).kind == ACCURATE  # not every engine has all of it
+    assert judge(replace(GOOD, finer_difference=None, balances=Balances())).kind == ACCURATE  # not every engine has all of it
 
 
 @pytest.mark.parametrize(
@@ -47,10 +54,10 @@ def test_a_run_without_doubt_is_accurate_and_claims_its_larger_estimate() -> Non
         ({"error_estimate": None}, "cannot be estimated"),
         ({"finer_difference": 0.4}, "estimated error 0.8 exceeds"),
         ({"finer_failure": "failed at t = 1 s: the beam snapped"}, "with finer settings it failed at t = 1 s: the beam snapped"),
-        ({"energy_residual": 0.021}, "energy balance"),
-        ({"energy_residual": float("nan")}, "energy balance"),
-        ({"constraint_gap": 1.1 * LARGEST_GAP}, "centre line"),
-        ({"crank_jump": 1.1 * LARGEST_JUMP}, "crank angle jumps"),
+        ({"balances": Balances(energy_residual=0.021)}, "energy balance"),
+        ({"balances": Balances(energy_residual=float("nan"))}, "energy balance"),
+        ({"balances": Balances(constraint_gap=1.1 * LARGEST_GAP)}, "centre line"),
+        ({"balances": Balances(crank_jump=1.1 * LARGEST_JUMP)}, "crank angle jumps"),
     ],
 )
 def test_every_doubt_suffices(change: dict[str, Any], words: str) -> None:
