@@ -16,8 +16,8 @@ from decimal import Context, Decimal
 from types import MappingProxyType
 from typing import Any, Final
 
-from quickreturn.cases import quantity_mistakes
 from quickreturn.cases.errors import as_written
+from quickreturn.cases.mistakes import quantity_texts
 
 Exponents = tuple[int, int, int, int]  # of metre, kilogram, second, radian
 
@@ -127,7 +127,7 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
         if (value := plain_number(text)) is None or not math.isfinite(value):
             raise QuantityError("is not a pure number", 'write one plain number without a unit, such as "0.3"')
         return value
-    if problem := quantity_mistakes.in_quantity(text):
+    if problem := quantity_texts.in_quantity(text):
         raise QuantityError(problem, accepted)
     number, _, unit = text.partition(" ")
     return _to_si(number, _factor(number, unit, dimension, accepted))
@@ -169,7 +169,7 @@ def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Deci
 
 def plain_number(text: str) -> float | None:
     """The value of a plain decimal number without a unit, infinite beyond the range of doubles; None for any other text."""
-    return float(text) if re.fullmatch(quantity_mistakes.NUMBER, text) else None
+    return float(text) if re.fullmatch(quantity_texts.NUMBER, text) else None
 
 
 class _UnitError(Exception):
@@ -204,9 +204,9 @@ def _meant(number: str, unit: str, dimension: Dimension) -> str:
     """The unit that is probably meant, as a clause, or ""."""
     if dimension is ANGULAR_SPEED and (turning := _turning(number, unit)):
         return f" (perhaps meant as {turning})"
-    probable = next((meant for meant in quantity_mistakes.units_meant(unit) if _measures(meant, dimension)), None)
+    probable = next((meant for meant in quantity_texts.units_meant(unit) if _measures(meant, dimension)), None)
     if probable is None and not _is_unit(unit):
-        other = next((meant for meant in quantity_mistakes.units_meant(unit) if _is_unit(meant)), None)
+        other = next((meant for meant in quantity_texts.units_meant(unit) if _is_unit(meant)), None)
         return f' (perhaps meant as "{other}", {_name(_read_unit(other)[1])}, but {dimension.name} is needed)' if other else ""
     return f' (perhaps meant as "{probable}")' if probable else ""
 
@@ -222,7 +222,7 @@ def _is_unit(text: str) -> bool:
 def _turning(number: str, unit: str) -> str:
     """A speed given as a frequency, in rpm; "" if it is not one. Only "1/s" and the like may mean radians as well as turns."""
     try:
-        factor, exponents = _read_unit(quantity_mistakes.frequency_meant(unit))
+        factor, exponents = _read_unit(quantity_texts.frequency_meant(unit))
     except _UnitError:
         return ""
     turns_per_minute = 60.0 * float(number or 1) * float(factor)

@@ -1,9 +1,5 @@
 """The public names, each once: `quickreturn/__init__.py` reads them here, as type checkers do."""
 
-from quickreturn.advice import Advice as Advice
-from quickreturn.advice import advise as advise
-from quickreturn.calibration import calibrate as calibrate
-from quickreturn.calibration import uncertainty as uncertainty
 from quickreturn.cases.case import Case as Case
 from quickreturn.cases.columns import UnknownColumn as UnknownColumn
 from quickreturn.cases.conformance import conform as conform
@@ -31,13 +27,17 @@ from quickreturn.engines.start_state import reconstruct as reconstruct
 from quickreturn.engines.trajectory import Trajectory as Trajectory
 from quickreturn.frequencies import modes as modes
 from quickreturn.questions import list_engines as list_engines
-from quickreturn.resonance_curves import Resonance as Resonance
-from quickreturn.resonance_curves import resonance as resonance
 from quickreturn.solution import Solution as Solution
 from quickreturn.solution import simulate as simulate
-from quickreturn.sweeping import case_at as case_at
-from quickreturn.sweeping import measures as measures
-from quickreturn.sweeping import sweep as sweep
+from quickreturn.studies.advice import Advice as Advice
+from quickreturn.studies.advice import advise as advise
+from quickreturn.studies.calibration import calibrate as calibrate
+from quickreturn.studies.calibration import uncertainty as uncertainty
+from quickreturn.studies.resonance_curves import Resonance as Resonance
+from quickreturn.studies.resonance_curves import resonance as resonance
+from quickreturn.studies.sweeping import case_at as case_at
+from quickreturn.studies.sweeping import measures as measures
+from quickreturn.studies.sweeping import sweep as sweep
 from quickreturn.table_comparison import Differences as Differences
 from quickreturn.table_comparison import TableComparison as TableComparison
 from quickreturn.table_comparison import compare as compare

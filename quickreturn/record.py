@@ -14,8 +14,8 @@ from typing import Any
 
 from quickreturn.cases.jobs.key import LIBRARIES
 from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.whole_file import write_atomically
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.whole_file import write_atomically
 from quickreturn.engines.registry import engine
 from quickreturn.reports.long_studies import FOLDER, STUDIES, About, about, text_of
 from quickreturn.reports.machine import version

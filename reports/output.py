@@ -14,7 +14,7 @@ import click
 
 from quickreturn.cases.displayed import Cell, Rows
 from quickreturn.cases.errors import printable, shortened
-from quickreturn.cases.jobs.whole_file import words_of, write_atomically
+from quickreturn.cases.whole_file import words_of, write_atomically
 from quickreturn.reference_model.errors import ToldError
 
 

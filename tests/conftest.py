@@ -91,7 +91,7 @@ class _Outcome:
     def pytest_sessionfinish(self) -> None:
         from quickreturn.cases.jobs.key import code_fingerprint
         from quickreturn.cases.jobs.store import Store
-        from quickreturn.cases.jobs.whole_file import write_atomically
+        from quickreturn.cases.whole_file import write_atomically
         from quickreturn.reports.verification import FILE, PARTS
 
         passed = sum(row[2] == "passed" for row in self.rows)

@@ -28,10 +28,11 @@ SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")
 
 #: Code that converts results to records and back.
 _RECORDS: Final = "quickreturn.cases.jobs.records"
-#: Packages and modules that start jobs, or show results and progress: no result depends on them.
+#: Packages and modules that start jobs, write files, or show results and progress: no result depends on them.
 ONLY_TALK: Final = (
     "quickreturn.cases.jobs",
     "quickreturn.cases.displayed",
+    "quickreturn.cases.whole_file",
     "quickreturn.engines.progress",
     "quickreturn.reference_model.witnesses",
 )

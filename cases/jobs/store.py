@@ -24,7 +24,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.jobs.whole_file import words_of, write_atomically
+from quickreturn.cases.whole_file import words_of, write_atomically
 from quickreturn.reference_model.errors import ToldError
 
 #: Environment variable that names the folder.

@@ -69,7 +69,7 @@ def sweep(
     Points that are unstable, impossible or fail are results and have a status; exit code 3: no point has a number.
     """
     from quickreturn.cases.sweep.grid import ENGINE, axis
-    from quickreturn.sweeping import USUAL, computed, dataset_of, summary
+    from quickreturn.studies.sweeping import USUAL, computed, dataset_of, summary
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
@@ -143,7 +143,7 @@ def resonance(
     from quickreturn.cases.resonance_curve.search import USUAL, job
     from quickreturn.questions import value_of
     from quickreturn.reports.drawing.style import picture
-    from quickreturn.resonance_curves import Resonance, speed_of
+    from quickreturn.studies.resonance_curves import Resonance, speed_of
 
     loaded = options.load(case, options.read_overrides(assignments))
     if vary is not None:

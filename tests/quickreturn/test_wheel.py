@@ -64,7 +64,7 @@ VERIFICATION = """
 import json
 from quickreturn.cases.jobs.key import code_fingerprint
 from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.whole_file import write_atomically
+from quickreturn.cases.whole_file import write_atomically
 from quickreturn.reports.verification import FILE, PARTS
 chapter = {"title": "Faults", "text": "All of it survived.", "columns": ["fault", "share"], "rows": [["disk full", 0.5]]}
 document = {"code": code_fingerprint(PARTS), "date": "today", "chapters": [chapter]}

@@ -15,7 +15,7 @@ from quickreturn.cases.sweep.rows import LEFT, MeasureRequest
 from quickreturn.cases.sweep.study import Study
 from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
 from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
-from quickreturn.sweeping import dataset_of, summary
+from quickreturn.studies.sweeping import dataset_of, summary
 from tests.reports.test_line_styles import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")

@@ -17,7 +17,7 @@ from quickreturn.cases.resonance_curve.search import OF_CURVE, USUAL, resonance_
 from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.dataset import dataset_file, table_file
-from quickreturn.sweeping import ERROR
+from quickreturn.studies.sweeping import ERROR
 
 if TYPE_CHECKING:
     import pandas as pd
