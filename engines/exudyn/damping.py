@@ -46,7 +46,7 @@ class Dampers:
 
     def __init__(self, assembly: Assembly, base: tuple[Any, Any], nodes: list[Any], x: Array, weights: Array) -> None:
         self._mbs = assembly.mbs
-        self._pivot = np.array([assembly.scene.pivot_distance, 0.0])
+        self._pivot = assembly.scene.pivot_distance
         self._base, self._nodes = base[0], nodes[1:]
         self._points = [assembly.point_marker(base[1], place) for place in x[1:]]
         for point, node, weight in zip(self._points, self._nodes, weights[1:], strict=True):
@@ -66,11 +66,9 @@ class Dampers:
             rates: their rates.
             duration: s.
         """
-        away = coordinates[self._places] - self._pivot
-        turning = rates[self._angle] * np.column_stack([-away[:, 1], away[:, 0]])
-        away = away + 0.5 * duration * (rates[self._places] - turning)
-        angle = coordinates[self._angle]
-        cosine, sine = np.cos(angle), np.sin(angle)
-        x, y = cosine * away[:, 0] + sine * away[:, 1], cosine * away[:, 1] - sine * away[:, 0]
-        for point, along, across in zip(self._points, x.tolist(), y.tolist(), strict=True):
+        away, rate = (np.ascontiguousarray(values[self._places]).view(complex)[:, 0] for values in (coordinates, rates))  # x + i y
+        away = away - self._pivot
+        away = away + 0.5 * duration * (rate - 1j * rates[self._angle] * away)
+        in_frame = np.exp(-1j * coordinates[self._angle]) * away
+        for point, along, across in zip(self._points, in_frame.real.tolist(), in_frame.imag.tolist(), strict=True):
             self._mbs.SetMarkerParameter(point, "localPosition", [along, across, 0.0])

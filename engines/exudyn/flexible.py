@@ -225,6 +225,8 @@ class FlexibleModel(CableModel):
         return 0.0 if self._spring is None else self._spring.loss()
 
     def slider_position(self, coordinates: Array) -> float:
+        if self._axial_index is not None:
+            return float(coordinates[self._axial_index]) + self._slider_start
         places = self._node_indices[None, :, None] + np.arange(4)
         return float(self._slider_positions(coordinates[None], coordinates[places])[0])
 

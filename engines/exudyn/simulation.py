@@ -110,6 +110,7 @@ class ExudynSimulation(Simulation):
         # GetODE2CoordinatesTotal corrupts memory beyond 100 coordinates (Exudyn 1.13.6), so the sum is taken here.
         self._reference = self._mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
         self._multiplier, self._loss = self._drive_multiplier(), model.joint_loss()
+        self._sums = model.drive_equation is not None or model.assembly.joint_is_compliant
         self._last = self._row()
         self.setup_seconds = time.perf_counter() - begun
 
@@ -187,6 +188,8 @@ class ExudynSimulation(Simulation):
 
     def _step_done(self) -> None:
         """Add the step that was just taken to what is summed from step to step."""
+        if not self._sums:
+            return
         half = 0.5 * self._solver.it.currentStepSize
         torque, self._multiplier = self._multiplier, self._drive_multiplier()
         loss, self._loss = self._loss, self._model.joint_loss()
@@ -209,7 +212,7 @@ class ExudynSimulation(Simulation):
             return f"Newton's iteration did not converge ({_one_line(self._solver.GetErrorString())})", smaller
         if not math.isclose(self._solver.it.currentTime, self._solver.it.endTime, rel_tol=1e-9):
             return "Exudyn stopped before the end of a stretch of steps", smaller
-        if not np.all(np.isfinite(self._coordinates())):
+        if not math.isfinite(np.sum(self._mbs.systemData.GetODE2Coordinates())):
             return "the solution is not finite", smaller
         return None
 

@@ -91,7 +91,7 @@ def test_settings_that_a_ladder_changes() -> None:
     case = load_case("thesis-24")
     ladders = [[Trial(**plan.about) for plan in method.plans(case)] for method in methods(("exudyn", "stiff-spring"), case)]
     every = [each for ladder in ladders for each in ladder]
-    assert set(changing(ladders[0][0], every)) == {"elements", "step", "newton_tolerance"}
+    assert set(changing(ladders[0][0], every)) == {"elements", "step", "extrapolated", "newton_tolerance"}
     assert set(changing(ladders[1][0], every)) == {"shapes", "stiffness", "damping", "tolerance"}
     assert changing(ladders[1][0], ladders[1][:1]) == ladders[1][0].settings  # one rung changes nothing
 

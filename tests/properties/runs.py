@@ -49,7 +49,7 @@ THESIS = Method(ThesisEngine(), ThesisSettings(tolerance=TOLERANCE), 2)
 FIXED_SHAPES = Method(fixed_shapes.ENGINE, FixedShapesSettings(shapes=6, tolerance=TOLERANCE), 6)
 EXPLICIT = (REFERENCE, THESIS, FIXED_SHAPES)
 COMPLIANT = Method(ReferenceEngine(), ReferenceSettings(modes=2, tolerance=TOLERANCE), 4)
-EXUDYN = Method(ExudynEngine(), ExudynSettings(elements=8, step=1e-3), 8)
+EXUDYN = Method(ExudynEngine(), ExudynSettings(elements=8, step=1e-3, newton_tolerance=1e-5), 8)
 MUJOCO = Method(MujocoEngine(), ChainSettings(links=8), 8)
 
 
