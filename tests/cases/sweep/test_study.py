@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn import sweeping
 from quickreturn.cases.case import case_of, document_of
 from quickreturn.cases.jobs.in_process import Nobody, ThisProcess
 from quickreturn.cases.jobs.isolation import STOPPED
@@ -28,6 +27,7 @@ from quickreturn.cases.sweep.rows import MeasureRequest, Row
 from quickreturn.cases.sweep.study import study
 from quickreturn.dataset import dataset_file
 from quickreturn.reference_model.scene_values import Changes
+from quickreturn.studies import sweeping
 from tests.quickreturn.program import PROGRAM
 
 ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
