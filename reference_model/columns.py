@@ -157,20 +157,26 @@ _FIELDS: Final = {name: len([*group]) for name, group in groupby((*OBSERVED, *JO
 ROW: Final = np.dtype(
     (np.record, [(name, np.float64) if count == 1 else (f"{name}s", np.float64, (count,)) for name, count in _FIELDS.items()])
 )
+#: Numbers in it.
+NUMBERS: Final = ROW.itemsize // 8
 
 
-def recorded_columns(rows: Rows, *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
-    """Columns by name, each of shape (k,), of rows (k,) of `ROW`.
+def by_column(rows: Rows) -> Array:
+    """The numbers of rows (k,) of `ROW`, shape (`NUMBERS`, k)."""
+    return rows.view(np.float64).reshape(len(rows), NUMBERS).T.copy()
+
+
+def recorded_columns(table: Array, *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
+    """Columns by name, each of shape (k,), of a table (`NUMBERS`, k).
 
     Args:
-        rows: as compiled code filled them.
+        table: as compiled code filled it.
         alone: whether the rows are those of a follower alone: `base_torque` then stands in for `crank_torque`, and the other columns of
             crank and slider are left out.
         bends: whether to include the bending moments, which a model that knows them by curvature cannot give for a rigid follower.
         joint: whether to include `JOINT_COLUMNS`.
     """
-    values = rows.view(np.float64).reshape(len(rows), ROW.itemsize // 8).T.copy()
-    columns = dict(zip((*OBSERVED, *JOINT_COLUMNS), values, strict=True))
+    columns = dict(zip((*OBSERVED, *JOINT_COLUMNS), table, strict=True))
     left_out = {*(() if joint else JOINT_COLUMNS), *(() if bends else BENDING)}
     if alone:
         left_out |= {name for name in OBSERVED if COLUMNS[name].of_slider}

@@ -11,16 +11,18 @@ from numba.extending import infer_getattr, lower_getattr_generic, models, regist
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.native.compilation import inlined
-from quickreturn.reference_model.native.pointers import MEMBERS, array_of, intrinsic
+from quickreturn.reference_model.native.lanes import LANES
+from quickreturn.reference_model.native.pointers import array_of, intrinsic
 from quickreturn.reference_model.state import State
 
 
 class _StateAt(types.Type):
     """A state vector in memory: its address, n and m. Its parts are arrays, made where they are used, so that calls pass three words."""
 
-    def __init__(self, slider: int) -> None:
+    def __init__(self, slider: int, numbers: Any = types.float64) -> None:
         self.slider = slider  # number of places of the slider in it
-        super().__init__(name=f"StateAt({slider})")
+        self.parts = types.Array(numbers, 1, "C")
+        super().__init__(name=f"StateAt({slider}, {numbers})")
 
 
 @register_model(_StateAt)
@@ -34,7 +36,7 @@ class _StateAttributes(AttributeTemplate):
     key = _StateAt
 
     def generic_resolve(self, state: _StateAt, name: str) -> Any:  # type: ignore[override]
-        return MEMBERS["Vector"] if name in State._fields else None
+        return state.parts if name in State._fields else None
 
 
 @lower_getattr_generic(_StateAt)
@@ -56,8 +58,8 @@ def _part(context: Any, builder: Any, kind: _StateAt, value: Any, name: str) -> 
         "eta_rate": (builder.add(u, number(1)), n),
         "work": (builder.add(u, m), builder.add(number(2), opened)),
     }[name]
-    place = builder.add(state.address, builder.mul(begin, number(8)))
-    return array_of(context, builder, MEMBERS["Vector"], place, [size])
+    words = context.get_abi_sizeof(context.get_data_type(kind.parts.dtype))
+    return array_of(context, builder, kind.parts, builder.add(state.address, builder.mul(begin, number(words))), [size])
 
 
 def _reader(kind: _StateAt) -> Any:
@@ -75,10 +77,11 @@ def _reader(kind: _StateAt) -> Any:
     return at
 
 
-#: Types of states with the slider's place in them, and without.
+#: Types of states with the slider's place in them, also of several rows in lanes, and without.
 STATE_TYPE: Final = _StateAt(1)
+STATE_IN_LANES_TYPE: Final = _StateAt(1, LANES)
 STATE_WITHOUT_SLIDER_TYPE: Final = _StateAt(0)
-state_at, state_without_slider_at = _reader(STATE_TYPE), _reader(STATE_WITHOUT_SLIDER_TYPE)
+state_at, state_in_lanes_at, state_without_slider_at = map(_reader, (STATE_TYPE, STATE_IN_LANES_TYPE, STATE_WITHOUT_SLIDER_TYPE))
 
 
 @inlined

@@ -28,7 +28,7 @@ def steps_to(function: int, parameters: int, workspace: int, state: int, size: i
             reach = 0.0 if stage == 0 else h if stage == 3 else 0.5 * h
             for i in range(size):
                 trial[i] = y[i] + (reach * K[stage - 1, i] if stage > 0 else 0.0)
-            if call_equations(function, parameters, workspace, trial.ctypes.data, K[stage].ctypes.data, 0) == 0:
+            if call_equations(function, parameters, workspace, trial.ctypes.data, K[stage].ctypes.data) == 0:
                 return 0
             time_by_angle = 1.0 / K[stage, 0]
             elapsed += h * time_by_angle * (1.0 if stage in (0, 3) else 2.0) / 6.0

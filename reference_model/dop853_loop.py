@@ -36,7 +36,7 @@ def _leaving_fraction(
     for _ in range(45):
         middle = 0.5 * (low + high)
         _interpolate(y, K, h, middle, state)
-        if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data, 0) == 1 and watched[0] <= limit:
+        if call_equations(function, parameters, workspace, state.ctypes.data, rate.ctypes.data) == 1 and watched[0] <= limit:
             low = middle
         else:
             high = middle
@@ -81,7 +81,7 @@ def _dop853(
             state = new if stage == STAGES else trial
             _stage_state(y, K, stage, h, state)
             calls += 1
-            if call_equations(function, parameters, workspace, state.ctypes.data, K[stage].ctypes.data, 0) == 0:
+            if call_equations(function, parameters, workspace, state.ctypes.data, K[stage].ctypes.data) == 0:
                 if stage == 0:
                     return NOT_A_NUMBER, rows, t, calls, step
                 norm = 1e9

@@ -49,8 +49,8 @@ def _second_process() -> AbstractContextManager[Any]:
 
 
 #: The equations of motion, and the observables of states.
-KERNEL: Final = Entry(_equations, 5 * "i", _second_process)
-OBSERVATIONS: Final = Entry(_observations, 8 * "i")
+KERNEL: Final = Entry(_equations, 4 * "i", _second_process)
+OBSERVATIONS: Final = Entry(_observations, 7 * "i")
 #: The integrator, and its steps in the crank angle.
 LOOP: Final = Entry(_loop, 6 * "i" + "fiii" + "fff" + "iiii")
 STEPS: Final = Entry(_steps, 5 * "i" + "fii")

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
-from quickreturn.reference_model.columns import ROW, recorded_columns
+from quickreturn.reference_model.columns import NUMBERS, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
 from quickreturn.reference_model.entries import KERNEL, OBSERVATIONS
 from quickreturn.reference_model.integrate import Equations, dop853
@@ -17,7 +17,7 @@ from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
-from quickreturn.reference_model.native.memory import Placed
+from quickreturn.reference_model.native.memory import LANES, Placed, on_lines
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
@@ -196,7 +196,7 @@ class BeamModel:
         """Whether the loop closes and the accelerations exist in the state `y`."""
         p, w = self._at
         y, rate = np.ascontiguousarray(y, dtype=float), np.empty(len(y))
-        return KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0) == 1
+        return KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data) == 1
 
     @property
     def equations(self) -> Equations:
@@ -229,14 +229,19 @@ class BeamModel:
         Raises:
             ObservationFailed: the loop does not close in a state.
         """
-        rows, states, rate = np.zeros(len(states), ROW), np.ascontiguousarray(states, dtype=float), np.empty(states.shape[1])
-        p, w = self._at
-        arrays = states.ctypes.data, *states.shape, rate.ctypes.data, rows.ctypes.data
-        filled = OBSERVATIONS(KERNEL.address, p.address, w.address, *arrays)
+        states, table = np.ascontiguousarray(states, dtype=float), np.empty((NUMBERS, len(states)))
+        scratch = on_lines((2 * states.shape[1] + NUMBERS, LANES))
+        arrays = states.ctypes.data, *states.shape, scratch.ctypes.data, table.ctypes.data
+        filled = OBSERVATIONS(self._at[0].address, self._rows.address, *arrays)
         if filled < len(states):
             raise ObservationFailed(filled)
         alone = self.parameters.constraint == BASE
-        return recorded_columns(rows, alone=alone, joint=not (alone or self.closes_loop))
+        return recorded_columns(table, alone=alone, joint=not (alone or self.closes_loop))
+
+    @cached_property
+    def _rows(self) -> Placed:
+        """A workspace for rows in lanes."""
+        return Placed(workspace(self.parameters, (LANES,)), lanes=True, facts=FACTS)
 
     def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""

@@ -20,7 +20,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
-from quickreturn.reference_model.columns import ROW, recorded_columns
+from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 
@@ -129,7 +129,7 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != time_loop.GOOD or rows == len(table):
                     break
-        recorded = recorded_columns(table[:rows], alone=self._scene.crank is None, bends=self._hinges > 0)
+        recorded = recorded_columns(by_column(table[:rows]), alone=self._scene.crank is None, bends=self._hinges > 0)
         columns = self._units.columns_in_si(recorded)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}

@@ -16,12 +16,11 @@ keeps the loop closed. Where the base's motion is prescribed, time takes the pla
 import math
 
 import numpy as np
-from numba import from_dtype, types
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import ROW
-from quickreturn.reference_model.compiled_state import state_at
-from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
+from quickreturn.reference_model.columns import NUMBERS, ROW
+from quickreturn.reference_model.compiled_state import state_at, state_in_lanes_at
+from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at, workspace_in_lanes_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
     assemble,
@@ -38,16 +37,19 @@ from quickreturn.reference_model.motion.inertia import (
     slider_force,
 )
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
-from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, move_loop, share_force
-from quickreturn.reference_model.motion.observe import base_motion, observe
+from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, motion_of_base, move_loop, share_force
+from quickreturn.reference_model.motion.observe import observe
+from quickreturn.reference_model.motion.plane import direction, dot
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.pointers import array_at, call_equations
+from quickreturn.reference_model.native.lanes import LaneRecord, record_at
+from quickreturn.reference_model.native.memory import LANES
+from quickreturn.reference_model.native.pointers import matrix_at
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
 
-rows_at = array_at(types.Array(from_dtype(ROW), 1, "C"))
+row_at = record_at(LaneRecord(ROW))
 
 
 @inlined
@@ -59,7 +61,8 @@ def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> int:
     """
     s, q1 = y.s[0], y.q[0]
     if p.n == 0 and p.constraint == ELIMINATED:  # on a straight follower the slider's place is known exactly
-        s = math.sqrt((p.LA * math.cos(q1) - p.d) ** 2 + (p.LA * math.sin(q1)) ** 2)
+        tip = p.LA * direction(q1) - p.d
+        s = math.sqrt(dot(tip, tip))
     if not (t.low <= s <= t.high and abs(q1) < 1e9):
         return -1
     w.facts.s = w.watched[0] = s
@@ -84,8 +87,8 @@ def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> int:
 def _turn_base(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """The base's prescribed motion in place of the loop (equation 11.3)."""
     f = w.facts
-    angle, f.q2_rate, f.q2_bias = base_motion(p.base_speed, p.base_time, y.q[0])
-    f.frame, f.arm = complex(math.cos(angle), math.sin(angle)), 0j
+    angle, f.q2_rate, f.q2_bias = motion_of_base(p, y.q[0])
+    f.frame, f.arm = direction(angle), 0j
     f.s_rate = f.s_bias = f.missed = 0.0
     bias_of_places(p, t, w, y)
 
@@ -172,27 +175,22 @@ def _substitute(A: Array, b: Array, first: int, size: int) -> None:
         b[i] -= total * A[i, i]
 
 
-def kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
-    """Write dy/dt of a state to `rate`, and if `with_forces` is 1, forces to the workspace; the other arguments are addresses.
-
-    Returns:
-        1; or 0 for an impossible state, so that the integrator rejects the step.
-    """
-    p, w = parameters_at(parameters), workspace_at(workspace)
-    t, f = p.tables, w.facts
-    y, y_rate = state_at(state, p.n, p.speeds), state_at(rate, p.n, p.speeds)
+@inner
+def evaluate(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, y_rate: State, with_forces: bool) -> bool:
+    """Write dy/dt of the state `y`, and to the facts, if `with_forces`, its forces; False for an impossible state."""
+    f = w.facts
     slider_point = motion(p, t, w, y)
     if slider_point < 0:
-        return 0
+        return False
     for k in range(p.speeds):
         y_rate.q[k], y_rate.u[k] = y.u[k], w.acceleration[k]
     y_rate.s[0] = f.s_rate + p.feedback * (f.missed + f.s - y.s[0])
     y_rate.work[DISSIPATED] = dissipation(p, t, w, y)
     if len(y.work) > BY_JOINT:
         y_rate.work[BY_JOINT] = joint_power(p, w, y)
-    if p.first == 0 and with_forces == 0:
+    if p.first == 0 and not with_forces:
         y_rate.work[BY_DRIVE] = p.torque * y.u[0] + power_of_tool(p, t, w)
-        return 1
+        return True
     moment = moment_about_pivot(p, t, w)
     f.slider_point, f.normal, f.slider_force, f.slider_moment, f.torque = slider_point, 0.0, 0j, 0.0, moment
     speed = f.q2_rate
@@ -200,19 +198,46 @@ def kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: 
         slider_force(p, t, w, moment)
         f.torque, speed = drive_torque(p, w), y.u[0]
     y_rate.work[BY_DRIVE] = f.torque * speed + power_of_tool(p, t, w)
-    return 1
+    return True
 
 
-def observe_states(equations: int, parameters: int, workspace: int, states: int, count: int, size: int, rate: int, rows: int) -> int:
-    """Fill `rows` (count,) of `columns.ROW` from `states` (count, size); the number of rows filled before a state that cannot be.
+def kernel(parameters: int, workspace: int, state: int, rate: int) -> int:
+    """Write dy/dt of a state to `rate`; the arguments are addresses.
 
-    Arrays by address; `rate` (size,) is overwritten.
+    Returns:
+        1; or 0 for an impossible state, so that the integrator rejects the step.
     """
-    p, w, filled = parameters_at(parameters), workspace_at(workspace), rows_at(rows, count)
-    for k in range(count):
-        state = states + 8 * size * k
-        if call_equations(equations, parameters, workspace, state, rate, 1) == 0:
-            return k
-        if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), filled[k]):
-            return k
-    return count
+    p, w = parameters_at(parameters), workspace_at(workspace)
+    return 1 if evaluate(p, p.tables, w, state_at(state, p.n, p.speeds), state_at(rate, p.n, p.speeds), False) else 0
+
+
+def observe_states(parameters: int, workspace: int, states: int, count: int, size: int, scratch: int, table: int) -> int:
+    """Fill `table`, a column (count,) for each number of a `columns.ROW`, from `states` (count, size).
+
+    As many rows as there are lanes are computed together, or one in all lanes where they cannot be. Arrays by address; `scratch`, of two
+    states and a row in lanes, is overwritten.
+
+    Returns:
+        Number of rows filled before a state that cannot be.
+    """
+    p, w = parameters_at(parameters), workspace_in_lanes_at(workspace)
+    rate, row = scratch + 8 * LANES * size, scratch + 16 * LANES * size
+    given, together = matrix_at(states, count, size), matrix_at(scratch, size, LANES)
+    observed, columns = matrix_at(row, NUMBERS, LANES), matrix_at(table, NUMBERS, count)
+    y, y_rate = state_in_lanes_at(scratch, p.n, p.speeds), state_in_lanes_at(rate, p.n, p.speeds)
+    done, most = 0, LANES
+    while done < count:
+        here = min(most, count - done)
+        for lane in range(LANES):
+            for i in range(size):
+                together[i, lane] = given[done + min(lane, here - 1), i]
+        if evaluate(p, p.tables, w, y, y_rate, True) and observe(p, p.tables, w, y, row_at(row)):
+            for i in range(NUMBERS):
+                for lane in range(here):
+                    columns[i, done + lane] = observed[i, lane]
+            done, most = done + here, LANES
+        elif here == 1:
+            break
+        else:
+            most = 1
+    return done

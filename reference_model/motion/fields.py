@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import point
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.simd import load, plus, spread, store
+from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, write_cubics, zeros_like
+from quickreturn.reference_model.native.simd import few_registers, load, plus, spread, store
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
@@ -21,18 +22,24 @@ SMALL_ANGLE = 0.25 * math.pi
 
 @inner
 def interpolate_row(t: BeamTables, s: float, row: Array) -> int:
-    """To `row`: the table's row at s. Returns the number of the cell that ends at the slider."""
-    k = min(max(int((s - t.low) / t.step), 0), t.coefficients.shape[0] - 1)
-    ds = s - t.low - k * t.step
-    for m in range(len(row)):
-        row[m] = ((t.coefficients[k, 0, m] * ds + t.coefficients[k, 1, m]) * ds + t.coefficients[k, 2, m]) * ds + t.coefficients[k, 3, m]
-    return int(t.slider_cell[k])
+    """To `row`: the table's row at s. Returns the number of the cell that ends at the slider; -1 if that differs between lanes."""
+    cell = -1
+    interval = ds = zeros_like(s)
+    for lane in range(lanes_of(s)):
+        beyond = lane_of(s, lane) - t.low
+        k = min(max(int(beyond / t.step), 0), t.coefficients.shape[0] - 1)
+        interval, ds = with_lane(interval, lane, float(k)), with_lane(ds, lane, beyond - k * t.step)
+        if lane > 0 and cell != int(t.slider_cell[k]):
+            return -1
+        cell = int(t.slider_cell[k])
+    write_cubics(t.coefficients, interval, ds, row)
+    return cell
 
 
 @inner
 def directions(psi: Array, e: Array) -> bool:
     """To `e`: exp(i psi) to 1e-15, by Taylor's series, of an eighth of large angles, doubled three times; False for too large an angle."""
-    N = len(psi)
+    N = len(e) // 2
     largest = 0.0
     for j in range(N):
         largest = max(largest, abs(psi[j]))
@@ -70,7 +77,7 @@ def cumulate(t: BeamTables, length: Array, f: Array, out: Array) -> None:
         while p < S:
             here = first + p
             a1 = a2 = b1 = b2 = c1 = c2 = spread(0.0)
-            if S - p >= 12:
+            if S - p >= 12 and few_registers(out):
                 for j in range(G):
                     entry, f1, f2 = j * S + p, f[first + j], f[N + first + j]
                     a, b, c = load(t.to_points, entry), load(t.to_points, entry + 4), load(t.to_points, entry + 8)
@@ -116,12 +123,12 @@ def place(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, s: float
     """Angles, places and the integrals U_i and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
 
     Returns:
-        Index of the slider's point; -1 if the follower is bent too far.
+        Index of the slider's point; -1 if the follower is bent too far, or the slider is in different cells in different lanes.
     """
     n, N = p.n, t.points
     slider_cell = interpolate_row(t, s, w.row)
     combine(w.psi_i, y.eta, w.psi)
-    if not directions(w.psi, w.e):
+    if slider_cell < 0 or not directions(w.psi, w.e):
         return -1
     cumulate(t, w.length, w.e, w.z)
     if t.moves:

@@ -19,6 +19,7 @@ from quickreturn.reference_model.motion.layout import (
 )
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
 from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import State
@@ -26,7 +27,26 @@ from quickreturn.reference_model.tip_force import share_of_force
 
 Array = NDArray[np.float64]
 
-share, friction_share, joint_force = inner(share_of_force), inner(joint.friction_share), inner(joint.joint_force)
+_share_of_force, _friction_share, joint_force = inner(share_of_force), inner(joint.friction_share), inner(joint.joint_force)
+
+
+@inner
+def acting_share(p: BeamParameters, crank_angle: float) -> float:
+    """Fraction of the force on the tip that acts (equation 4.9)."""
+    acting = zeros_like(crank_angle)
+    for lane in range(lanes_of(crank_angle)):
+        share = _share_of_force(lane_of(crank_angle, lane), p.force_begin, p.force_span, p.force_ramp)
+        acting = with_lane(acting, lane, share)
+    return acting
+
+
+@inner
+def friction_share(speed: float, over: float) -> float:
+    """Fraction of a friction that acts (equation 5.14)."""
+    acting = zeros_like(speed)
+    for lane in range(lanes_of(speed)):
+        acting = with_lane(acting, lane, _friction_share(lane_of(speed, lane), over))
+    return acting
 
 
 @inner
@@ -71,7 +91,7 @@ def partial_velocities(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slide
 def bias_accelerations(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """To `bias`: accelerations of points and bodies at constant speeds, less gravity (4.3 and 4.4). Also the force on the tip (4.9)."""
     n, N, f = p.n, t.points, w.facts
-    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(y.q[0], p.force_begin, p.force_span, p.force_ramp)
+    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else acting_share(p, y.q[0])
     f.tip_force = acting * f.frame.conjugate() * complex(p.force_1, p.force_2)
     f.gravity = f.frame.conjugate() * complex(p.gravity_1, p.gravity_2)
     g1, g2 = f.gravity.real, f.gravity.imag

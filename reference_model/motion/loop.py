@@ -7,13 +7,27 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.motion.fields import combine, cumulate
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
-from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.motion.plane import cross, direction, dot, point
 from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
 from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.slider_constraint import CHORDS, ELIMINATED, LEVER
+from quickreturn.reference_model.spin_up import base_motion
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
+
+turn_of_base = inner(base_motion)
+
+
+@inner
+def motion_of_base(p: BeamParameters, t: float) -> tuple[float, float, float]:
+    """Prescribed angle, rate and acceleration of the base at the instant t (equation 11.1)."""
+    angle = rate = acceleration = zeros_like(t)
+    for lane in range(lanes_of(t)):
+        q2, q2_rate, q2_bias = turn_of_base(p.base_speed, p.base_time, lane_of(t, lane))
+        angle, rate, acceleration = with_lane(angle, lane, q2), with_lane(rate, lane, q2_rate), with_lane(acceleration, lane, q2_bias)
+    return angle, rate, acceleration
 
 
 @inlined
@@ -69,7 +83,7 @@ def move_loop(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slid
         _on_chord(p, t, w, slider_point)
     else:
         _on_line(p, t, w, y, slider_point)
-    crank = p.LA * complex(math.cos(y.q[0]), math.sin(y.q[0]))
+    crank = p.LA * direction(y.q[0])
     tip = crank - p.d
     if p.constraint == ELIMINATED:
         distance, reach = math.sqrt(dot(tip, tip)), math.sqrt(dot(f.foot, f.foot))
@@ -77,7 +91,7 @@ def move_loop(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slid
         f.gap, f.missed = 0.0, distance - reach
         f.unclosed = abs(f.missed)
     else:
-        f.frame = complex(math.cos(y.q[n + 1]), math.sin(y.q[n + 1]))
+        f.frame = direction(y.q[n + 1])
         apart = f.tangent.conjugate() * (f.frame.conjugate() * tip - f.foot)
         f.missed, f.gap = apart.real, apart.imag
         f.unclosed = abs(f.gap)

@@ -14,20 +14,20 @@ from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
 from quickreturn.reference_model.motion.fields import cumulate, directions
 from quickreturn.reference_model.motion.layout import TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
-from quickreturn.reference_model.motion.loop import joint_power
-from quickreturn.reference_model.motion.plane import cross, dot, point
-from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
+from quickreturn.reference_model.motion.plane import angle_of, cross, direction, dot, point
+from quickreturn.reference_model.native.compilation import inner
+from quickreturn.reference_model.native.lanes import where_within
 from quickreturn.reference_model.native.simd import load, plus_product, spread, total
 from quickreturn.reference_model.slider_constraint import BASE
-from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
 
-base_motion, joint_energy = inner(motion_of_base), inner(energy_of_joint)
+joint_energy = inner(energy_of_joint)
 
 
-@inlined
+@inner
 def observe(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, row: Any) -> bool:
     """Fill a row of `columns.ROW` for the state evaluated last, which must have been evaluated `with_forces`.
 
@@ -75,7 +75,7 @@ def _energies(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slid
     moment = p.tip_mass * (tip + f.tip_arm)
     for j in range(N):
         moment += w.mass[j] * point(w.z, j, N)
-    crank = p.crank_moment * complex(math.cos(y.q[0]), math.sin(y.q[0]))
+    crank = p.crank_moment * direction(y.q[0])
     gravity = -dot(complex(p.gravity_1, p.gravity_2), (p.rhoA * p.L + p.tip_mass) * p.d + f.frame * moment + crank)
     row.kinetic_energy, row.strain_energy, row.gravity_energy = kinetic, strain, gravity
 
@@ -120,7 +120,7 @@ def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_p
     if p.constraint != BASE:
         row.moment_base += cross(point(w.z, slider_point, N), f.slider_force) + f.slider_moment
         # at the slider the moment jumps by the slider's moment, and the outboard side counts
-        for j in range(slider_point if f.slider_moment != 0.0 else slider_point + 1):
+        for j in range(slider_point):
             w.moment[j] += cross(point(w.z, slider_point, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
     row.moment_slider = w.moment[slider_point]
     row.moment_inboard = row.moment_slider + f.slider_moment
@@ -140,7 +140,7 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
     for j in range(N):
         w.integrand[j], w.integrand[N + j] = w.curvature[j], 0.0
     cumulate(t, w.length, w.integrand, w.recovered_angle)
-    if not directions(w.recovered_angle[:N], w.recovered_e):
+    if not directions(w.recovered_angle, w.recovered_e):
         return False
     cumulate(t, w.length, w.recovered_e, w.recovered_place)
     for place in range(PLACES):
@@ -150,17 +150,17 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
         row.strains[gauge] = 0.5 * p.thickness * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
     frame, ds = f.frame, 0.0
     if p.constraint == BASE:
-        row.follower_angle = base_motion(p.base_speed, p.base_time, y.q[0])[0]
+        row.follower_angle = motion_of_base(p, y.q[0])[0]
     else:
         # the crank tip lies off the line, by the gap along its normal
         tangent = point(w.recovered_e, slider_point, N)
         hinge = point(w.recovered_place, slider_point, N) + 1j * f.gap * tangent
-        crank = p.LA * complex(math.cos(y.q[0]), math.sin(y.q[0])) - p.d
+        crank = p.LA * direction(y.q[0]) - p.d
         ds = 0.5 * (dot(crank, crank) - dot(hinge, hinge)) / dot(hinge, tangent)
         # exp(i q2) has the direction of crank / hinge; both -crank and hinge point forwards
         frame = crank * (hinge + ds * tangent).conjugate()
         frame *= 1.0 / math.sqrt(dot(frame, frame))
-        row.follower_angle = math.pi + math.atan2(-frame.imag, -frame.real)
+        row.follower_angle = math.pi + angle_of(-frame)
     deflected = point(w.recovered_place, end, N)
     tip = p.d + frame * deflected
     row.slider_position, row.tip_deflection, row.tip_x, row.tip_y = f.s + ds, deflected.imag, tip.real, tip.imag
@@ -170,15 +170,22 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
 @inner
 def _at_place(t: BeamTables, w: BeamWorkspace, field: Array, x: float) -> tuple[float, float]:
     """A field (moment or curvature) and the deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
-    cell, begin = 0, 0.0
-    while cell < t.cells - 1 and x > begin + w.length[cell] * (1.0 + 1e-12) and w.length[cell + 1] > 0.0:
+    value = deflection = begin = 0.0
+    covered = -1.0  # end of the cells before, with room for rounding
+    for cell in range(t.cells):
+        # a cell beyond a slider that has left the follower has no length
+        beyond = w.length[cell + 1] if cell < t.cells - 1 else 0.0
+        end = where_within(beyond, 0.0, math.inf, begin + w.length[cell] * (1.0 + 1e-12), math.inf)
+        if not (end < x or x <= covered):
+            first, across, u = cell * t.cell_size, t.points + cell * t.cell_size, (x - begin) / w.length[cell]
+            of_cell, across_cell, before = 0.0, 0.0, 1.0  # before: product of the distances from the points passed
+            for j in range(t.gauss_points):
+                away, share = u - t.u[j], t.lagrange[j] * before
+                of_cell = of_cell * away + share * field[first + j]
+                across_cell = across_cell * away + share * w.recovered_place[across + j]
+                before *= away
+            value = where_within(x, covered, end, of_cell, value)
+            deflection = where_within(x, covered, end, across_cell, deflection)
         begin += w.length[cell]
-        cell += 1
-    first, across, u = cell * t.cell_size, t.points + cell * t.cell_size, (x - begin) / w.length[cell]
-    value, deflection, before = 0.0, 0.0, 1.0  # before: product of the distances from the points passed
-    for j in range(t.gauss_points):
-        away, share = u - t.u[j], t.lagrange[j] * before
-        value = value * away + share * field[first + j]
-        deflection = deflection * away + share * w.recovered_place[across + j]
-        before *= away
+        covered = end
     return value, deflection

@@ -123,8 +123,8 @@ def follow(rows: Array, signals: Array, l_rate: float, l_acceleration: float, et
         s[ACCELERATION] += 0.5 * l_rate * l_rate * form(rows[2], kind, eta, eta)
 
 
-def kernel(parameters: int, workspace: int, state: int, rate: int, with_forces: int) -> int:
-    """Write dy/dt of a state to `rate`; the first four arguments are addresses, and the last makes no difference here.
+def kernel(parameters: int, workspace: int, state: int, rate: int) -> int:
+    """Write dy/dt of a state to `rate`; the arguments are addresses.
 
     Returns:
         1; or 0 if the support is outside the table.

@@ -26,7 +26,7 @@ def _equations() -> Callable[..., int]:
 
 
 #: The equations of motion.
-KERNEL: Final = Entry(_equations, 5 * "i")
+KERNEL: Final = Entry(_equations, 4 * "i")
 
 
 class MovingBoundariesModel:
@@ -96,7 +96,7 @@ class MovingBoundariesModel:
     def _evaluate(self, y: Array, rate: Array) -> bool:
         p, w = self._at
         y = np.ascontiguousarray(y, dtype=float)
-        return KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0) == 1
+        return KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data) == 1
 
     @property
     def equations(self) -> Equations:

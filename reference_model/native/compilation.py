@@ -21,6 +21,8 @@ compile_alike()
 
 #: LLVM's flags for reordered sums and fused multiply-add. None assumes that nan and infinity are absent: they mark impossible states.
 FASTMATH: Final = {"reassoc", "contract", "nsz", "arcp"}
+#: The same for code that is written in LLVM's language.
+FAST: Final = tuple(sorted(FASTMATH))
 
 _njit: Any = njit  # their type hints lack some of their options
 _cfunc: Any = cfunc

@@ -5,6 +5,7 @@ equations of motion therefore receive parameters and workspace by address, and t
 compiled only once.
 """
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 import llvmlite.ir as ir
@@ -29,15 +30,16 @@ MEMBERS: Final[dict[str, Any]] = {
 }
 
 
-def tuple_type(named_tuple: Any, **nested: types.Type) -> types.NamedTuple:
+def tuple_type(named_tuple: Any, members: Mapping[str, Any] = MEMBERS, **nested: types.Type) -> types.NamedTuple:
     """The compiled type of a `NamedTuple` class.
 
     Args:
         named_tuple: members are annotated, as text, with names of `MEMBERS`.
+        members: annotation -> compiled type.
         nested: types of members that are tuples or records themselves, by the member's name.
     """
     annotations = annotations_of(named_tuple)
-    return types.NamedTuple([nested.get(name) or MEMBERS[annotations[name]] for name in named_tuple._fields], named_tuple)
+    return types.NamedTuple([nested.get(name) or members[annotations[name]] for name in named_tuple._fields], named_tuple)
 
 
 class At(types.Type):
@@ -140,12 +142,12 @@ numbers_at, matrix_at = array_at(MEMBERS["Vector"]), array_at(MEMBERS["Matrix"])
 
 
 @intrinsic
-def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, state: Any, rate: Any, with_forces: Any) -> Any:
-    """Call the equations of motion (`motion.equations.kernel`); all but `with_forces` are addresses."""
+def call_equations(typing: Any, function: Any, parameters: Any, workspace: Any, state: Any, rate: Any) -> Any:
+    """Call the equations of motion (`motion.equations.kernel`); all arguments are addresses."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = context.get_value_type(types.uintp)
-        kind = ir.FunctionType(context.get_value_type(types.int64), [word] * 5)
+        kind = ir.FunctionType(context.get_value_type(types.int64), [word] * 4)
         return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
 
-    return types.int64(*[types.uintp] * 6), code
+    return types.int64(*[types.uintp] * 5), code

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import ROW, recorded_columns
+from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
 from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.mechanism import Scene
@@ -102,7 +102,7 @@ class ThesisModel:
         for k, (y, row) in enumerate(zip(np.ascontiguousarray(states), numbers, strict=True)):
             if not self.right_hand_side(y, rate, row):
                 raise ObservationFailed(k)
-        return recorded_columns(rows, alone=self._alone, bends=self.shapes.count > 0)
+        return recorded_columns(by_column(rows), alone=self._alone, bends=self.shapes.count > 0)
 
     def project_deflection(self, deflection: Array, slope: Array) -> Array:
         """Flexible coordinates (n,) closest in least squares to a deflection (m), and to a slope times L, at `projection_points`."""

@@ -12,7 +12,7 @@ def _row() -> columns.Rows:
 
 
 def test_what_compiled_code_lays_down_in_a_field_is_found_under_the_name_of_the_column() -> None:
-    found = columns.recorded_columns(_row(), joint=True)
+    found = columns.recorded_columns(columns.by_column(_row()), joint=True)
     assert set(found) == {*columns.COLUMNS, *columns.JOINT_COLUMNS} - {"time", "base_torque", "axial_stretch"}
     for prefix, count in (("strain_", 3), ("shape_", 11), ("moment_", 11)):
         numbered = [name for name in found if name.startswith(prefix) and name[-1].isdigit()]
@@ -30,11 +30,12 @@ def test_every_column_has_a_unit_and_a_meaning_and_those_of_the_contract_come_fi
 
 
 def test_a_follower_alone_has_the_torque_on_its_base_and_nothing_of_a_crank() -> None:
-    kept = columns.recorded_columns(_row(), alone=True)
+    kept = columns.recorded_columns(columns.by_column(_row()), alone=True)
     assert kept["base_torque"] == _row()[0].crank_torque
     assert not {"crank_torque", "crank_angle", "slider_force", "constraint_gap", "moment_slider", "crank_force_x"} & set(kept)
     assert {"tip_deflection", "drive_work", "shape_11", "moment_11", "pivot_force_y"} <= set(kept)
 
 
 def test_a_model_that_knows_moments_by_curvature_has_none_of_a_rigid_follower() -> None:
-    assert set(columns.recorded_columns(_row())) - set(columns.recorded_columns(_row(), bends=False)) == set(columns.BENDING)
+    table = columns.by_column(_row())
+    assert set(columns.recorded_columns(table)) - set(columns.recorded_columns(table, bends=False)) == set(columns.BENDING)

@@ -99,7 +99,7 @@ def test_accelerations_and_torque_balance_in_every_virtual_displacement() -> Non
     y[0], y[1 : n + 1], y[n + 3 : 2 * n + 3] = t, eta, eta_rate
     rate = np.empty_like(y)
     p, w = model._at
-    assert KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0)
+    assert KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data)
     eta_acceleration = rate[n + 3 : 2 * n + 3]
     theta, theta_rate, _ = base_motion(scene.spin_up.speed, scene.spin_up.time, t)
 

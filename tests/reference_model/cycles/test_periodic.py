@@ -139,7 +139,7 @@ def divergence(model: BeamModel, state: Array) -> float:
             moved[i] += sign * 1e-6
             for _ in range(20):  # what is missed falls at least fivefold each time: the follower is nearly straight
                 rate = np.empty_like(moved)
-                assert KERNEL(p.address, w.address, moved.ctypes.data, rate.ctypes.data, 0)
+                assert KERNEL(p.address, w.address, moved.ctypes.data, rate.ctypes.data)
                 moved[n + 1] += model.workspace.facts.missed
             rates.append(rate[i])
         total += (rates[0] - rates[1]) / 2e-6
@@ -197,7 +197,7 @@ def test_fewer_modes_are_columns_of_the_same_tables(model: BeamModel) -> None:
     for each in (few, full):
         rate = np.empty_like(state)
         p, w = each._at
-        assert KERNEL(p.address, w.address, state.ctypes.data, rate.ctypes.data, 0)
+        assert KERNEL(p.address, w.address, state.ctypes.data, rate.ctypes.data)
         rates.append(rate)
     # 8 Gauss points in place of 5 and tables twice as fine change the accelerations by up to 6e-4
     np.testing.assert_allclose(rates[1], rates[0], rtol=2e-3)

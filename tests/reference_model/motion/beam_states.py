@@ -57,7 +57,7 @@ def rates(model: BeamModel, y: Array) -> Array:
     """dy/dt by the compiled equations; fills the workspace."""
     rate = np.zeros_like(y)
     p, w = model._at
-    assert KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data, 0)
+    assert KERNEL(p.address, w.address, y.ctypes.data, rate.ctypes.data)
     return rate
 
 

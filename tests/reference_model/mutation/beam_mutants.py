@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import ROW, recorded_columns
+from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
 from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.shapes import hermite_elements
@@ -50,6 +50,10 @@ def _store(array: Array, index: int, four: Array) -> None:
     array[index : index + 4] = four
 
 
+def _write_cubics(coefficients: Array, interval: float, offset: float, row: Array) -> None:
+    row[:] = np.polyval(coefficients[int(interval)], offset)
+
+
 LANES: Mapping[str, Callable[..., Any]] = {
     "load": lambda array, index: array[index : index + 4].copy(),
     "store": _store,
@@ -57,19 +61,27 @@ LANES: Mapping[str, Callable[..., Any]] = {
     "plus": lambda sums, number, four: sums + number * four,
     "plus_product": lambda sums, one, other: sums + one * other,
     "total": lambda four: float(np.sum(four)),
+    "zeros_like": lambda number: 0.0,
+    "lanes_of": lambda number: 1,
+    "lane_of": lambda number, lane: number,
+    "with_lane": lambda numbers, lane, number: number,
+    "where_within": lambda x, low, high, inside, outside: inside if low < x <= high else outside,
+    "write_cubics": _write_cubics,
+    "few_registers": lambda array: True,
+    "record_at": plain,
+    "LaneRecord": plain,
 }
 SOURCE = Source(
     modules=(plane, fields, loop, inertia, observe, equations),
-    no_equations=frozenset({"_factor", "_substitute", "observe_states"}),
-    stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "cache", "parameters_at", "workspace_at"), plain)
-    | {"state_at": lambda array, n, m: Parts.of(array)}
-    | LANES,
+    no_equations=frozenset({"_factor", "_substitute", "kernel", "observe_states"}),
+    stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "cache"), plain) | LANES,
     entry=dict,
 )
 
 #: Changes without effect, and why.
 _DOUBLED = "the series of an eighth of the angle, doubled three times, is as good for small ones"
 EQUIVALENT: Mapping[tuple[str, str], str] = {
+    ("motion", "p.LA / direction(q1)"): "the mirrored crank's tip is as far from P",
     ("", "-(0.25 * math.pi)"): _DOUBLED,
     ("", "0.25 / math.pi"): _DOUBLED,
     ("", "0.375"): "the series is still good to 1e-14",
@@ -101,9 +113,11 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     """All that the equations say, and what the slider's feedback adds."""
     p = state.model.parameters
     rate, rows, w = np.empty_like(y), np.zeros(1, ROW), workspace(p)
-    if functions["kernel"](p, w, y, rate, 1) != 1 or not functions["observe"](p, p.tables, w, Parts.of(y), rows[0]):
+    if not functions["evaluate"](p, p.tables, w, Parts.of(y), Parts.of(rate), True) or not functions["observe"](
+        p, p.tables, w, Parts.of(y), rows[0]
+    ):
         raise ValueError("the state cannot be")
-    found = by_hand(state.model, w, rate, {name: values[0] for name, values in recorded_columns(rows, joint=True).items()})
+    found = by_hand(state.model, w, rate, {name: values[0] for name, values in recorded_columns(by_column(rows), joint=True).items()})
     return found | {"feedback": rate[p.speeds] - w.facts.s_rate}
 
 
@@ -144,7 +158,7 @@ def _of_unobserved(state: State) -> Check:
     p, rate, expected = state.model.parameters, np.empty_like(state.y), state.expected["powers"][1]
 
     def ask(functions: Functions) -> Mapping[str, Any]:
-        functions["kernel"](p, workspace(p), state.y, rate, 0)
+        functions["evaluate"](p, p.tables, workspace(p), Parts.of(state.y), Parts.of(rate), False)
         return {"power": rate[2 * p.speeds + 2]}
 
     return Check(ask, {"power": (expected, TOLERANCE * abs(expected))})

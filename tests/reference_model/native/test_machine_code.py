@@ -151,12 +151,12 @@ def home_of(value: Any) -> str:
 
 
 def test_what_compiles_imports_at_its_head() -> None:
-    """Imports inside functions do not count for compiled code, so there are none but those of the second process."""
+    """Imports inside functions do not count for compiled code, so there are none."""
     compiling = [module for module in compiled_sources() if {"numba", DECORATORS} & set(names_imported(text(module), late=False))]
     assert len(compiling) > 20
     for module in compiling:
         inside = set(names_imported(text(module))) - set(names_imported(text(module), late=False))
-        assert not inside & set(compiled_sources()) or module.endswith(".first_start"), module
+        assert not inside & set(compiled_sources()), module
 
 
 def text(module: str) -> str:

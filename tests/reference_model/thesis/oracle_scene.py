@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, recorded_columns
+from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, by_column, recorded_columns
 from quickreturn.reference_model.compiled_state import state_of
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
@@ -153,7 +153,7 @@ def computed(equations: Equations, p: ThesisParameters, y: Array) -> Values:
     rate, row = np.zeros_like(y), np.zeros(1, ROW)
     if not equations.right_hand_side(p, w, y, rate, row.view(np.float64)):
         raise ValueError("the model refuses the state")
-    column = {name: values[0] for name, values in recorded_columns(row).items()}
+    column = {name: values[0] for name, values in recorded_columns(by_column(row)).items()}
     n = p.n
     values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
     values |= {
