@@ -67,19 +67,18 @@ def panel(axes: Any, title: str) -> list[Any]:
 def pictures() -> list[Image.Image]:
     """The frames."""
     truth, built = true_motion(), [built_motion(name) for name in SHOWN]
-    figure, all_axes = plt.subplots(1, 2, figsize=(7.2, 3.2), dpi=100, layout="constrained")
+    figure, all_axes = plt.subplots(1, 2, figsize=(7.2, 3.2), dpi=100)
+    figure.subplots_adjust(left=0.01, right=0.99, bottom=0.16, top=0.86, wspace=0.02)
     lines = [panel(*each) for each in zip(all_axes, SHOWN.values(), strict=True)]
     figure.legend(
         lines[0][::2],
         ("true", "MuJoCo"),
-        loc="outside lower center",
+        loc="lower center",
         ncols=2,
         frameon=False,
         fontsize=9,
     )
-    said, frames = figure.text(0.5, 0.11, " ", ha="center", family="monospace", fontsize=9), []
-    figure.canvas.draw()
-    figure.set_layout_engine("none")  # so that nothing moves but the mechanisms
+    said, frames = figure.text(0.5, 0.1, " ", ha="center", family="monospace", fontsize=9), []
     for row in range(0, round(1e3 * DURATION) + 1, EVERY):
         for drawn, (crank, follower) in zip(lines, built, strict=True):
             for k, (angle, points) in enumerate((truth, (crank, follower))):
