@@ -99,7 +99,10 @@ class TableComparison(Displayed):
 
     @cached_property
     def explanations(self) -> dict[str, str]:
-        """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is a table of another case."""
+        """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is a table of another case.
+
+        "construction" -> a hypothesis on how the machine was built in another program (docs/as-built.md).
+        """
         return next((explanations(self.run, other, self.result.case) for other in self._comparable), {})
 
     @property

@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 from quickreturn.cases.case import Case
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
+from quickreturn.cases.mistakes.construction import built_otherwise
 from quickreturn.cases.mistakes.diagnosis import diagnose, share_of
 from quickreturn.cases.mistakes.explanation import Hypothesis
 from quickreturn.cases.runs.marching import channels_of
@@ -30,6 +31,8 @@ LEAST_DIFFERENCE: Final = 0.02
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
 #: Key of an explanation of the whole table, in place of a column.
 WHOLE: Final = "case"
+#: Key of a hypothesis on how another program's machine was built.
+BUILT: Final = "construction"
 #: A table does not fit its case if at least `FEWEST_COLUMNS` vibrate, all of them differ by more than `LARGE_DIFFERENCE` of their RMS, and
 #: fewer than half of them are explained by a mistake that leaves at most the part `LARGEST_REMAINDER` of the column: a factor that is
 #: fitted to the column of another case leaves half of it.
@@ -55,7 +58,8 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     """Explanations of the differences of a table from an engine: column -> a sentence that names the mistake and says what to do.
 
     If all vibrating columns are equally late, the crank angle is wrong. A table of another case is reported under `WHOLE`, and none of its
-    columns is explained. `run` is that of the table, `other` that of the engine on the case, in the same turn or state.
+    columns is explained; under `BUILT` stands a hypothesis on how another program's machine was built. `run` is that of the table, `other`
+    that of the engine on the case, in the same turn or state.
     """
     with threadpool_limits(limits=1, user_api="blas"):  # hundreds of small eigenproblems
         others = other_cases(run, other, case)
@@ -87,12 +91,23 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
         name: told for name, told in sentences.items() if name in off_by and remainders[name] <= LARGEST_REMAINDER * rms(grids[name][0])
     }
     led_on = "" if min(off_by.values(), default=0.0) <= LARGE_DIFFERENCE else _lead_on(run, other, case, others.odd)
+    construction = "" if "tip_deflection" in sentences else _construction(run, other, case, off_by.get("tip_deflection", 0.0))
+    hint = {BUILT: construction} if construction else {}
     if len(off_by) >= FEWEST_COLUMNS and min(off_by.values()) > LARGE_DIFFERENCE and 2 * len(specific) < len(off_by):
-        return {WHOLE: _of_another(others) if others.names else _fits_not(case.name, off_by, others.told) + led_on} | specific
+        if others.names:
+            return {WHOLE: _of_another(others)} | specific
+        return {WHOLE: _fits_not(case.name, off_by, others.told) + led_on} | specific | hint
     for name, share in puzzling.items():
-        if share > LEAST_UNEXPLAINED:
+        if share > LEAST_UNEXPLAINED and not hint:
             sentences[name] = f"{name} is off by {share_of(share)}, and no single mistake explains that{led_on if name in off_by else ''}"
-    return sentences
+    return sentences | hint
+
+
+def _construction(run: Run, other: Run, case: Case, off: float) -> str:
+    """A hypothesis on how another program's machine was built, whose tip deflection is `off`, relative; "" where there is none."""
+    if off <= LEAST_DIFFERENCE or run.recording is None or run.recording.filtered:
+        return ""
+    return built_otherwise(run.cycle, other.cycle, run.recording.gap, case.mechanism)
 
 
 def _of_another(others: OtherCases) -> str:

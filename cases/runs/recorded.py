@@ -104,7 +104,8 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         at = float(last["time"][np.argmax(np.diff(last["time"]))])
         told = f"{gap:.3g} s without a row after {at:.6g} s"
         raise CaseError(table.shown, "time", None, told, f"at most {LARGEST_GAP * period:.3g} s, {LARGEST_GAP} of a turn, are accepted")
-    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment)
+    largest = float(np.max(np.abs(columns["constraint_gap"]))) if "constraint_gap" in columns else None
+    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, largest)
     angle_noise = scatter(columns["time"], columns["crank_angle"])
     errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
     if turn is None:

@@ -124,6 +124,7 @@ class Recording:
     rows: int
     declared: Mapping[str, str]  # its declarations, see `cases.recorded.DECLARATIONS`
     of_experiment: bool  # whether it lies in the folder of the experiment's recordings
+    gap: float | None = None  # largest distance of the slider from the centre line in its rows, m
 
     @property
     def filtered(self) -> bool:
