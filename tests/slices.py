@@ -50,12 +50,10 @@ LONGEST = (
     "test_strength",
     "test_slices",  # starts pytest
     "test_recorded",
-    "test_sensible_machines",
     "test_fork_server",  # waits, too
     "test_other_case",
     "test_limits",
     "test_symmetry",
-    "test_wheel",
 )
 
 

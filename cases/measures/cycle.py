@@ -32,14 +32,14 @@ _ACCURACY: Final = "tests/verification/test_measures_accuracy.py::test_bias_spre
 FREQUENCY: Final = Witness(
     "the phase of a small free vibration about the motion, without a fit",
     8e-3,
-    "tests/cases/test_measures_simulated.py::test_frequencies_of_steady_states_lie_within_their_claims",
+    "tests/cases/measures/test_simulated.py::test_frequencies_of_steady_states_lie_within_their_claims",
 )
 AMPLITUDE: Final = Witness(_KNOWN, 0.03, _ACCURACY)
 #: Part of the errors that exceed twice what is claimed.
 CLAIMED: Final = Witness(f"{_KNOWN}: errors beyond twice the uncertainty", 0.05, _ACCURACY)
-_EXTREME: Final = Witness("a sine", 1e-6, "tests/cases/test_measures_cycle.py::test_extremes_belong_to_their_half")
+_EXTREME: Final = Witness("a sine", 1e-6, "tests/cases/measures/test_cycle.py::test_extremes_belong_to_their_half")
 _CORNER: Final = Witness(
-    "corners between samples", 0.0, "tests/cases/test_measures_cycle.py::test_a_corner_between_samples_is_missed_by_no_more_than_is_said"
+    "corners between samples", 0.0, "tests/cases/measures/test_cycle.py::test_a_corner_between_samples_is_missed_by_no_more_than_is_said"
 )
 _MACHINES: Final = Witness(
     "`reference`, `exudyn` and `mujoco` on random machines: differences beyond both claims",
@@ -81,7 +81,7 @@ class ChannelMeasures:
         "first_mode_amplitude": AMPLITUDE,
         "first_mode_amplitude_uncertainty": CLAIMED,
         "second_mode_frequency": Witness(
-            _KNOWN, 0.01, "tests/cases/test_measures_cycle.py::test_strong_second_mode_is_found_where_channels_agree"
+            _KNOWN, 0.01, "tests/cases/measures/test_cycle.py::test_strong_second_mode_is_found_where_channels_agree"
         ),
         **dict.fromkeys(("minimum", "maximum"), _EXTREME),
         **dict.fromkeys(("minimum_uncertainty", "maximum_uncertainty"), _CORNER),

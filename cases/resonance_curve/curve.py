@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 #: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
 MULTIPLIER_TOLERANCE: Final = 1e-3
 
-_OF_CURVES: Final = "tests/quickreturn/test_resonance.py"
+_OF_CURVES: Final = "tests/quickreturn/studies/test_resonance.py"
 #: Difference over the range of the parameter.
 _FOLDS: Final = Witness(
     "maps whose folds have a closed form",

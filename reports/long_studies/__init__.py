@@ -3,7 +3,7 @@
 Each row is a dataclass. The columns of a field that is a dataclass, or a mapping to numbers, are named `field.key`; a cell of any other
 structure is JSON. Numbers have five digits.
 `python -m quickreturn.record` writes them; `about.csv` says by which commit each study was made, and by which some of its cells were last
-computed anew and confirmed (`tests/quickreturn/test_recorded_cells.py`).
+computed anew and confirmed (`tests/quickreturn/records/test_recorded_cells.py`).
 """
 
 import csv

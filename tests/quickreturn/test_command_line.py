@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from quickreturn.command_line import main
-from tests.quickreturn.answers import document, scene, variant
 from tests.quickreturn.conftest import Call
+from tests.quickreturn.input.answers import document, scene, variant
 from tests.quickreturn.program import PROGRAM, descendants, started, wait_until
 
 __all__ = ["scene"]

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from quickreturn.engines.trajectory import REQUIRED
-from tests.quickreturn.answers import document, refused, scene, simulated, variant
 from tests.quickreturn.conftest import Call
+from tests.quickreturn.input.answers import document, refused, scene, simulated, variant
 
 __all__ = ["scene"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.quickreturn.conftest import Answer, Call
-from tests.quickreturn.faulty_runs import answer_of, engines, nothing_half_done, place, simulations, stored
+from tests.quickreturn.processes.faulty_runs import answer_of, engines, nothing_half_done, place, simulations, stored
 from tests.quickreturn.program import started
 
 __all__ = ["place"]

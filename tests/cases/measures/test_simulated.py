@@ -21,7 +21,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, decoupled
-from tests.cases.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
+from tests.cases.measures.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
 from tests.engines.scenes import run_24
 from tests.verification.random_scenes import random_scenes
 

@@ -35,7 +35,7 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from tests.engines import faulty_engines
 from tests.engines.faulty_engines import SIGNAL
 from tests.quickreturn.conftest import Call
-from tests.quickreturn.faulty_runs import answer_of, engines, nothing_half_done, place, prepared, run, simulations, stored
+from tests.quickreturn.processes.faulty_runs import answer_of, engines, nothing_half_done, place, prepared, run, simulations, stored
 from tests.quickreturn.program import descendants, running, started, wait_until
 from tests.reports.made_up_benchmark import made_up_benchmark
 

@@ -18,9 +18,9 @@ from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.command_line import COMMANDS, quickreturn
-from tests.quickreturn import mistakes
 from tests.quickreturn.conftest import Answer, Call
-from tests.quickreturn.mistakes import scene, written
+from tests.quickreturn.input import mistakes
+from tests.quickreturn.input.mistakes import scene, written
 from tests.quickreturn.program import started
 
 LONGEST = 400  # characters: five lines of a terminal
