@@ -32,13 +32,13 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
+from quickreturn.cases.trials.trial import errors_of, run_of
 from quickreturn.engines.accurate import Result as Accurate
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.engines.settings import Settings
@@ -143,6 +143,7 @@ def scene_rows(scene: Scene, requests: Sequence[Request], confirm: bool = True) 
     if truth is None or less is None:
         return []
     other, by = _confirming(scene) if confirm else (None, "")
+    uncertain, confirmed = errors_of(less, truth), errors_of(other, truth) if other else {}
     answers = [(name, accuracy, *_answer(name, scene, accuracy)) for name, accuracy in requests]
     return [
         Row(
@@ -152,13 +153,14 @@ def scene_rows(scene: Scene, requests: Sequence[Request], confirm: bool = True) 
             asked="default" if accuracy is None else f"{accuracy:g}",
             column=column,
             claim=None if result is None else result.error_estimates[column],
-            error=None if result is None else _difference(result.trajectory, truth, column),
-            truth_error=_difference(less, truth, column),
-            confirmation=None if other is None else _difference(other, truth, column),
+            error=errors.get(column),
+            truth_error=uncertain[column],
+            confirmation=confirmed.get(column),
             confirmed_by=by,
             **known,
         )
         for name, accuracy, result, known in answers
+        for errors in [errors_of(result.trajectory, truth) if result is not None else {}]
         for column in ESTIMATED
     ]
 
@@ -208,14 +210,9 @@ def _confirming(scene: Scene) -> tuple[Trajectory | None, str]:
 
 def _run(name: str, scene: Scene, settings: Settings) -> Trajectory | None:
     try:
-        return run_once(engine(name), scene.mechanism, standard_start(scene.mechanism), scene.duration, OUTPUT_STEP, settings).trajectory
+        return run_of(engine(name), scene.case, settings).trajectory
     except (EngineFailure, Refusal):
         return None
-
-
-def _difference(found: Trajectory, truth: Trajectory, column: str) -> float | None:
-    size = float(np.sqrt(np.mean(truth[column] ** 2)))
-    return float(np.sqrt(np.mean((found[column] - truth[column]) ** 2))) / size if size > 0.0 else None
 
 
 def campaign(scenes: Iterable[tuple[Scene, Sequence[Request]]], workshop: Workshop, confirm: bool = True) -> tuple[pd.DataFrame, list[str]]:

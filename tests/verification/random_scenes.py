@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.random import Generator
 
+from quickreturn.cases.case import Case
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -60,6 +61,11 @@ class Scene:
     duration: float
     condition: float
     largest_deflection: float
+
+    @property
+    def case(self) -> Case:
+        """The case that it makes."""
+        return Case(name=self.name, title="", tags=(), scene=self.mechanism, duration=self.duration, output_step=OUTPUT_STEP)
 
 
 def random_scenes(seed: int) -> Iterator[Scene]:

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from quickreturn.engines.relative import rms
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
 from tests.slices import Portion
-from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, OUTPUT_STEP, Scene, sensible_machines
+from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, Scene, sensible_machines
 
 ENGINES = ("reference", "mujoco")
 SEED = 603
@@ -42,7 +43,7 @@ def machines(count: int) -> list[Case]:
 
 def case_of(scene: Scene) -> Case:
     turn = 2.0 * math.pi / crank_pace(scene.mechanism)
-    return Case(name=scene.name, title="", tags=(), scene=scene.mechanism, duration=turn, output_step=OUTPUT_STEP)
+    return replace(scene.case, duration=turn)
 
 
 def multiplier(result: CaseResult) -> float | None:
