@@ -12,7 +12,7 @@ from typing import Final
 from quickreturn.cases.jobs.processes import available_cores
 
 #: Packages whose versions the report names besides those of the engines.
-PACKAGES: Final = ("quickreturn", "numpy", "scipy", "numba", "pandas", "matplotlib", "exudyn", "mujoco-core", "pint")
+PACKAGES: Final = ("quickreturn", "numpy", "scipy", "numba", "pandas", "matplotlib", "pint")
 
 
 def machine_facts() -> dict[str, str]:

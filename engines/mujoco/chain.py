@@ -14,7 +14,7 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 #: Smallest mass and inertia of a body in units of the scene (`engines.units`): MuJoCo refuses 1e-15 and less. The inertia of a link of
 #: a chain of 256 is some 5e-9.
 _LEAST = 2e-15
-AXIS = (0.0, 0.0, 1.0)
+_AXIS = (0.0, 0.0, 1.0)
 
 
 def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
@@ -42,7 +42,7 @@ def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
 def _add_crank(spec: mujoco.MjSpec, mechanism: Mechanism, drive: TorqueDrive) -> None:
     part = mechanism.crank
     crank = add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
-    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS, damping=_polynomial(drive.damping))
+    add_hinge(crank, damping=drive.damping)
     if mechanism.slider.mass > 0.0:
         add_body(crank, "slider", part.length, mechanism.slider.mass, 0.0, 0.0)
 
@@ -56,13 +56,11 @@ def _add_follower(spec: mujoco.MjSpec, scene: Scene, hinges: int, armature: floa
         body = add_body(
             body, "base" if number == 0 else f"link {number}", place, mass, piece / 2.0, rod + (base.inertia if number == 0 else 0.0)
         )
-        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS)
         if number == 0:
-            joint.damping = _polynomial(base.damping)
+            add_hinge(body, damping=base.damping)
         else:
             stiffness = follower.bending_stiffness * hinges / follower.length
-            joint.stiffness, joint.damping = _polynomial(stiffness), _polynomial(follower.material_damping * stiffness)
-            joint.armature = armature
+            add_hinge(body, stiffness, follower.material_damping * stiffness, armature)
         place = piece
     if tip is not None:
         add_body(body, "tip", place, tip.mass, tip.center_of_mass, tip.inertia)
@@ -87,9 +85,11 @@ def add_body(parent: mujoco.MjsBody, name: str, place: float, mass: float, cente
     )
 
 
-def _polynomial(linear: float) -> tuple[float, float, float]:
-    """Coefficients of MuJoCo's cubic law of stiffness or damping, for a linear one."""
-    return (linear, 0.0, 0.0)
+def add_hinge(body: mujoco.MjsBody, stiffness: float = 0.0, damping: float = 0.0, armature: float = 0.0) -> None:
+    """A hinge at the body's origin, by the body's name, in the plane of the mechanism, with a linear spring and damper."""
+    joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS, armature=armature)
+    cubic = np.ndim(joint.damping) == 1  # newer versions of MuJoCo take the coefficients of a cubic law, older ones one number
+    joint.stiffness, joint.damping = ((linear, 0.0, 0.0) if cubic else linear for linear in (stiffness, damping))
 
 
 def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -97,7 +97,8 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> t
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
+    for column, unit in zip(mass, np.eye(model.nv), strict=True):  # symmetric
+        mujoco.mj_mulM(model, data, column, unit)
     first = model.nv - hinges - 1
     stiffness = np.zeros(hinges + 1)
     if hinges:

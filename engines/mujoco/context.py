@@ -91,7 +91,9 @@ Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 
 ADDRESS, VECTOR, CONTEXTS = types.intp, types.float64[::1], numba.from_dtype(CONTEXT)[::1]
-TIME_AND_USERDATA = (1 << 0) | (1 << 12)  # mjSTATE_TIME | mjSTATE_USERDATA
+#: Bits of mjtState: the time, and the user's data, which are bit 11 up to MuJoCo 3.3 and bit 12 in later versions; the other one of these
+#: two stands for parts that the models here do not have.
+TIME_AND_USERDATA = (1 << 0) | (1 << 11) | (1 << 12)
 
 
 def compiled(function: Function) -> Function:

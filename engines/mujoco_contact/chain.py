@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.mujoco.chain import AXIS, add_body
+from quickreturn.engines.mujoco.chain import add_body, add_hinge
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 
@@ -59,7 +59,7 @@ def _add_crank(spec: mujoco.MjSpec, scene: Mechanism, contact: dict[str, Any]) -
     part, drive = scene.crank, scene.crank.drive
     assert isinstance(drive, TorqueDrive)
     crank = add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
-    crank.add_joint(name="crank", type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS, damping=(drive.damping, 0.0, 0.0))
+    add_hinge(crank, damping=drive.damping)
     slider = crank if scene.slider.mass == 0.0 else add_body(crank, "slider", part.length, scene.slider.mass, 0.0, 0.0)
     place = (part.length if slider is crank else 0.0, 0.0, 0.0)
     sphere, size = mujoco.mjtGeom.mjGEOM_SPHERE, (PIN * scene.follower.length, 0.0, 0.0)
@@ -74,12 +74,10 @@ def _add_follower(spec: mujoco.MjSpec, scene: Mechanism, links: int, armature: f
     body, place = spec.worldbody, scene.pivot_distance
     for number in range(links):
         body = add_body(body, f"link {number}", place, mass, h / 2.0, mass * h**2 / 12.0)
-        joint = body.add_joint(name=body.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXIS)
         if number == 0:
-            joint.armature, joint.damping = scene.base.inertia, (scene.base.damping, 0.0, 0.0)
+            add_hinge(body, damping=scene.base.damping, armature=scene.base.inertia)
         else:
-            joint.stiffness, joint.damping = (stiffness, 0.0, 0.0), (follower.material_damping * stiffness, 0.0, 0.0)
-            joint.armature = armature
+            add_hinge(body, stiffness, follower.material_damping * stiffness, armature)
         for side in (1.0, -1.0):
             wall = (h / 2.0, side * (reach_of_pin(scene) + half[1]), 0.0)
             body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, pos=wall, contype=_WALL, conaffinity=_PIN, **contact)

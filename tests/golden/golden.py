@@ -194,7 +194,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         keep = [pair not in fresh for pair in zip(kept["case"], kept["engine"], strict=True)]
         table = pd.concat([kept[keep], table], ignore_index=True)
     table.to_csv(file, index=False, float_format="%.6g")
-    versions = {name: metadata.version(name) for name in ("numpy", "scipy", "numba", "exudyn", "mujoco-core", "quickreturn")}
+    versions = {name: metadata.version(name) for name in ("numpy", "scipy", "numba", "exudyn", "mujoco", "quickreturn")}
     (FOLDER / "versions.txt").write_text("".join(f"{name} {version}\n" for name, version in versions.items()))
 
 
