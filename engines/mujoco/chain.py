@@ -94,16 +94,22 @@ def add_hinge(body: mujoco.MjsBody, stiffness: float = 0.0, damping: float = 0.0
 
 def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mass (kg m^2) and stiffness (N m) matrices of the straight follower in base and hinge angles, crank held; (N + 1, N + 1)."""
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    mass = np.zeros((model.nv, model.nv))
-    for column, unit in zip(mass, np.eye(model.nv), strict=True):  # symmetric
-        mujoco.mj_mulM(model, data, column, unit)
+    mass = mass_matrix(model)
     first = model.nv - hinges - 1
     stiffness = np.zeros(hinges + 1)
     if hinges:
         stiffness[1:] = mechanism.follower.bending_stiffness * hinges / mechanism.follower.length
     return mass[first:, first:], np.diag(stiffness)
+
+
+def mass_matrix(model: mujoco.MjModel) -> NDArray[np.float64]:
+    """MuJoCo's mass matrix at zero coordinates; `mj_fullM` has other arguments in older versions."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    for column, unit in zip(mass, np.eye(model.nv), strict=True):  # symmetric
+        mujoco.mj_mulM(model, data, column, unit)
+    return mass
 
 
 def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
