@@ -165,8 +165,10 @@ def _shares(name: str, right: Mapping[str, Array], length: float) -> Iterator[tu
             f"the slider's part, {'minus ' if body == 'pivot' else ''}the slider force along n{1 if axis == 'x' else 2}",
             (-part if body == "pivot" else part),
         )
+    line = ("tip_deflection", *SHAPE)  # nobody subtracts the deflection of one place from that of another
     for other, column in COLUMNS.items():
-        if other in right and column.unit == COLUMNS[name].unit and other.rstrip(DIGITS) != name.rstrip(DIGITS) and other != "time":
+        family = other.rstrip(DIGITS) == name.rstrip(DIGITS) or (name in line and other in line)
+        if other in right and column.unit == COLUMNS[name].unit and not family and other != "time":
             yield other, right[other]
 
 

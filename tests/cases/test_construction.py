@@ -28,14 +28,15 @@ def mujoco_machines() -> Iterator[Any]:
 
 @pytest.fixture
 def told(mujoco_machines: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The hypothesis on a construction's table, "" without one."""
+    """The hypothesis on a construction's table, "" without one; or all explanations."""
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path))
     case = qr.case("thesis-24").with_({"follower.damping": "0 N*s/m^2", "follower.material_damping": "1e-4 s"})
 
-    def tell(**changes: Any) -> str:
+    def tell(whole: bool = False, **changes: Any) -> Any:
         columns, _ = mujoco_machines.simulate(replace(mujoco_machines.STIFF, **changes))
         table = {name: np.asarray(values) for name, values in columns.items()}
-        return str(qr.compare(case, table, "reference", quiet=True).explanations.get(BUILT, ""))
+        explanations = qr.compare(case, table, "reference", quiet=True).explanations
+        return explanations if whole else explanations.get(BUILT, "")
 
     return tell
 
@@ -65,6 +66,12 @@ def test_an_integrator_that_damps_shows_in_the_damping_at_a_right_frequency(told
 
 def test_a_polygon_shows_in_neither(told: Any) -> None:
     assert told().startswith("probably friction, the corners of a chain of links, or a long step: neither the first mode's frequency")
+
+
+def test_hinges_that_are_too_stiff_are_no_mistake_in_a_column(told: Any) -> None:
+    found = told(stiffness=3.0, whole=True)
+    assert list(found) == ["tip_deflection"]
+    assert "no single mistake explains that" in found["tip_deflection"]
 
 
 def test_a_good_chain_gets_no_hypothesis(told: Any) -> None:
