@@ -287,6 +287,13 @@ def installed(*distributions: str) -> str | None:
     return None
 
 
+def too_old(package: str, found: str, oldest: tuple[int, ...]) -> str | None:
+    """A sentence if this version of a package is older than the oldest that works, else None."""
+    if tuple(int(part) for part in found.split(".")[: len(oldest)] if part.isdigit()) >= oldest:
+        return None
+    return f"{package} {found} is installed, {'.'.join(map(str, oldest))} or later is needed"
+
+
 #: Quantities that the engines of this project model, whatever the slider's joint.
 USUAL: Final[tuple[str, ...]] = (
     "mechanism.gravity", "crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "tip.center_of_mass", "tip.force",

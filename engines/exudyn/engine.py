@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Refusal, Simulation, installed
+from quickreturn.engines.base import ROLLERS, SPIN_UP, USUAL, Comparison, Engine, ModelDescription, Refusal, Simulation, installed, too_old
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.ladder import gain_of
@@ -19,6 +19,9 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes, stiffness_ratio
+
+#: Oldest version that works: in 1.11 properties and settings have other names.
+OLDEST: Final = (1, 13, 6)
 
 #: Lowest frequency (Hz) in run 24, on which the ladder was measured.
 MEASURED_FREQUENCY: Final = 10.9
@@ -40,7 +43,8 @@ class ExudynEngine(Engine[ExudynSettings]):
         return f"exudyn {installed('exudyn') or 'not installed'}"
 
     def unavailable(self) -> str | None:
-        return None if installed("exudyn") and find_spec("exudyn") else "the package exudyn is not installed"
+        found = installed("exudyn")
+        return too_old("exudyn", found, OLDEST) if found and find_spec("exudyn") else "the package exudyn is not installed"
 
     def _check(self, scene: Scene, settings: ExudynSettings) -> None:
         (_SLIDING_JOINT if settings.joint == ladder.SLIDING else self).check(scene)

@@ -8,6 +8,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
+from quickreturn.engines.base import too_old
+
 _DISTRIBUTIONS: Final = ("mujoco", "mujoco-core")
 #: In 3.3.0 the compiled control hook crashes.
 _OLDEST: Final = (3, 3, 1)
@@ -29,10 +31,7 @@ def unavailable() -> str | None:
         return f"the distributions {both} have written the same files, of which one version is left of each: {_ANEW}"
     if _folder() is None:
         return f"files of the package mujoco are missing, as after another distribution with the same files was removed: {_ANEW}"
-    found = next(iter(present.values()))
-    if tuple(int(part) for part in found.split(".")[:3] if part.isdigit()) < _OLDEST:
-        return f"mujoco {found} is installed, {'.'.join(map(str, _OLDEST))} or later is needed"
-    return None
+    return too_old("mujoco", next(iter(present.values())), _OLDEST)
 
 
 def _folder() -> Path | None:

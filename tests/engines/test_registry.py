@@ -7,6 +7,7 @@ import pytest
 
 from quickreturn.engines import registry
 from quickreturn.engines.base import Refusal
+from quickreturn.engines.exudyn import engine as exudyn
 from quickreturn.engines.registry import MAIN, UnknownEngine, engine, engine_names, usable_engine
 from quickreturn.reference_model.scene_values import NAMED
 from tests.engines.fake_package import FAKE_ENGINE, install
@@ -93,3 +94,8 @@ def test_what_estimates_are_of() -> None:
 
 def test_quantities_of_all_engines_are_known() -> None:
     assert {name for each in engine_names() for name in engine(each).quantities} <= set(NAMED)
+
+
+def test_an_old_exudyn_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exudyn, "installed", lambda name: "1.11.0")
+    assert exudyn.ExudynEngine().unavailable() == "exudyn 1.11.0 is installed, 1.13.6 or later is needed"
