@@ -5,6 +5,7 @@ The library is loaded when the first model is built, not when engines are listed
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import Final
 
@@ -75,7 +76,7 @@ class ExudynEngine(Engine[ExudynSettings]):
 
         A follower alone has those for time and space; a rigid follower, which has no elements, that for time.
         """
-        in_time = ladder.in_time(settings, output_step, scene.slider.has_corners or settings.joint == ladder.SLIDING)
+        in_time = ladder.in_time(settings, output_step, scene.slider.has_corners)
         if scene.crank is None:
             return in_time, ladder.in_space(settings, in_time)
         if scene.follower.is_rigid:
@@ -93,6 +94,8 @@ class ExudynEngine(Engine[ExudynSettings]):
         from quickreturn.engines.exudyn.simulation import ExtrapolatedSimulation, ExudynSimulation
 
         units = Units.of(scene)
+        if settings.joint == ladder.SLIDING:
+            units = replace(units, mass=units.mass * ladder.LIGHT)
 
         def simulation(steps_in: Callable[[float], int]) -> ExudynSimulation:
             began = time.perf_counter()

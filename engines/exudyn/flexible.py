@@ -34,8 +34,8 @@ from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 
-#: Number of elements from which on every other node has a damper: their quadrature is of fourth order, the elements of third.
-FEWEST_FOR_HALF_THE_DAMPERS: Final = 24
+#: Number of elements from which on every other node has a damper, the fewest for the quadrature, which is of fourth order.
+FEWEST_FOR_HALF_THE_DAMPERS: Final = 12
 
 _SHORT: Final = 1e-5  # in the scene's unit of time: a rate of change by differences, to eight digits
 

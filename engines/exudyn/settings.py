@@ -11,6 +11,9 @@ from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.settings import Settings, setting
 
 ALE, SLIDING = JOINTS = ("ale", "sliding")
+#: Unit of mass of a model with a sliding joint, over the scene's own. Exudyn adds to the joint's force one along the tangent, of as many
+#: units of force as the slider travels units of length in a step: with small units it is nothing (LADDERS.md, section 3).
+LIGHT: Final = 2.0**-30
 FEWEST_ELEMENTS: Final = 4
 LARGEST_STEP: Final = 5e-2  # s
 LEAST_STEP: Final = 1e-7  # s
@@ -25,9 +28,7 @@ class ExudynSettings(Settings):
     elements: int = setting(12, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
     step: float = setting(2.5e-4, "largest time step; the output step is divided evenly", unit="s", low=LEAST_STEP, high=LARGEST_STEP)
     extrapolated: bool = setting(False, "the table is extrapolated from these steps and steps of about twice their size")
-    joint: str = setting(
-        "ale", "Exudyn's joint of the slider: along ALE cables, or a sliding joint, of first order in the step", choices=JOINTS
-    )
+    joint: str = setting("ale", "Exudyn's joint of the slider: along ALE cables, or its sliding joint", choices=JOINTS)
     spectral_radius: float = setting(0.9, "generalized-alpha: damping of the highest frequencies, 1 is none", low=0.5, high=0.95)
     axial_factor: float = setting(1.0, "axial stiffness over that of the section; more is nearer to no stretch", low=SOFTEST, high=STIFFEST)
     newton_tolerance: float = setting(1e-4, "change by an iteration over the step's first one that ends it", low=1e-10, high=1e-4)
@@ -77,9 +78,8 @@ FINER_IN_SPACE: Final = 2.5
 #: cheap, are compared with smaller steps, which shows the error more sharply.
 FEWEST_WITH_LARGER_STEPS: Final = 12
 
-#: The order in time that it counts on with a sliding joint, and where rollers touch and part: a blow of run 24 lasts a few steps, and
-#: errors then fall irregularly.
-FIRST: Final = 1.0
+#: The order in time that it counts on where rollers touch and part: a blow of run 24 lasts a few steps, and errors then fall irregularly.
+SAFE_WITH_BLOWS: Final = 1.0
 
 #: Part of the elements that shows what the slider excites as it passes them, and a factor that counts on hardly any order. A cubic element
 #: is too stiff under the slider's force, but for its ends; where it passes elements at the rate of a natural frequency that vibration
@@ -119,7 +119,7 @@ def rung_for(accuracy: float, gain: float, moves_much: bool) -> ExudynSettings:
     return LADDER.pick(accuracy, gain).replaced(newton_tolerance=newton if moves_much else min(newton, 1e-5))
 
 
-def in_time(own: ExudynSettings, output_step: float, first_order: bool = False) -> Comparison:
+def in_time(own: ExudynSettings, output_step: float, blows: bool = False) -> Comparison:
     """Half as many steps between two outputs, and half of those; or twice as many, see `FEWEST_WITH_LARGER_STEPS`.
 
     The other way round where the run to compare with breaks down. In the thesis' 24 runs, most of them estimated by half as many steps
@@ -130,7 +130,7 @@ def in_time(own: ExudynSettings, output_step: float, first_order: bool = False) 
 
     def pair(run: int, other: int, before: Comparison | None = None, instead: Comparison | None = None) -> Comparison:
         compared, with_this = (own if count == steps else own.replaced(step=output_step / count) for count in (run, other))
-        order = FIRST if first_order else SAFE_IN_TIME if run > other else FINER_IN_TIME
+        order = SAFE_WITH_BLOWS if blows else SAFE_IN_TIME if run > other else FINER_IN_TIME
         return Comparison(compared, with_this, (run / other) ** order, before, instead, of="time")
 
     smaller = pair(steps, 2 * steps) if output_step / (2 * steps) >= LEAST_STEP else None
@@ -143,11 +143,12 @@ def in_time(own: ExudynSettings, output_step: float, first_order: bool = False) 
 
 
 def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
-    """Half the elements (twice as many where half are too few), both at the coarsest of the steps compared in time: that is cheaper.
+    """Half the elements (half as many again where half are too few), both at the coarsest of the steps compared in time: that is cheaper.
 
-    Where that breaks down twice as many at the run's own step, then at a smaller one.
+    Where that breaks down half as many again at the run's own step, then at a smaller one.
     """
-    more = 2 * own.elements if 2 * own.elements <= MOST_ELEMENTS else own.elements // 2
+    more = math.ceil(1.5 * own.elements)
+    more = more if more <= MOST_ELEMENTS else own.elements // 2
     fewer = own.elements // 2 if own.elements >= FEWEST_WITH_ORDER else more
     coarsest, *finer = _steps_compared(own, time)
     pairs = [(coarsest, fewer), *((run, more) for run in finer)]

@@ -38,6 +38,7 @@ def disagreement(mechanism: Mechanism, duration: float) -> dict[str, float]:
     for name in ESTIMATED:
         claims = ale.error_estimates[name], sliding.error_estimates[name]
         assert None not in claims, name
+        assert np.any(ale.trajectory[name])
         found[name] = relative_error(sliding.trajectory[name], ale.trajectory[name]) / sum(claims)  # type: ignore[arg-type]
     return found
 
@@ -64,15 +65,13 @@ def test_joints_agree_within_claims(portion: Portion) -> None:
         assert max(found.values()) <= 1.0, (name, found)
 
 
-def test_the_joints_differ_in_proportion_to_the_step() -> None:
-    """The sliding joint is of first order, the other one of second; both converge to the same motion. Nor does it keep the energy."""
-    found = [[simulate(run_24(), 0.3, elements=8, step=step, joint=joint) for joint in ("ale", "sliding")] for step in (5e-4, 2.5e-4)]
-    differences = [relative_error(sliding["crank_speed"], ale["crank_speed"]) for ale, sliding in found]
-    assert 1.8 < differences[0] / differences[1] < 2.2
-    assert differences[1] < 3e-4  # measured 2.1e-4
-    lost = [imbalance(sliding) for _, sliding in found]
-    assert 1.6 < lost[0] / lost[1] < 2.4
-    assert lost[1] > 100 * imbalance(found[1][0])  # which has the square of the step
+@pytest.mark.parametrize("mechanism", [run_24(), next(itertools.islice(sensible_machines(SEED), 2, 3)).mechanism])
+def test_the_joints_are_one_to_the_end_of_newtons_iteration(mechanism) -> None:
+    """The machine's forces are 1e-8 N: in its own units of mass Exudyn's sliding joint drives it along the tangent, and it runs away."""
+    ale, sliding = (simulate(mechanism, 0.1, elements=8, step=1e-3, joint=joint) for joint in ("ale", "sliding"))
+    for name in ("crank_speed", "tip_deflection", "slider_force", "slider_position", "kinetic_energy"):
+        assert relative_error(sliding[name], ale[name]) < 1e-4, name  # measured 2e-5 and less
+    assert imbalance(sliding) == pytest.approx(imbalance(ale), rel=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -95,7 +94,7 @@ def test_everything_else_works_with_a_sliding_joint(changes) -> None:
         "dissipated_energy",
         "moment_slider",
     ):
-        assert relative_error(sliding[name], ale[name]) < 1e-2, name  # of first order: 5e-4 and less of most
+        assert relative_error(sliding[name], ale[name]) < 5e-5, name  # Newton's iteration leaves 2e-5 and less
     assert sliding["constraint_gap"].max() < 1e-7
 
 
