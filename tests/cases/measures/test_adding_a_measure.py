@@ -34,6 +34,7 @@ import json, sys
 from pathlib import Path
 import quickreturn as qr
 from quickreturn.cases.measures.catalogue import listed
+from quickreturn.cases.runs.comparison import compare
 from quickreturn.cases.witnesses import table
 from quickreturn.verdict_text import as_document
 from quickreturn.cross_validation import CrossValidation
@@ -43,8 +44,10 @@ from quickreturn.studies.resonance_curves import OF_CURVE
 from tests.reports.pages import one_run
 from tests.reports.reported_results import reported_result
 
-result = reported_result("example")
-run, found = result.runs["reference"], CrossValidation([result])
+made_up = reported_result("example")
+run = made_up.runs["reference"]
+result = compare(made_up.case, {"reference": run})
+found = CrossValidation([result])
 write(one_run(result), Path(sys.argv[1]))
 numbers = found.numbers.set_index(["engine", "measure"])
 print(json.dumps({
