@@ -105,7 +105,7 @@ class CycleMeasures:
 def measure_cycle(
     scale: TimeScale | None, time: Array, crank_angle: Array, channels: Mapping[str, Array], measured: bool = False
 ) -> CycleMeasures:
-    """ChannelMeasures one full cycle.
+    """Measures one full cycle.
 
     Args:
         scale: time scale of the mechanism; None for a rigid follower: only its extremes are measured.
