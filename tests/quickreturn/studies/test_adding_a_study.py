@@ -50,7 +50,7 @@ from quickreturn.cases.trials.trial import Trial
 from quickreturn.reports.long_studies import about, table
 trials = table("coarse", Trial)
 print([(trial.scene, trial.method, trial.completed) for trial in trials])
-print([sorted(changing(trial, trials)) for trial in trials], trials[0].error > trials[1].error == 0.0)
+print([{"elements", "step"} <= set(changing(trial, trials)) for trial in trials], trials[0].error > trials[1].error == 0.0)
 print(fastest_at(trials, 0.1) == {"exudyn": min(trials, key=lambda trial: trial.seconds)}, about("coarse").study)
 """
 
@@ -83,5 +83,5 @@ def test_a_study_needs_a_module_and_its_name_in_one_file(tmp_path: Path) -> None
     assert (package / "reports/long_studies/classes.csv").read_bytes() == others
     trials, changed, fastest = run(package, "-c", READ).splitlines()
     assert trials == str([("thesis-24", "exudyn", True)] * 2)
-    assert changed == f"{[['elements', 'newton_tolerance', 'step']] * 2} True"
+    assert changed == "[True, True] True"
     assert fastest == "True coarse"
