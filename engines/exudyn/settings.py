@@ -25,7 +25,7 @@ STIFFEST: Final = 100.0
 class ExudynSettings(Settings):
     """Discretization in space and time, second order in both, and how near the cable is to one that cannot stretch."""
 
-    elements: int = setting(12, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
+    elements: int = setting(16, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
     step: float = setting(2.5e-4, "largest time step; the output step is divided evenly", unit="s", low=LEAST_STEP, high=LARGEST_STEP)
     extrapolated: bool = setting(False, "the table is extrapolated from these steps and steps of about twice their size")
     joint: str = setting("ale", "Exudyn's joint of the slider: along ALE cables, or its sliding joint", choices=JOINTS)
@@ -48,7 +48,7 @@ _RUNGS: Final = (
     (3.5e-2, 8, 1e-3, False),
     (1e-2, 9, 5e-4, False),
     (7e-3, 12, 5e-4, False),
-    (3e-3, 12, 2.5e-4, False),
+    (3e-3, 16, 2.5e-4, False),
     (1e-3, 16, 5e-4, True),
     (3e-4, 32, 2.5e-4, True),
     (1e-4, 48, 2e-4, True),
