@@ -81,7 +81,7 @@ class ExudynEngine(Engine[ExudynSettings]):
             return in_time, ladder.in_space(settings, in_time)
         if scene.follower.is_rigid:
             return (in_time,)
-        return in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time), *ladder.in_passing(settings, in_time)
+        return in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time), ladder.in_passing(settings, in_time)
 
     def finer(self, settings: ExudynSettings, excess: Mapping[str, float], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""

@@ -81,10 +81,10 @@ FEWEST_WITH_LARGER_STEPS: Final = 12
 #: The order in time that it counts on where rollers touch and part: a blow of run 24 lasts a few steps, and errors then fall irregularly.
 SAFE_WITH_BLOWS: Final = 1.0
 
-#: Part of the elements that shows what the slider excites as it passes them, and a factor that counts on hardly any order. A cubic element
-#: is too stiff under the slider's force, but for its ends; where it passes elements at the rate of a natural frequency that vibration
-#: grows, whatever their number, and half of them may by accident be shaken alike.
-PASSING: Final = (0.75, 1.8)
+#: Parts of the elements, fewer and more, that show what the slider excites as it passes them, and a factor that counts on hardly any order.
+#: A cubic element is too stiff under the slider's force, but for its ends; where it passes elements at the rate of a natural frequency that
+#: vibration grows, whatever their number, and the other number that is compared may by accident be shaken alike.
+PASSING: Final = (0.75, 1.25, 1.8)
 
 #: Fewer elements than these have no order yet and are compared with more.
 FEWEST_WITH_ORDER: Final = 24
@@ -160,13 +160,12 @@ def in_space(own: ExudynSettings, time: Comparison) -> Comparison:
     return _first_to_run([pair(*each) for each in pairs])
 
 
-def in_passing(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
-    """Three quarters of the elements at the coarsest of the steps, see `PASSING`; none where half are too few for an order."""
-    if own.elements < FEWEST_WITH_ORDER:
-        return ()
-    part, factor = PASSING
-    fewer = round(part * own.elements)
-    return (_first_to_run([Comparison(run, run.replaced(elements=fewer), factor, of="passing") for run in _steps_compared(own, time)]),)
+def in_passing(own: ExudynSettings, time: Comparison) -> Comparison:
+    """Three quarters of the elements, or five quarters where half are too few for an order, at the coarsest of the steps, see `PASSING`."""
+    fewer, more, factor = PASSING
+    other, factor = (fewer * own.elements, factor) if own.elements >= FEWEST_WITH_ORDER else (more * own.elements, 1.0 / factor)
+    runs = _steps_compared(own, time)
+    return _first_to_run([Comparison(run, run.replaced(elements=math.ceil(other)), factor, of="passing") for run in runs])
 
 
 def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:

@@ -144,4 +144,6 @@ def test_runs_compared_differ_on_any_output_grid(output_step, elements, extrapol
             more = pair.run.elements / pair.other.elements
             in_time = (fine / coarse) ** (ladder.SAFE_IN_TIME if fine > coarse else ladder.FINER_IN_TIME)
             in_space = more ** (ladder.SAFE_IN_SPACE if more > 1.0 else ladder.FINER_IN_SPACE)
+            if pair.of == "passing":  # hardly any order
+                in_space = 1.0 / ladder.PASSING[2]
             assert pair.factor == pytest.approx(in_time * in_space / stiffer)
