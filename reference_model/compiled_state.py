@@ -1,6 +1,6 @@
 """The type by which compiled code knows a `State`, and how it finds the parts of one by address."""
 
-from typing import Any, Final
+from typing import Any
 
 import llvmlite.ir as ir
 import numpy as np
@@ -77,11 +77,8 @@ def _reader(kind: _StateAt) -> Any:
     return at
 
 
-#: Types of states with the slider's place in them, also of several rows in lanes, and without.
-STATE_TYPE: Final = _StateAt(1)
-STATE_IN_LANES_TYPE: Final = _StateAt(1, LANES)
-STATE_WITHOUT_SLIDER_TYPE: Final = _StateAt(0)
-state_at, state_in_lanes_at, state_without_slider_at = map(_reader, (STATE_TYPE, STATE_IN_LANES_TYPE, STATE_WITHOUT_SLIDER_TYPE))
+#: States with the slider's place in them, also of several rows in lanes, and without.
+state_at, state_in_lanes_at, state_without_slider_at = map(_reader, (_StateAt(1), _StateAt(1, LANES), _StateAt(0)))
 
 
 @inlined

@@ -5,7 +5,7 @@ from typing import Final
 import numba
 
 from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, BeamTables, BeamWorkspace
-from quickreturn.reference_model.native.lanes import MEMBERS_IN_LANES, LaneRecord
+from quickreturn.reference_model.native.lane_records import MEMBERS_IN_LANES, LaneRecord
 from quickreturn.reference_model.native.pointers import reader, tuple_type
 
 TABLES_TYPE: Final = tuple_type(BeamTables)

@@ -41,7 +41,7 @@ from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places
 from quickreturn.reference_model.motion.observe import observe
 from quickreturn.reference_model.motion.plane import direction, dot
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.lanes import LaneRecord, record_at
+from quickreturn.reference_model.native.lane_records import LaneRecord, record_at
 from quickreturn.reference_model.native.memory import LANES
 from quickreturn.reference_model.native.pointers import matrix_at
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS

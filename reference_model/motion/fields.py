@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import point
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, write_cubics, zeros_like
+from quickreturn.reference_model.native.cubics import write_cubics
+from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
 from quickreturn.reference_model.native.simd import few_registers, load, plus, spread, store
 from quickreturn.reference_model.state import State
 

@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import llvmlite.ir as ir
-import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin, lower_cast
@@ -20,7 +19,6 @@ from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, inf
 from numba.extending import (
     infer_getattr,
     lower_getattr_generic,
-    lower_setattr_generic,
     models,
     overload_method,
     register_model,
@@ -28,7 +26,7 @@ from numba.extending import (
 
 from quickreturn.reference_model.native.compilation import FAST
 from quickreturn.reference_model.native.memory import LANES as COUNT
-from quickreturn.reference_model.native.pointers import array_of, intrinsic
+from quickreturn.reference_model.native.pointers import intrinsic
 
 VECTOR: Final = ir.VectorType(ir.DoubleType(), COUNT)
 _NUMBERS: Final = (types.Float, types.Integer)
@@ -76,7 +74,8 @@ class _LaneVectorsModel(models.StructModel):
         super().__init__(dmm, fe_type, [("real", LANES), ("imag", LANES)])  # type: ignore[no-untyped-call]
 
 
-def _spread(builder: Any, number: Any) -> Any:
+def repeated(builder: Any, number: Any) -> Any:
+    """The same number in all lanes."""
     first = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(first, ir.Constant(VECTOR, ir.Undefined), ir.Constant(ir.VectorType(ir.IntType(32), COUNT), [0] * COUNT))
 
@@ -95,7 +94,7 @@ def _parts(context: Any, builder: Any, value: Any) -> tuple[Any, Any]:
 @lower_cast(types.Float, LANES)
 @lower_cast(types.Integer, LANES)
 def _number_to_lanes(context: Any, builder: Any, source: Any, target: Any, value: Any) -> Any:
-    return _spread(builder, context.cast(builder, value, source, types.float64))
+    return repeated(builder, context.cast(builder, value, source, types.float64))
 
 
 @lower_cast(types.Float, LANE_VECTORS)
@@ -108,7 +107,7 @@ def _real_to_vectors(context: Any, builder: Any, source: Any, target: Any, value
 @lower_cast(types.Complex, LANE_VECTORS)
 def _complex_to_vectors(context: Any, builder: Any, source: Any, target: Any, value: Any) -> Any:
     pair = context.make_complex(builder, source, value=value)
-    return _vectors(context, builder, _spread(builder, pair.real), _spread(builder, pair.imag))
+    return _vectors(context, builder, repeated(builder, pair.real), repeated(builder, pair.imag))
 
 
 def _kind(*arguments: Any) -> Any:
@@ -320,69 +319,6 @@ def with_lane(typing: Any, numbers: Any, lane: Any, number: Any) -> Any:
     return LANES(LANES, types.intp, types.float64), code
 
 
-def _transposed(builder: Any, rows: list[Any]) -> list[Any]:
-    """The columns of as many rows as each has numbers. In each round, rows that are `apart` exchange every other group of that size."""
-    apart = 1
-    while apart < COUNT:
-        own = [place for place in range(COUNT) if not place & apart]
-        exchanged = list(rows)
-        for low in own:
-            one, other = rows[low], rows[low + apart]
-            keep = [place if not place & apart else COUNT + place - apart for place in range(COUNT)]
-            take = [place + apart if not place & apart else COUNT + place for place in range(COUNT)]
-            for row, places in ((low, keep), (low + apart, take)):
-                order = ir.Constant(ir.VectorType(ir.IntType(32), COUNT), places)
-                exchanged[row] = builder.shuffle_vector(one, other, order)
-        rows, apart = exchanged, 2 * apart
-    return rows
-
-
-@intrinsic
-def write_cubics(typing: Any, coefficients: Any, interval: Any, offset: Any, row: Any) -> Any:
-    """To `row`, whose length is a multiple of the lanes: ((c_0 offset + c_1) offset + c_2) offset + c_3 for each of its numbers.
-
-    Args:
-        typing: of the compiler.
-        coefficients: c, shape (intervals, 4, numbers of a row).
-        interval: whose coefficients count; another one in each lane.
-        offset: from where the interval begins.
-        row: of numbers, or of lanes.
-    """
-    lanes = COUNT if row.dtype == LANES else 1
-    kind = LANES if lanes > 1 else types.float64
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        word, number = ir.IntType(64), ir.DoubleType()
-        tables, rows = context.make_array(signature.args[0])(context, builder, arguments[0]), context.make_array(signature.args[3])
-        size = builder.extract_value(tables.shape, 2)
-        written = builder.bitcast(rows(context, builder, arguments[3]).data, number.as_pointer())
-
-        def of_lane(value: Any, lane: int) -> Any:
-            return builder.extract_element(value, ir.Constant(ir.IntType(32), lane)) if lanes > 1 else value
-
-        intervals = [builder.fptosi(of_lane(arguments[1], lane), word) for lane in range(lanes)]
-        offsets = [_spread(builder, of_lane(arguments[2], lane)) for lane in range(lanes)]
-        begins = [builder.gep(tables.data, [builder.mul(builder.mul(each, ir.Constant(word, 4)), size)]) for each in intervals]
-        with cgutils.for_range_slice(builder, ir.Constant(word, 0), size, ir.Constant(word, COUNT), word) as (first, _):
-
-            def load(begin: Any, power: int) -> Any:
-                place = builder.add(builder.mul(ir.Constant(word, power), size), first)
-                return builder.load(builder.bitcast(builder.gep(begin, [place]), VECTOR.as_pointer()), align=8)
-
-            values = []
-            for begin, away in zip(begins, offsets, strict=True):
-                value = load(begin, 0)
-                for power in range(1, 4):
-                    value = builder.fadd(builder.fmul(value, away, flags=FAST), load(begin, power), flags=FAST)
-                values.append(value)
-            for place, value in enumerate(_transposed(builder, values) if lanes > 1 else values):
-                here = builder.mul(builder.add(first, ir.Constant(word, place)), ir.Constant(word, lanes))
-                builder.store(value, builder.bitcast(builder.gep(written, [here]), VECTOR.as_pointer()), align=8)
-        return context.get_dummy_value()
-
-    return types.void(types.Array(types.float64, 3, "C"), kind, kind, types.Array(row.dtype, 1, "C")), code
-
-
 @intrinsic
 def where_within(typing: Any, x: Any, low: Any, high: Any, inside: Any, outside: Any) -> Any:
     """`inside` in lanes where low < x <= high, elsewhere `outside`."""
@@ -395,83 +331,3 @@ def where_within(typing: Any, x: Any, low: Any, high: Any, inside: Any, outside:
 
     kind = LANES if vector else types.float64
     return kind(*[kind] * 5), code
-
-
-class LaneRecord(types.Type):
-    """A record in memory whose numbers are of each row. An array in it is read as an array; whole numbers are those of all rows.
-
-    Args:
-        record: its numpy type for one row.
-    """
-
-    def __init__(self, record: np.dtype[Any]) -> None:
-        self.places: dict[str, tuple[int, Any, int]] = {}  # name -> first word, type, length of an array (0 for none)
-        words = 0
-        for name in record.names or ():
-            kinds = {"f": LANES, "c": LANE_VECTORS, "i": types.int64}
-            length = math.prod(record[name].shape) if record[name].shape else 0
-            self.places[name] = words, kinds[record[name].base.kind], length
-            words += COUNT * record[name].itemsize // 8
-        self.words = words
-        super().__init__(name=f"LaneRecord({COUNT}, {record.descr})")
-
-
-@register_model(LaneRecord)
-class _LaneRecordModel(models.PrimitiveModel):
-    def __init__(self, dmm: Any, fe_type: LaneRecord) -> None:
-        super().__init__(dmm, fe_type, ir.IntType(8).as_pointer())  # type: ignore[no-untyped-call]
-
-
-@infer_getattr
-class _LaneRecordAttributes(AttributeTemplate):
-    key = LaneRecord
-
-    def generic_resolve(self, record: LaneRecord, name: str) -> Any:  # type: ignore[override]
-        if name not in record.places:
-            return None
-        _, kind, length = record.places[name]
-        return types.Array(kind, 1, "C") if length else kind
-
-
-def _place(builder: Any, record: LaneRecord, address: Any, name: str) -> Any:
-    return builder.gep(address, [ir.Constant(ir.IntType(64), 8 * record.places[name][0])], inbounds=True)
-
-
-@lower_getattr_generic(LaneRecord)
-def _read(context: Any, builder: Any, record: LaneRecord, address: Any, name: str) -> Any:
-    _, kind, length = record.places[name]
-    place = _place(builder, record, address, name)
-    if length:
-        number = builder.ptrtoint(place, ir.IntType(64))
-        return array_of(context, builder, types.Array(kind, 1, "C"), number, [context.get_constant(types.intp, length)])
-    return context.unpack_value(builder, kind, builder.bitcast(place, context.get_data_type(kind).as_pointer()))
-
-
-@lower_setattr_generic(LaneRecord)
-def _write(context: Any, builder: Any, sig: Any, arguments: Any, name: str) -> None:
-    record = sig.args[0]
-    kind = record.places[name][1]
-    place = _place(builder, record, arguments[0], name)
-    value = context.cast(builder, arguments[1], sig.args[1], kind)
-    context.pack_value(builder, kind, value, builder.bitcast(place, context.get_data_type(kind).as_pointer()))
-
-
-def record_at(record: LaneRecord) -> Any:
-    """A compiled function from an address to the record there."""
-
-    @intrinsic
-    def at(typing: Any, address: Any) -> Any:
-        def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
-
-        return record(types.uintp), code
-
-    return at
-
-
-#: Annotation of a tuple's member -> its compiled type, see `pointers.MEMBERS`.
-MEMBERS_IN_LANES: Final[dict[str, Any]] = {
-    "Vector": types.Array(LANES, 1, "C"),
-    "ComplexVector": types.Array(LANE_VECTORS, 1, "C"),
-    "Matrix": types.Array(LANES, 2, "C"),
-}

@@ -46,6 +46,8 @@ FOLDER: Final = Path(__file__).parent
 DIGITS: Final = 5
 #: Statistics of a benchmark's trials that the page shows, and further ones of `reference`; the others are not recorded.
 STATISTICS: Final = ("largest_gap", "spurious_share")
+#: Statistics up to this are rounding, such as the gap (m) of a rigid joint.
+ROUNDING: Final = 1e-9
 OF_REFERENCE: Final = ("right_hand_side_calls", "integration_seconds", "calls_per_period")
 #: A zero that an exponent begins with: 1e-06 is written as 1e-6, which saves a kilobyte, as leaving out empty last cells does.
 _LEADING_ZERO: Final = re.compile(r"(?<=\d)e-0")
@@ -158,12 +160,17 @@ def _benchmark(workshop: Workshop) -> dict[str, Sequence[Any]]:
     cases = [load_case(name) for name in benchmark.SCENES]
     measured = [benchmark.stored(case, workshop) or (benchmark.measure(case, workshop) if workshop.computes else None) for case in cases]
     scenes = [dataclasses.replace(each, trials=()) for each in measured if each]
-    trials = []
-    for trial in (trial for each in measured if each for trial in each.trials):
-        shown = STATISTICS + (OF_REFERENCE if trial.engine == "reference" else ())
-        statistics = {name: trial.statistics[name] for name in shown if name in trial.statistics}
-        trials.append(dataclasses.replace(trial, statistics=statistics))
+    trials = [_recorded(trial) for each in measured if each for trial in each.trials]
     return {"benchmark": trials, "benchmark_scenes": scenes, "compiling": benchmark.compiling(workshop, ENGINES) if scenes else []}
+
+
+def _recorded(trial: Trial) -> Trial:
+    """A trial with the statistics that the page shows, and without what a single repetition repeats."""
+    shown = STATISTICS + (OF_REFERENCE if trial.engine == "reference" else ())
+    statistics = {name: trial.statistics[name] for name in shown if abs(trial.statistics.get(name, 0.0)) > ROUNDING}
+    once = trial.repetitions == 1
+    median, largest = (None, None) if once else (trial.solve_seconds_median, trial.solve_seconds_largest)
+    return dataclasses.replace(trial, statistics=statistics, solve_seconds_median=median, solve_seconds_largest=largest)
 
 
 def _hard_scenes(workshop: Workshop) -> dict[str, Sequence[Any]]:
@@ -200,7 +207,7 @@ def _as_built(workshop: Workshop) -> dict[str, Sequence[Any]]:
 STUDIES: Final[dict[str, Callable[[Workshop], Mapping[str, Sequence[Any]]]]] = {
     "benchmark": _benchmark,
     "hard scenes": _hard_scenes,
-    "confirmation": lambda workshop: {"confirmation": studies.confirming(workshop)},
+    "confirmation": lambda workshop: {"confirmation": [_recorded(each) for each in studies.confirming(workshop)]},
     "conformance": _conformance,
     "classes": _classes,
     "as built": _as_built,
@@ -241,7 +248,10 @@ def _flat(item: Any, prefix: str = "") -> dict[str, str]:
 def _cell(value: Any) -> str:
     if isinstance(value, str):
         return value
-    text = f"{value:.{DIGITS}g}" if isinstance(value, float) else json.dumps(_short(encoded(value).document), separators=(",", ":"))
+    if isinstance(value, float):
+        text = re.sub(r"^(-?)0\.", r"\1.", f"{value:.{DIGITS}g}")  # without the zero before the point, which JSON asks for
+    else:
+        text = json.dumps(_short(encoded(value).document), separators=(",", ":"))
     return _LEADING_ZERO.sub("e-", text)
 
 

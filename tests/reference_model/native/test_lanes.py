@@ -10,7 +10,8 @@ from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.motion.compiled_layout import parameters_at
 from quickreturn.reference_model.motion.fields import interpolate_row
 from quickreturn.reference_model.native.compilation import compiled
-from quickreturn.reference_model.native.lanes import MEMBERS_IN_LANES, lane_of, lanes_of, where_within, with_lane, zeros_like
+from quickreturn.reference_model.native.lane_records import MEMBERS_IN_LANES
+from quickreturn.reference_model.native.lanes import lane_of, lanes_of, where_within, with_lane, zeros_like
 from quickreturn.reference_model.native.memory import LANES, Placed, on_lines
 from quickreturn.reference_model.native.pointers import array_at, numbers_at
 from quickreturn.reference_model.shapes import hermite_elements
