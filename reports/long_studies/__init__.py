@@ -1,7 +1,7 @@
 """Recorded results of the long studies, as small CSV tables beside this file; the page shows them if the user's own are missing.
 
 Each row is a dataclass. The columns of a field that is a dataclass, or a mapping to numbers, are named `field.key`; a cell of any other
-structure is JSON. Numbers have five digits.
+structure is JSON. Numbers have five digits, times (s) three.
 `python -m quickreturn.record` writes them; `about.csv` says by which commit each study was made, and by which some of its cells were last
 computed anew and confirmed (`tests/quickreturn/records/test_recorded_cells.py`).
 """
@@ -42,8 +42,9 @@ from quickreturn.engines.registry import MAIN, engine
 T = TypeVar("T")
 
 FOLDER: Final = Path(__file__).parent
-#: Significant digits of recorded numbers.
+#: Significant digits of recorded numbers, and of times: these scatter by more than their third digit.
 DIGITS: Final = 5
+DIGITS_OF_TIMES: Final = 3
 #: Statistics of a benchmark's trials that the page shows, and further ones of `reference`; the others are not recorded.
 STATISTICS: Final = ("largest_gap", "spurious_share")
 #: Statistics up to this are rounding, such as the gap (m) of a rigid joint.
@@ -239,17 +240,18 @@ def _flat(item: Any, prefix: str = "") -> dict[str, str]:
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             row |= _flat(value, f"{name}.")
         elif hints[field.name] in _NUMBERS:
-            row |= {f"{name}.{key}": _cell(number) for key, number in value.items() if number is not None}
+            row |= {f"{name}.{key}": _cell(number, key) for key, number in value.items() if number is not None}
         elif value is not None and value != default:
-            row[name] = _cell(value)
+            row[name] = _cell(value, name)
     return row
 
 
-def _cell(value: Any) -> str:
+def _cell(value: Any, name: str) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, float):
-        text = re.sub(r"^(-?)0\.", r"\1.", f"{value:.{DIGITS}g}")  # without the zero before the point, which JSON asks for
+        digits = DIGITS_OF_TIMES if "seconds" in name else DIGITS
+        text = re.sub(r"^(-?)0\.", r"\1.", f"{value:.{digits}g}")  # without the zero before the point, which JSON asks for
     else:
         text = json.dumps(_short(encoded(value).document), separators=(",", ":"))
     return _LEADING_ZERO.sub("e-", text)
