@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from quickreturn.cases.units import in_si
-from quickreturn.reference_model.mechanism import Follower, Scene
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Scene
 
 #: Least and largest usual length of a follower, m: a watch's lever and a crane's jib.
 _LENGTHS: Final = (1e-3, 20.0)
@@ -43,14 +44,15 @@ def doubts(scene: Scene) -> Iterator[str]:
 def _of_follower(follower: Follower) -> Iterator[str]:
     if not _LENGTHS[0] <= follower.length <= _LENGTHS[1]:
         yield f"follower.length is {follower.length:.6g} m: is that meant?"
-    if follower.thickness > 0.25 * follower.length:
+    section, key = follower.section, "thickness" if follower.diameter is None else "diameter"
+    if section.depth > 0.25 * follower.length:
         yield (
-            f"follower.thickness is {follower.thickness:.6g} m, more than a quarter of the length ({follower.length:.6g} m): that is no"
+            f"follower.{key} is {section.depth:.6g} m, more than a quarter of the length ({follower.length:.6g} m): that is no"
             " slender beam, and shear is not modelled"
         )
-    if follower.thickness > follower.width:
+    if section.depth > section.breadth and section.name == "rectangle":
         yield (
-            f"follower.thickness is {follower.thickness:.6g} m, more than the width ({follower.width:.6g} m): the thickness lies in the"
+            f"follower.thickness is {section.depth:.6g} m, more than the width ({section.breadth:.6g} m): the thickness lies in the"
             " plane of motion, so the follower bends about the stiff side of its section; if it should bend about the thin side,"
             " exchange them"
         )

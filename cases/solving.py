@@ -18,6 +18,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.scene_values import what_moves_nothing
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class TrajectoryRequest:
         What a time limit cut short has other estimates, or other settings: its loads are not those of the full answer.
         """
         arguments = self.scene, result.trajectory.columns, result.largest_errors
-        inputs = self, result.settings, result.largest_errors
+        inputs = self, what_moves_nothing(self.scene), result.settings, result.largest_errors
         return Job("loads", _loads, arguments, "loads of a trajectory", inputs=inputs, **_kept(self.engine))
 
 

@@ -81,7 +81,10 @@ COLUMNS: Final = MappingProxyType(
             "m/s^2", "absolute acceleration of x = L along the beam's normal there", _ENGINES(7e-3), required=True
         ),
         "strain_1": Observable(
-            "1", "surface strain at the first gauge: curvature x thickness / 2, positive where W'' > 0", _ENGINES(3e-4), required=True
+            "1",
+            "surface strain at the first gauge: curvature x distance of the surface from the axis of bending, positive where W'' > 0",
+            _ENGINES(3e-4),
+            required=True,
         ),
         "strain_2": Observable("1", "at the second gauge", _ENGINES(2e-4), required=True),
         "strain_3": Observable("1", "at the third gauge", _ENGINES(2e-4), required=True),

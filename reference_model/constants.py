@@ -31,7 +31,7 @@ def constants(scene: Scene) -> dict[str, Any]:
         **tip_force.constants(tip),
         "gravity_1": scene.gravity[0],
         "gravity_2": scene.gravity[1],
-        "thickness": follower.thickness,
+        "extreme_fibre": follower.extreme_fibre,
         "gauges": np.array(follower.strain_gauges, dtype=float),
     }
 

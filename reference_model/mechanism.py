@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Final, Literal
 
 from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.quantities import quantity
 from quickreturn.reference_model.slider import Slider
 
@@ -80,99 +81,6 @@ class SpinUp:
 
     speed: float = quantity("rad/s", "of the base from `spin_up_time` on; 0 holds it", key="spin_up_speed", named=True)
     time: float = quantity("s", "until the base turns steadily", key="spin_up_time", sign="positive")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Material:
-    """Material of a follower of rectangular section; with the section it gives stiffness and mass per length."""
-
-    elastic_modulus: float = quantity("Pa", "Young's modulus", sign="positive")
-    density: float = quantity("kg/m^3", "density of the material", sign="positive")
-
-    @staticmethod
-    def bending_stiffness(elastic_modulus: float, thickness: float, width: float) -> float:
-        """EI of the section, N m^2."""
-        return elastic_modulus * width * thickness**3 / 12.0
-
-    @staticmethod
-    def mass_per_length(density: float, thickness: float, width: float) -> float:
-        """Mass per length of the section, kg/m."""
-        return density * width * thickness
-
-
-@dataclass(frozen=True, kw_only=True)
-class Follower:
-    """Uniform, inextensible, unshearable beam from P to the tip; bends across its thickness."""
-
-    length: float = quantity("m", "from P to the tip", sign="positive")
-    mass_per_length: float = quantity("kg/m", "mass per length", sign="positive")
-    bending_stiffness: float = quantity("N*m^2", "EI of the section", sign="positive", infinity=True)
-    thickness: float = quantity("m", "of the section, in the plane of bending", sign="positive")
-    width: float = quantity("m", "of the section, out of the plane", sign="positive")
-    damping: float = quantity(
-        "N*s/m^2",
-        "per length, on the centre line's velocity relative to the base",
-        sign="not negative",
-        default=0.0,
-        optional=False,
-        named=True,
-    )
-    material_damping: float = quantity(
-        "s",
-        "damping moment over EI, per rate of curvature (Kelvin and Voigt)",
-        sign="not negative",
-        default=0.0,
-        named=True,
-    )
-    strain_gauges: tuple[float, float, float] = quantity(
-        "m", "arc lengths from P", sign="not negative", count=3, default=(math.nan, math.nan, math.nan), optional=False
-    )
-    yield_strength: float | None = quantity(
-        "Pa", "stress at which the material yields, for the safety factor", sign="positive", default=None, moves=False
-    )
-    fatigue_strength: float | None = quantity(
-        "Pa", "stress amplitude, fully reversed, that the material bears for ever", sign="positive", default=None, moves=False
-    )
-
-    def __post_init__(self) -> None:
-        for place in self.strain_gauges:
-            if place > self.length:
-                raise ImpossibleMechanism(
-                    "follower.strain_gauges",
-                    f"leaves the strain gauge at {place:.6g} m outside the follower",
-                    f"its length is {self.length:.6g} m",
-                    ("follower.length",),
-                )
-
-    @property
-    def is_rigid(self) -> bool:
-        """Whether the follower has no flexible coordinate at all."""
-        return math.isinf(self.bending_stiffness)
-
-    @property
-    def mass(self) -> float:
-        """Mass of the beam, kg."""
-        return self.mass_per_length * self.length
-
-    @property
-    def density(self) -> float:
-        """Density that follows from mass per length and section, kg/m^3."""
-        return self.mass_per_length / (self.width * self.thickness)
-
-    @property
-    def elastic_modulus(self) -> float:
-        """Young's modulus that follows from bending stiffness and section, Pa."""
-        return self.bending_stiffness / (self.width * self.thickness**3 / 12.0)
-
-    @property
-    def slenderness(self) -> float:
-        """Length over thickness."""
-        return self.length / self.thickness
-
-    @property
-    def axial_stiffness(self) -> float:
-        """EA in N from EI and the rectangular section, EA = EI A / I = 12 EI / thickness^2. For models that can stretch."""
-        return 12.0 * self.bending_stiffness / self.thickness**2
 
 
 @dataclass(frozen=True, kw_only=True)

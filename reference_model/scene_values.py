@@ -5,12 +5,11 @@ from types import MappingProxyType
 from typing import Any, Final, TypeVar, cast
 
 from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.follower import DIMENSIONS, Follower, Material, section_of
 from quickreturn.reference_model.mechanism import (
     Base,
     Crank,
-    Follower,
     FollowerAlone,
-    Material,
     Mechanism,
     PrescribedSpeed,
     Scene,
@@ -66,6 +65,8 @@ ALTERNATIVES: Final = (
     ("crank.prescribed_speed", OF_TORQUE),
     ("follower.elastic_modulus", ("follower.bending_stiffness",)),
     ("follower.density", ("follower.mass_per_length",)),
+    ("follower.diameter", ("follower.thickness", "follower.width", "follower.flange", "follower.web")),
+    ("follower.wall", ("follower.flange", "follower.web")),
 )
 #: Keys that turn the base of a follower alone; a scene with a crank must not have them.
 SPIN_UP: Final = ("base.spin_up_speed", "base.spin_up_time")
@@ -130,6 +131,12 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
         name: {key: value for part in members for field, key, _ in quantities_of(part) if (value := getattr(part, field)) is not None}
         for name, members in parts.items()
     }
+
+
+def what_moves_nothing(scene: Scene) -> dict[str, Value]:
+    """The values on which the motion does not depend, such as strengths, by dotted key: keys of stored motions do not contain them."""
+    values = values_of(scene)
+    return {f"{name}.{key}": value for name, keys in values.items() for key, value in keys.items() if not SECTIONS[name][key].moves}
 
 
 def replaced_by(paths: Container[str]) -> list[str]:
@@ -220,11 +227,11 @@ def _has(given: Keys, path: str) -> bool:
 
 def _follower(given: dict[str, Any]) -> Follower:
     """The follower, with stiffness and mass per length from its material where that is given."""
-    section = given["thickness"], given["width"]
+    section = section_of(**{name: given.get(name) for name in DIMENSIONS})
     if "elastic_modulus" in given:
-        given["bending_stiffness"] = Material.bending_stiffness(given.pop("elastic_modulus"), *section)
+        given["bending_stiffness"] = section.second_moment(given.pop("elastic_modulus"))
     if "density" in given:
-        given["mass_per_length"] = Material.mass_per_length(given.pop("density"), *section)
+        given["mass_per_length"] = section.area(given.pop("density"))
     return Follower(**given)
 
 

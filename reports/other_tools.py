@@ -40,7 +40,6 @@ def for_other_tools(case: Case, given: str) -> str:
     pace = crank_pace(mechanism)
     columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in _NOT_ASKED]
     follower, tip = mechanism.follower, mechanism.tip_body
-    has_section = follower.thickness > 0.0 and not follower.is_rigid
     template = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=False).from_string(
         (files("quickreturn.reports") / "templates" / "other_tools.jinja").read_text("utf-8")
     )
@@ -53,7 +52,7 @@ def for_other_tools(case: Case, given: str) -> str:
         friction_torque=mechanism.base.friction_torque,
         pivot_rate=mechanism.base.friction_rate,
         torque=isinstance(mechanism.crank.drive, TorqueDrive),
-        axial_stiffness=12.0 * follower.bending_stiffness / follower.thickness**2 if has_section else 0.0,
+        axial_stiffness=0.0 if follower.is_rigid else follower.axial_stiffness,
         law=rollers(mechanism.slider),
         gravity=any(mechanism.gravity),
         tip_force=any(tip.force),

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from quickreturn.engines.start import Start
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, Tip, TorqueDrive
 from quickreturn.reference_model.slider import Slider
 
 Array = NDArray[np.float64]

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from quickreturn.cases.variation import Variation
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, Tip, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
 
 OUTPUT_STEP: Final = 1e-3  # s

@@ -1,7 +1,7 @@
 """The largest bending stress along the whole arm, and its ratio to the strength of the material.
 
-The stress at the surface is M c / I, with c half the thickness and I = width thickness^3 / 12; the strain is the stress over the modulus
-from stiffness and section. It is the stress of bending alone: the pull along the arm is left out.
+The stress at the surface is M c / I, with I the second moment of the section and c the distance of its surface from the axis of bending;
+the strain is the stress over the modulus from stiffness and section. It is the stress of bending alone: the pull along the arm is left out.
 
 For fatigue the stress amplitude counts, half the range of stress at a place of the surface in a cycle. It is compared with the strength
 under fully reversed stress, without the mean stress: the usual correction for it (Goodman's) needs the ultimate strength (Budynas and
@@ -20,7 +20,8 @@ from quickreturn.cases.loads.arm import ALONG, KnownMoments, between, interpolat
 from quickreturn.cases.loads.peak import ErrorAt, peak_of
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.number import Number
-from quickreturn.reference_model.mechanism import Follower, Scene
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
@@ -85,8 +86,8 @@ class ArmStress:
 
 
 def section_modulus(follower: Follower) -> float:
-    """I / c of the rectangular section, m^3: moment over surface stress."""
-    return follower.width * follower.thickness**2 / 6.0
+    """I / c of the section, m^3: moment over surface stress."""
+    return follower.section.second_moment() / follower.extreme_fibre
 
 
 def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> ArmStress | None:

@@ -53,4 +53,4 @@ def quasi_static_strain(mechanism: Mechanism, arc_length: float, crank_angle: Ar
     outboard += tip.inertia + tip.mass * center * (center - x)
     slider_force = moment_of_inertia * angular / s
     moment = -outboard * angular + slider_force * np.maximum(s - x, 0.0)
-    return moment / follower.bending_stiffness * follower.thickness / 2.0
+    return moment / follower.bending_stiffness * follower.extreme_fibre

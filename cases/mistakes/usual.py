@@ -202,9 +202,9 @@ def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism:
     if name in ("crank_angle", "follower_angle"):
         yield from _of_angles(expected)
     if unit == "1":
-        for sign, minus in ((2.0, ""), (-2.0, "minus ")):
+        for sign, minus in ((1.0, ""), (-1.0, "minus ")):
             words = f"is {minus}the curvature, not the surface strain"
-            yield Hypothesis(words, "multiply the curvature by half the thickness", sign * expected / mechanism.follower.thickness)
+            yield Hypothesis(words, "multiply the curvature by half the thickness", sign * expected / mechanism.follower.extreme_fibre)
     if mechanism.crank is None:
         return
     crank, d = mechanism.crank.length, mechanism.pivot_distance

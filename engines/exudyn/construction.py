@@ -9,7 +9,7 @@ from exudyn import itemInterface as items  # noqa: N813
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable
 from quickreturn.engines.start_state import FollowerState, StartState
-from quickreturn.reference_model.mechanism import Follower
+from quickreturn.reference_model.follower import Follower
 
 _CLAMPED: Final = [1, 1, 0, 0, 0, 1]  # axes of a generic joint: both places and the rotation in the plane
 

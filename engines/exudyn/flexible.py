@@ -110,7 +110,7 @@ class CableModel(Model):
             "tip_y": q[:, -1, 1],
             "tip_deflection": dot(across, q[:, -1, :2] - q[:, 0, :2]),
             "tip_acceleration": dot(turned(tip_tangent), accelerations[:, -1, :2]),
-            **{f"strain_{i}": follower.thickness / 2.0 * strain for i, strain in enumerate(strains, start=1)},
+            **{f"strain_{i}": follower.extreme_fibre * strain for i, strain in enumerate(strains, start=1)},
             **shape_columns(cable, q, across),
             **{name: cable.bending_stiffness * moment for name, moment in zip((*MOMENTS, "moment_slider"), moments, strict=False)},
             **({} if kink is None else {"moment_inboard": cable.bending_stiffness * moments[-1]}),  # no moment acts at the slider

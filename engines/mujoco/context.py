@@ -28,7 +28,7 @@ CONTEXT = np.dtype(
         ("link_length", "f8"),
         ("follower_length", "f8"),
         ("bending_stiffness", "f8"),  # N m^2, 0 for a rigid follower
-        ("half_thickness", "f8"),
+        ("extreme_fibre", "f8"),
         ("beam_damping", "f8"),  # N s/m^2
         ("material_damping", "f8"),  # s
         ("base_inertia", "f8"),  # kg m^2

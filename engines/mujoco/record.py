@@ -180,7 +180,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
         curvature = _moment(ctx, smooth, gauges[gauge])
         if ctx.material_damping > 0.0:
             curvature -= ctx.material_damping * _at_place(ctx, bending_rates, gauges[gauge])
-        row.strains[gauge] = ctx.half_thickness * curvature
+        row.strains[gauge] = ctx.extreme_fibre * curvature
     crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else 0.0
     pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
     row.pivot_force_x, row.pivot_force_y = pivot.real, pivot.imag

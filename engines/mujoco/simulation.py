@@ -186,7 +186,7 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "link_length": follower.length / max(hinges, 1),
         "follower_length": follower.length,
         "bending_stiffness": follower.bending_stiffness if hinges else 0.0,
-        "half_thickness": follower.thickness / 2.0,
+        "extreme_fibre": follower.extreme_fibre,
         "beam_damping": follower.damping,
         "material_damping": follower.material_damping,
         "base_inertia": scene.base.inertia,

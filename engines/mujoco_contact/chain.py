@@ -70,7 +70,7 @@ def _add_follower(spec: mujoco.MjSpec, scene: Mechanism, links: int, armature: f
     follower, tip = scene.follower, scene.tip
     h = follower.length / links
     mass, stiffness = follower.mass_per_length * h, follower.bending_stiffness / h
-    half = (h / 2.0, PIN * follower.length / 2.0, follower.width / 2.0)
+    half = (h / 2.0, PIN * follower.length / 2.0, follower.section.breadth / 2.0)
     body, place = spec.worldbody, scene.pivot_distance
     for number in range(links):
         body = add_body(body, f"link {number}", place, mass, h / 2.0, mass * h**2 / 12.0)

@@ -74,7 +74,7 @@ def columns(scene: Mechanism, rows: list[Row], links: int, began_at: float) -> C
         "tip_y": tip.imag,
         "tip_deflection": (tip / base).imag,
         "tip_acceleration": (tip_acceleration / (1j * last)).real,
-        **{f"strain_{k}": follower.thickness / 2.0 * bend(np.full(n, gauge)) for k, gauge in enumerate(follower.strain_gauges, start=1)},
+        **{f"strain_{k}": follower.extreme_fibre * bend(np.full(n, gauge)) for k, gauge in enumerate(follower.strain_gauges, start=1)},
         "slider_force": force,
         "crank_torque": np.full(n, drive.torque),
         "kinetic_energy": np.array([row.kinetic_energy for row in rows]),

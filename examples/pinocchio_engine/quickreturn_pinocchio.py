@@ -164,7 +164,7 @@ class Chain(qr.Model):
         levers = np.cumsum(place[::-1])[::-1][1:]
         smooth = self.gauges @ (q[1:] / self.h - kink * levers)
         beyond = np.maximum(0.0, s - np.array(beam.strain_gauges))
-        strains = beam.thickness / 2 * (smooth + kink * beyond)
+        strains = beam.extreme_fibre * (smooth + kink * beyond)
         return {
             "crank_angle": q[0],
             "crank_speed": v[0],

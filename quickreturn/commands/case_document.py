@@ -46,6 +46,8 @@ def _derived(scene: Scene) -> dict[str, dict[str, Any]]:
     follower = scene.follower
     found = {
         "mass": (follower.mass, "kg", "of the follower"),
+        "area": (follower.section.area(), "m^2", f"of the section: {follower.section.name}"),
+        "second_moment": (follower.section.second_moment(), "m^4", "of that area, about the axis of bending"),
         "slenderness": (follower.slenderness, "", "length over thickness"),
     }
     if scene.crank is None:

@@ -133,7 +133,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
         "crank_force_x": crank.real,
         "crank_force_y": crank.imag,
     }
-    strains = 0.5 * beam.thickness * _along(spans, bent, np.array(beam.strain_gauges))
+    strains = beam.extreme_fibre * _along(spans, bent, np.array(beam.strain_gauges))
     table |= {f"strain_{k + 1}": strains[:, k] for k in range(3)}
     table |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths).T, strict=True))
     # what is outboard of the base is everything

@@ -164,7 +164,7 @@ class BeamParameters(NamedTuple):
     feedback: float  # 1/s, rate at which errors of the slider's arc length decay
     base_speed: float  # rad/s, of BASE after its spin-up
     base_time: float  # s, of the spin-up
-    thickness: float
+    extreme_fibre: float  # m
     gauges: Vector
     added_inertia: Vector  # (n,) of the amplitudes over their modal masses, see `parameters.added_inertia`
     reach: float  # m, slider position beyond which the slider counts as off the follower

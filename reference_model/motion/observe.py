@@ -147,7 +147,7 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
         x = (place + 1) * p.L / (PLACES + 1)
         row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
     for gauge in range(3):
-        row.strains[gauge] = 0.5 * p.thickness * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
+        row.strains[gauge] = p.extreme_fibre * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
     frame, ds = f.frame, 0.0
     if p.constraint == BASE:
         row.follower_angle = motion_of_base(p, y.q[0])[0]

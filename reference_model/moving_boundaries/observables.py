@@ -64,7 +64,7 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "tip_y": place.imag,
         "tip_deflection": (np.exp(-1j * base) * end[:, 0]).imag,
         "tip_acceleration": (np.exp(-1j * slope[:, -1]) * _acceleration(line, end)).imag,
-        **{f"strain_{k}": 0.5 * follower.thickness * bend[:, k] for k in (1, 2, 3)},
+        **{f"strain_{k}": follower.extreme_fibre * bend[:, k] for k in (1, 2, 3)},
         "slider_force": facts[:, FORCE],
         "crank_torque": facts[:, TORQUE],
         "kinetic_energy": facts[:, KINETIC],

@@ -46,7 +46,7 @@ def observe(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, 
         curvature = 0.0
         for i in range(n):
             curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y.eta[i]
-        row.strains[gauge] = 0.5 * p.thickness * curvature
+        row.strains[gauge] = p.extreme_fibre * curvature
     end_moments(p, place, k, w, y.eta_rate, row)
     row.moment_slider = p.EI * place.curvature
     row.moment_inboard = row.moment_slider - p.slider_inertia * _turning_of_slider(p, k, w)

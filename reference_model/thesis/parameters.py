@@ -51,7 +51,7 @@ class ThesisParameters(NamedTuple):
     has_gravity: bool
     exact_geometry: bool
     n: int  # number of shapes
-    thickness: float  # m
+    extreme_fibre: float  # m
     gauges: Vector  # (3,) m
     tables: ThesisTables
     shape_edges: Vector

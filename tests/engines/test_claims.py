@@ -14,7 +14,8 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed
 
 
 @cache

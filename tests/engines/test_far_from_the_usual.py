@@ -14,7 +14,8 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.errors import ImpossibleMechanism
-from quickreturn.reference_model.mechanism import LEAST_STUB, Base, Crank, Follower, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import LEAST_STUB, Base, Crank, Mechanism, PrescribedSpeed
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 

@@ -17,7 +17,8 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.columns import BEARINGS, BENDING, ENDS, MOMENTS, PLACES, SHAPE
-from quickreturn.reference_model.mechanism import Follower, FollowerAlone, Mechanism, PrescribedSpeed, Scene
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.tip_force import tip_force

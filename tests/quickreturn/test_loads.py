@@ -56,3 +56,15 @@ def test_a_simulation_says_its_largest_stress() -> None:
     # from 180 deg on for 0.1 s at some 120 rpm
     assert 180.0 <= math.degrees(crank) <= 260.0
     assert f"crank at {round(math.degrees(crank))}°" in repr(solution)
+
+
+def test_loads_are_not_taken_from_those_of_another_strength() -> None:
+    """The motion is the same, and comes from the store; the factor is another."""
+    settings = {"modes": 2}
+    factors = []
+    for strength in ("100 MPa", "200 MPa"):
+        case = qr.case("example", {"follower.yield_strength": strength}, duration=0.1)
+        factor = qr.simulate(case, "reference", settings=settings, estimate=False).loads.yield_factor
+        assert factor is not None
+        factors.append(factor.value)
+    assert factors[1] == pytest.approx(2.0 * factors[0])

@@ -20,7 +20,8 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, Tip, TorqueDrive
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace, static_deflection
 from quickreturn.reference_model.slider import Slider

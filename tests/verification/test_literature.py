@@ -57,7 +57,7 @@ def test_the_scene_has_the_published_numbers() -> None:
     assert (follower.axial_stiffness, follower.bending_stiffness, follower.mass_per_length, follower.length) == pytest.approx(
         (2.8e7, 1.4e4, 1.2, 10.0), rel=1e-12
     )
-    assert follower.thickness * follower.width == pytest.approx(4e-4, rel=1e-12)
+    assert follower.section.area() == pytest.approx(4e-4, rel=1e-12)
 
 
 def test_the_reference_meets_theory_and_print() -> None:

@@ -11,7 +11,8 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, PrescribedSpeed, Tip
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, Tip
 from tests.engines.scenes import run_24
 
 

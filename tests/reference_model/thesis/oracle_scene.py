@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, by_column, recorded_columns
 from quickreturn.reference_model.compiled_state import state_of
 from quickreturn.reference_model.errors import ImpossibleMechanism
-from quickreturn.reference_model.mechanism import Base, Crank, Follower, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, Tip, TorqueDrive
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements

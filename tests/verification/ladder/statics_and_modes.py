@@ -25,7 +25,8 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Follower, Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.slider import Slider
 from tests.verification.ladder.overhung_beam import Mode, Sag, cubic_frequencies, cubic_sag, natural_modes, sag
 from tests.verification.ladder.rigid_loop import RigidLoop, rigid_loop
@@ -166,7 +167,7 @@ def _sag_rows(scene: str, climber: Climber, found: Trajectory, exact: Sag, mecha
     bent = 2.0 * tolerance + LEFT, f"twice that of a frequency ({reason}), and {LEFT:g} of vibration"
     balanced = LEFT, f"follows from equilibrium alone; {LEFT:g} of vibration"
     largest = float(np.abs(exact.shape(np.linspace(0.0, beam.length, 50))).max())
-    strains = 0.5 * beam.thickness * exact.curvatures
+    strains = beam.extreme_fibre * exact.curvatures
     expected = {
         "tip_deflection": (exact.tip_deflection, largest, *bent),
         "follower_angle": (float(loop.follower_angle) + exact.turn, largest / s, *bent),
@@ -179,7 +180,7 @@ def _sag_rows(scene: str, climber: Climber, found: Trajectory, exact: Sag, mecha
         if isinstance(climber.settings, ExudynSettings) and abs(gauge - s) < 2.0 * beam.length / climber.settings.elements:
             kink = abs(exact.slider_force) * beam.length / climber.settings.elements / beam.bending_stiffness
             estimate = (
-                kink / 8.0 * 0.5 * beam.thickness / scale + LEFT,
+                kink / 8.0 * beam.extreme_fibre / scale + LEFT,
                 "nodes of beam elements are exact; between them lacks the moment of a clamped beam under the slider force, F h/8 amid",
             )
         expected[f"strain_{number}"] = (float(strain), scale, *estimate)

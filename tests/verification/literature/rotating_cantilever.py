@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from quickreturn.reference_model.mechanism import Follower
+from quickreturn.reference_model.follower import Follower
 
 Array = NDArray[np.float64]
 
