@@ -56,6 +56,9 @@ class Crank:
     center_of_mass: float = quantity("m", "centre of mass, from O towards the slider", default=0.0, optional=False)
     inertia: float = quantity("kg*m^2", "about the centre of mass", sign="not negative", default=0.0, optional=False)
     initial_angle: float = quantity("rad", "at the start, counter-clockwise from n1", default=math.pi, optional=False)
+    wanted_fluctuation: float | None = quantity(
+        "1", "of the speed, (max - min) / mean, for the flywheel's inertia", sign="positive", default=None, moves=False, measured=True
+    )
 
     @property
     def inertia_about_pivot(self) -> float:

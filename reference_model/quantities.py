@@ -36,16 +36,18 @@ def quantity(
     count: int | None = None,
     infinity: bool = False,
     moves: bool = True,
+    measured: bool = False,
     named: bool = False,
 ) -> Any:
     """A field of a scene's dataclass; see `Quantity`.
 
     Unless given, `key` is the field's name, and a quantity with a default is optional. A quantity on which the motion does not depend
-    (`moves` False) is ignored in comparisons of scenes and in the key under which a result is stored.
+    (`moves` False) is ignored in comparisons of scenes and in the key under which a result is stored, unless a measure depends on it
+    (`measured`).
     """
     optional = default is not MISSING if optional is None else optional
     declared = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, named, None if default is MISSING else default)
-    return field(default=default, compare=moves, metadata={_KEY: declared})
+    return field(default=default, compare=moves or measured, metadata={_KEY: declared})
 
 
 def quantities_of(part: Any) -> Iterator[tuple[str, str, Quantity]]:

@@ -5,6 +5,7 @@
 
 import difflib
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -14,13 +15,14 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.errors import Argument, CaseError, as_written
-from quickreturn.cases.loads import Claimed
+from quickreturn.cases.loads import Claimed, drive
+from quickreturn.cases.loads.drive import Turn
 from quickreturn.cases.loads.peak import of_vector
 from quickreturn.cases.loads.stress import ArmStress, arm_stress
 from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.number import NO_NUMBER, Number
-from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, TableColumn, rms_over_time
+from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, TableColumn, by_spacing, harmonic_parts, mean_speed, rms_over_time
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import NUMBER, TIME
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
@@ -153,8 +155,11 @@ def _stress(what: str, motion: SettledMotion) -> Number:
 
 
 def _rms(column: str, motion: SettledMotion) -> Number:
-    value = rms_over_time(motion.run.cycle["time"], motion.run.cycle[column])
-    return Number(value, _estimate(motion, column, "rms"), settling=_left(motion) * value)
+    def rms(turn: Turn) -> float:
+        return rms_over_time(turn["time"], turn[column])
+
+    value, spacing = rms(motion.run.cycle), by_spacing(rms, motion.run.cycle, ("time", column))
+    return Number(value, _estimate(motion, column, "rms"), spacing, settling=_left(motion) * value)
 
 
 def _per_turn(column: str, motion: SettledMotion) -> Number:
@@ -164,11 +169,42 @@ def _per_turn(column: str, motion: SettledMotion) -> Number:
 
 
 def _of_turn(declared: OfTurn, motion: SettledMotion) -> Number:
-    if not {*declared.columns} <= motion.run.cycle.keys():
+    if not {*declared.columns} <= motion.run.cycle.keys() or (declared.prescribed and motion.mechanism.crank_is_free):
         return NO_NUMBER
     value = declared.of(motion.run.cycle)
     spacing = declared.by_spacing(motion.run.cycle)
-    return Number(value, _estimate(motion, declared.name, NUMBER), spacing, settling=_left(motion) * abs(value))
+    scale = abs(value) if declared.scale is None else declared.scale(motion.run.cycle)
+    return Number(value, _estimate(motion, declared.name, NUMBER), spacing, settling=_left(motion) * scale)
+
+
+def _harmonic(order: int, is_phase: bool, motion: SettledMotion) -> Number:
+    """Amplitude of a harmonic of the torque, or its phase; the error of both parts counts in full."""
+    cosine, sine = (_of_turn(part, motion) for part in harmonic_parts(order))
+    amplitude = math.hypot(cosine.value, sine.value)
+    estimate = None if cosine.estimate is None or sine.estimate is None else cosine.estimate + sine.estimate
+    number = Number(amplitude, estimate, cosine.measurement + sine.measurement, cosine.settling + sine.settling)
+    if not is_phase:
+        return number
+    return replace(number.times(1.0 / amplitude), value=math.atan2(sine.value, cosine.value)) if amplitude > 0.0 else NO_NUMBER
+
+
+def _power(sign: float, motion: SettledMotion) -> Number:
+    """Largest power that the drive gives (1) or takes back (-1), W; 0 where it never does."""
+    cycle = motion.run.cycle
+    if not {*drive.POWER} <= cycle.keys():
+        return NO_NUMBER
+    largest = extremes(cycle["time"], sign * drive.drive_power(cycle), cycle["time"][0], cycle["time"][-1])[1]
+    angle = float(np.interp(largest.time, cycle["time"], cycle["crank_angle"]))
+    errors = [motion.claim(column, angle) for column in drive.POWER]
+    sizes = [float(np.abs(cycle[column]).max()) for column in reversed(drive.POWER)]
+    estimate = None if None in errors else sum(error * size for error, size in zip(errors, sizes, strict=True) if error is not None)
+    return replace(largest, value=max(0.0, largest.value), estimate=estimate, crank_angle=angle % (2.0 * math.pi))
+
+
+def _flywheel(motion: SettledMotion) -> Number:
+    """Inertia about O for the wanted fluctuation of the crank's speed (`cases.loads.drive`)."""
+    wanted, energy = motion.mechanism.crank.wanted_fluctuation, MEASURES["flywheel.energy"].of(motion)
+    return NO_NUMBER if wanted is None else energy.times(1.0 / (wanted * mean_speed(motion.run.cycle) ** 2))
 
 
 def _estimate(motion: SettledMotion, name: str, what: str) -> float | None:
@@ -257,6 +293,25 @@ def _declared() -> Iterator[Measure]:
         ("dissipated_energy", "energy dissipated in a turn"),
     ):
         yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), PLAIN(2e-5), (name,))
+    for sign, name, does in ((1.0, "drive_power", "gives"), (-1.0, "returned_power", "takes back")):
+        meaning, needs = f"largest power that the drive {does} in a turn", ("time", "crank_angle", *drive.POWER)
+        yield Measure(f"peak.{name}", "W", meaning, partial(_power, sign), PLAIN(2e-5), needs)
+    for order in range(1, drive.HARMONICS + 1):
+        of_order, (part, _) = f"harmonic {order} of the drive's torque over the crank angle", harmonic_parts(order)
+        for ending, unit, meaning in (
+            ("", "N m", f"amplitude of {of_order}"),
+            (".phase", "rad", f"{order} times the crank angle at which {of_order} is largest"),
+        ):
+            of = partial(_harmonic, order, bool(ending))
+            yield Measure(f"torque.harmonic_{order}{ending}", unit, meaning, of, part.witness, part.columns)
+    yield Measure(
+        "flywheel.inertia",
+        "kg m^2",
+        "inertia about O of crank and flywheel with which the speed fluctuates by crank.wanted_fluctuation under a motor's constant torque",
+        _flywheel,
+        Witness("a free crank with this inertia", 0.005, "tests/cases/test_drive.py::test_a_crank_with_the_flywheel_fluctuates_as_wanted"),
+        (*drive.POWER, "time", "crank_angle"),
+    )
     for one in OF_TURN:
         of = partial(_of_turn, one)
         yield Measure(one.name, one.unit, one.meaning, of, one.witness, one.columns, size=one.size, in_tables=one.in_tables)
@@ -284,6 +339,10 @@ def numbers(mechanism: Mechanism, run: Run, names: Iterable[str] = MEASURES) -> 
 
 
 def listed() -> list[Measure]:
-    """The measures for a list: those that every column of a trajectory has stand there once, for COLUMN."""
-    single = MEASURES.keys() - {each.name for name in COLUMNS for each in of_columns(name, "")}
-    return [*of_columns("COLUMN", "the column's unit"), *(each for name, each in MEASURES.items() if name in single)]
+    """The measures for a list: those that every column of a trajectory has stand there once, for COLUMN, those of a harmonic for N."""
+    of_every_column = {each.name for name in COLUMNS for each in of_columns(name, "")}
+    chosen = [each for name, each in MEASURES.items() if name not in of_every_column and not re.search(r"harmonic_(?!1)", name)]
+    harmonics = ("harmonic_1", "harmonic_N"), ("harmonic 1", f"harmonic N (1 to {drive.HARMONICS})"), ("1 times", "N times")
+    for one, general in harmonics:
+        chosen = [replace(each, name=each.name.replace(one, general), meaning=each.meaning.replace(one, general)) for each in chosen]
+    return [*of_columns("COLUMN", "the column's unit"), *chosen]

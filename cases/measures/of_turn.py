@@ -5,7 +5,7 @@ from the same function of the turns that the engine compares (`cases.runs.estima
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -13,11 +13,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.loads import drive
+from quickreturn.cases.loads.drive import Turn
 from quickreturn.reference_model.witnesses import Witness
 
 Array = NDArray[np.float64]
-#: Columns of a turn from the slider's farthest place to the next, by name, in SI units, each of shape (rows,).
-Turn = Mapping[str, Array]
 
 #: Witness of what numpy computes from a turn, but for the largest difference.
 PLAIN: Final = partial(
@@ -50,17 +50,25 @@ class OfTurn:
     of: Callable[[Turn], float]  # gives the number, SI
     witness: Witness  # confirms it
     size: bool = False  # whether it is a size, which is not negative
+    # size of what goes to and fro, of which a part is left to the steady state; None: the number itself
+    scale: Callable[[Turn], float] | None = None
+    prescribed: bool = False  # whether only a crank at a prescribed speed has it
     in_tables: TableColumn | None = None  # None: tables do not show it; it is a variable of `sweep`, and a key of the JSON document
 
     def by_spacing(self, turn: Turn) -> float:
-        """Uncertainty from the spacing of rows: the difference to the number of every second row, and the last one.
+        """Uncertainty from the spacing of rows, see `by_spacing`."""
+        return by_spacing(self.of, turn, self.columns)
 
-        It covers the error of a number whose order in the spacing is one or higher. Engines are compared on the same rows, so that their
-        estimates do not show it.
-        """
-        count = len(turn["time"])
-        half = np.unique(np.append(np.arange(0, count, 2), count - 1))
-        return abs(self.of(turn) - self.of({name: turn[name][half] for name in self.columns}))
+
+def by_spacing(of: Callable[[Turn], float], turn: Turn, columns: Sequence[str]) -> float:
+    """Uncertainty of a number from the spacing of rows: the larger difference to those of every second row, with even or odd numbers.
+
+    Both have the first row and the last one. It covers the error of a number whose order in the spacing is one or higher. Engines are
+    compared on the same rows, so that their estimates do not show it.
+    """
+    value, count = of(turn), len(turn["time"])
+    halves = (np.unique([0, *range(first, count, 2), count - 1]) for first in (0, 1))
+    return max(abs(value - of({name: turn[name][half] for name in columns})) for half in halves)
 
 
 def rms_over_time(time: Array, values: Array) -> float:
@@ -77,6 +85,47 @@ def mean_speed(turn: Turn) -> float:
 def variation_of_speed(turn: Turn) -> float:
     """Range of the crank's speed over its mean."""
     return float(turn["crank_speed"].max() - turn["crank_speed"].min()) / mean_speed(turn)
+
+
+#: Columns for the torque of the drive and its power over time, and for the torque over the crank angle.
+_TORQUE: Final = ("time", "crank_torque")
+_POWER: Final = ("time", *drive.POWER)
+_OVER_ANGLE: Final = ("time", "crank_angle", "crank_torque")
+_RIGID: Final = partial(Witness, test="tests/cases/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work")
+_VIRTUAL_WORK: Final = _RIGID("the virtual work of a rigid machine by quadrature", 1e-5)
+
+
+def harmonic_parts(order: int) -> tuple[OfTurn, OfTurn]:
+    """The parts of a harmonic of the torque in phase with the cosine and the sine of so many times the crank angle."""
+    cosine, sine = (
+        OfTurn(
+            f"torque.harmonic_{order}.{name}",
+            "N m",
+            f"part of harmonic {order} of the drive's torque with the {words} of {order} times the crank angle",
+            _OVER_ANGLE,
+            partial(drive.harmonic, order, wave),
+            _VIRTUAL_WORK,
+            scale=drive.rms_torque,
+            prescribed=True,
+        )
+        for name, words, wave in (("cos", "cosine", np.cos), ("sin", "sine", np.sin))
+    )
+    return cosine, sine
+
+
+def _of_bearings() -> Iterator[OfTurn]:
+    """Equivalent loads of the bearings."""
+    for force, (parts, angles) in drive.BEARINGS.items():
+        for kind, exponent in drive.EXPONENTS.items():
+            yield OfTurn(
+                f"equivalent.{force}.{kind}",
+                "N",
+                f"constant load that fatigues a {kind} bearing as {force} does over the angle that the bearing turns",
+                ("time", *dict.fromkeys((*parts, *angles))),
+                partial(drive.equivalent_load, force, exponent),
+                PLAIN(5e-4),
+                size=True,
+            )
 
 
 #: The declarations.
@@ -100,5 +149,48 @@ OF_TURN: Final = (
         PLAIN(5e-4),
         size=True,
         in_tables=TableColumn("max − min", ".1f", "%", "crank speed", "crank_speed_variation"),
+    ),
+    OfTurn("mean.crank_torque", "N m", "mean torque of the drive", _TORQUE, drive.mean_torque, _VIRTUAL_WORK, scale=drive.rms_torque),
+    OfTurn("mean.drive_power", "W", "mean power of the drive", _POWER, drive.mean_power, PLAIN(2e-5), scale=drive.rms_power),
+    OfTurn("rms.drive_power", "W", "root mean square of the power of the drive", _POWER, drive.rms_power, PLAIN(2e-5), size=True),
+    OfTurn(
+        "turn.driven_energy",
+        "J",
+        "energy that the drive gives in a turn while its power is positive",
+        _POWER,
+        partial(drive.energy, 1.0),
+        _VIRTUAL_WORK,
+        scale=drive.energy_of_turn,
+    ),
+    OfTurn(
+        "turn.returned_energy",
+        "J",
+        "energy that the machine gives back to the drive in a turn, while its power is negative",
+        _POWER,
+        partial(drive.energy, -1.0),
+        _VIRTUAL_WORK,
+        scale=drive.energy_of_turn,
+    ),
+    *(part for order in range(1, drive.HARMONICS + 1) for part in harmonic_parts(order)),
+    OfTurn(
+        "flywheel.energy",
+        "J",
+        "range of the drive's torque about its mean, integrated over the crank angle",
+        _OVER_ANGLE,
+        drive.energy_fluctuation,
+        _VIRTUAL_WORK,
+        size=True,
+        scale=drive.energy_of_turn,
+        prescribed=True,
+    ),
+    *_of_bearings(),
+    OfTurn(
+        "turn.pivot_angle",
+        "rad",
+        "angle that the bearing P turns in a turn of the crank, to and fro added",
+        ("time", "follower_angle"),
+        partial(drive.swept_angle, "pivot_force"),
+        PLAIN(2e-5),
+        size=True,
     ),
 )

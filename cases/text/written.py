@@ -94,7 +94,8 @@ def _default(path: str) -> str:
     if all(isinstance(value, float) and (math.isfinite(value) or (wanted.infinity and value == math.inf)) for value in values):
         texts = [f'"{math.degrees(value):.9g} deg"' if wanted.unit == "rad" else f'"{si_text(path, value)}"' for value in values]
     else:
-        texts = [f'"... {wanted.unit if wanted.unit in dimension.examples else dimension.examples[0]}"'] * (wanted.count or 1)
+        unit = "" if wanted.unit == "1" else f" {wanted.unit if wanted.unit in dimension.examples else dimension.examples[0]}"
+        texts = [f'"...{unit}"'] * (wanted.count or 1)
     return texts[0] if wanted.count is None else f"[{', '.join(texts)}]"
 
 

@@ -146,6 +146,18 @@ def plain(name: str, turn: Columns) -> tuple[float, float]:
     time = turn["time"]
     if kind == "period":
         return float(np.ptp(time)), float(np.ptp(time))
+    if kind == "equivalent":
+        load = equivalent(column, turn)
+        return load, load
+    if column == "pivot_angle":
+        swung = float(np.abs(np.diff(turn["follower_angle"])).sum())
+        return swung, swung
+    if column.endswith("_power"):
+        power = turn["crank_torque"] * turn["crank_speed"]
+        size = float(np.abs(power).max())
+        mean, mean_square = (float(np.trapezoid(values, time)) / float(np.ptp(time)) for values in (power, power**2))
+        peak = max(0.0, float((power if column == "drive_power" else -power).max()))
+        return {"mean": mean, "rms": math.sqrt(mean_square), "peak": peak}[kind], size
     if column in ("pivot_force", "crank_force"):
         largest = float(np.hypot(turn[f"{column}_x"], turn[f"{column}_y"]).max())
         return largest, largest
@@ -159,6 +171,16 @@ def plain(name: str, turn: Columns) -> tuple[float, float]:
         return float(values[-1] - values[0]), abs(float(values[-1] - values[0]))
     mean_square = float(np.trapezoid(values**2, time)) / float(np.ptp(time))
     return {"peak": size, "min": float(values.min()), "max": float(values.max()), "rms": math.sqrt(mean_square)}[kind], size
+
+
+def equivalent(name: str, turn: Columns) -> float:
+    """Equivalent load of a bearing, by the sum over steps of the angle that it turns."""
+    force, _, kind = name.partition(".")
+    parts = [turn[column] for column in (f"{force}_x", f"{force}_y", force) if column in turn]
+    angle = {"pivot": turn["follower_angle"], "crank": turn["crank_angle"], "slider": turn["crank_angle"] - turn["follower_angle"]}
+    power, turned = {"ball": 3.0, "roller": 10.0 / 3.0}[kind], np.abs(np.diff(angle[force.partition("_")[0]]))
+    middle = [(part[1:] + part[:-1]) / 2.0 for part in parts]
+    return float(np.average(np.linalg.norm(middle, axis=0) ** power, weights=turned) ** (1.0 / power))
 
 
 #: Columns that count from the start of a simulation, or are nothing in run 24.
