@@ -7,7 +7,7 @@ from typing import Any
 
 from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.keys import PATHS, shown_value
+from quickreturn.cases.keys import PATHS, PLUS_MINUS, shown_value
 from quickreturn.cases.text.copies import in_words, name_of_copy
 from quickreturn.cases.text.document import Document, check_mapping, header_of, read_document
 from quickreturn.cases.text.reading import in_si, read
@@ -63,6 +63,19 @@ class Case(Displayed):
     def values(self) -> dict[str, dict[str, Any]]:
         """Values in SI by section and key of the case file; sections and keys that the scene lacks are left out."""
         return {**values_of(self.scene), "simulation": {"duration": self.duration, "output_step": self.output_step}}
+
+    @property
+    def tolerances(self) -> dict[str, str]:
+        """Values that the file gives with a tolerance: key, with the index in a list -> text, such as "6 mm +- 0.1 mm".
+
+        Within a tolerance every value is equally likely. All but a study of uncertainty takes the value before it.
+        """
+        texts = dict[str, Any]()
+        for section, keys in written_document(self).values.items():
+            for key, value in keys.items():
+                parts = enumerate(value, 1) if isinstance(value, (list, tuple)) else ()
+                texts |= {f"{section}.{key}": value} | {f"{section}.{key}[{place}]": part for place, part in parts}
+        return {key: text for key, text in texts.items() if isinstance(text, str) and PLUS_MINUS in text}
 
     def to_toml(self) -> str:
         """The text of a case file for the same case: values as written, or else in SI, each key with its meaning.

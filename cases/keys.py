@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from quickreturn.cases.errors import CaseError, as_written
-from quickreturn.cases.units import DIMENSIONS, RANGE, Dimension, QuantityError, is_in_range, parse_quantity, unit_size
+from quickreturn.cases.units import DIMENSIONS, RANGE, Dimension, QuantityError, is_in_range, parse_quantity, plain_number, unit_size
 from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
 from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
 
@@ -24,6 +24,8 @@ class Times:
 SECTIONS: Final[Mapping[str, Mapping[str, Quantity]]] = MappingProxyType(
     {**SECTIONS_OF_SCENE, "simulation": {key: declared for _, key, declared in quantities_of(Times)}}
 )
+#: Sign between a value and its tolerance.
+PLUS_MINUS: Final = "+-"
 #: Keys outside all sections.
 HEADER: Final = ("name", "title", "tags")
 #: Dotted path -> quantity, in the order of the file.
@@ -73,6 +75,32 @@ def value_at(path: str, given: str | float, *, finite: bool = False) -> float:
     if quantity.sign == "not negative" and value < 0.0:
         raise QuantityError("is negative", f"{dimension.name} of zero or more is accepted")
     return value
+
+
+class Toleranced(NamedTuple):
+    """A value with a tolerance: within it every value is equally likely. SI."""
+
+    nominal: float
+    low: float
+    high: float
+
+
+def toleranced(path: str, text: str) -> Toleranced:
+    """The value and the ends of "6 mm +- 0.1 mm" or "6 mm +- 2 %", for the quantity at a dotted path. QuantityError: it is no such text."""
+    dimension = dimension_of(path)
+    accepted = f'write such as "{dimension.example.strip(chr(34))} +- 1 %", with one space on either side of +-'
+    first, *widths = text.split(f" {PLUS_MINUS} ")
+    if len(widths) != 1:
+        raise QuantityError("has no tolerance that can be read", accepted)
+    nominal, percent = value_at(path, first, finite=True), plain_number(widths[0].removesuffix(" %"))
+    is_part = percent is not None and widths[0].endswith(" %")
+    width = abs(nominal) * percent / 100.0 if percent is not None and is_part else parse_quantity(widths[0], dimension)
+    if not 0.0 < width < math.inf:
+        raise QuantityError("has a tolerance that is not positive", accepted)
+    try:
+        return Toleranced(nominal, *(value_at(path, end) for end in (nominal - width, nominal + width)))
+    except QuantityError as wrong:
+        raise QuantityError(f"has a tolerance beyond which it {wrong.problem}", wrong.accepted) from None
 
 
 def si_text(path: str, value: float) -> str:

@@ -14,7 +14,7 @@ from quickreturn.cases.resonance_curve.curve import ResonanceCurve, ResonancePea
 from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.solving import Frequencies
 from quickreturn.cases.uncertainty.fit import FittedParameter
-from quickreturn.cases.uncertainty.propagation import Quantile, Share
+from quickreturn.cases.uncertainty.scatter import Quantile, Share
 from quickreturn.engines.accurate import Result
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.witnesses import Witness

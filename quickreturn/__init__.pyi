@@ -32,12 +32,12 @@ from quickreturn.solution import simulate as simulate
 from quickreturn.studies.advice import Advice as Advice
 from quickreturn.studies.advice import advise as advise
 from quickreturn.studies.calibration import calibrate as calibrate
-from quickreturn.studies.calibration import uncertainty as uncertainty
 from quickreturn.studies.resonance_curves import Resonance as Resonance
 from quickreturn.studies.resonance_curves import resonance as resonance
 from quickreturn.studies.sweeping import case_at as case_at
 from quickreturn.studies.sweeping import measures as measures
 from quickreturn.studies.sweeping import sweep as sweep
+from quickreturn.studies.uncertainty import uncertainty as uncertainty
 from quickreturn.table_comparison import Differences as Differences
 from quickreturn.table_comparison import TableComparison as TableComparison
 from quickreturn.table_comparison import compare as compare

@@ -37,6 +37,7 @@ COMMANDS: Final = {
     "modes": "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.",
     "run": "Bring engines to their steady state on each CASE, measure and compare them.",
     "sweep": "Measure the settled motion of every machine of a grid.",
+    "uncertainty": "Say how much measures scatter because quantities do: bands, and the share of each quantity.",
     "resonance": "Follow the periodic motion of CASE over the crank's speed or another key.",
     "compare": "Measure recorded tables of CASE and compare them with engines.",
     "calibrate": "Find parameters of CASE from a recorded table by least squares.",
@@ -59,6 +60,7 @@ _MODULES: Final = {
     "resonance": "studies",
     "show": "cases",
     "sweep": "studies",
+    "uncertainty": "studies",
 }
 
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
@@ -74,6 +76,7 @@ OPTIONS: Final = {
     "measures": "--measure",
     "overrides": "--set",
     "path": "--path",
+    "samples": "--samples",
     "vary": "--vary",
     "OutputError": "--output",
     "SettingError": "--set",

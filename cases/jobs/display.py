@@ -74,7 +74,10 @@ def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
 
 @contextlib.contextmanager
 def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
-    """Display in a pipe or a file: a line for each outcome, and at intervals one from a thread, because the caller waits."""
+    """Display in a pipe or a file: at intervals a line from a thread, because the caller waits, and one for each outcome.
+
+    Points of a study that are jobs of their own have no such line.
+    """
     ended = threading.Event()
 
     def tell() -> None:
@@ -86,7 +89,7 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
             wait = LINE_INTERVAL
 
     def done(outcome: Outcome[Any]) -> None:
-        if tally.total > 1:
+        if tally.total > 1 and not (outcome.job.brief and outcome.job.points == 1 and outcome.completed):
             _say(f"{outcome.job.name}: {outcome.failure or f'done in {span(outcome.seconds)}'}; {tally}")
 
     thread = threading.Thread(target=tell, daemon=True)

@@ -1,14 +1,30 @@
-"""Messages for a TOML text that cannot be parsed: the line, its text, and what is accepted."""
+"""Parses a TOML text, or says why it cannot be parsed: the line, its text, and what is accepted."""
 
 import re
-from typing import Final
+import tomllib
+from typing import Any, Final
 
 from quickreturn.cases.errors import CaseError, as_written
 
+#: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
+LONGEST_LINE: Final = 1_000
 _ACCEPTED: Final = 'write [section] or key = "number unit", such as length = "4 in"'
 #: The parser's message at the end of a text -> the quote that is not closed: the last one in the text.
 _NEVER_CLOSED: Final = {"Unterminated string": '"""', 'Expected "\'"': "'", "Expected \"'''\"": "'''"}
 _TYPOGRAPHIC: Final = re.compile(r"[“”„‟‘’‚‛«»]")
+
+
+def toml_of(text: str, source: str) -> dict[str, Any]:
+    """The content of a TOML text. CaseError, which names `source`: it is none, or has a line that is too long."""
+    for number, line in enumerate(text.split("\n"), start=1):
+        if len(line) > LONGEST_LINE:
+            raise CaseError(source, None, None, f"line {number} has {len(line)} characters", f"at most {LONGEST_LINE} are accepted")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise CaseError(source, None, None, "is nested too deeply", "sections with strings and lists of strings are accepted") from None
+    except ValueError as broken:
+        raise broken_toml(source, text, str(broken)) from None
 
 
 def broken_toml(source: str, text: str, complaint: str) -> CaseError:

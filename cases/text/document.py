@@ -8,12 +8,9 @@ from typing import Any, Final
 
 from quickreturn.cases.errors import Argument, CaseError, as_written, attempted, nearest_or_all, shortened, together
 from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of
-from quickreturn.cases.text.broken_toml import broken_toml
+from quickreturn.cases.text.broken_toml import LONGEST_LINE, toml_of
 from quickreturn.cases.text.copies import LONGEST_TITLE
 from quickreturn.reference_model.scene_values import changed_values, replaced_by
-
-#: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
-LONGEST_LINE: Final = 1_000
 
 #: Names of cases and tags.
 NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -102,16 +99,7 @@ def read_document(text: str, source: str) -> Document:
     Raises:
         CaseError: broken TOML.
     """
-    for number, line in enumerate(text.split("\n"), start=1):
-        if len(line) > LONGEST_LINE:
-            raise CaseError(source, None, None, f"line {number} has {len(line)} characters", f"at most {LONGEST_LINE} are accepted")
-    try:
-        content = tomllib.loads(text)
-    except RecursionError:
-        raise CaseError(source, None, None, "is nested too deeply", "sections with strings and lists of strings are accepted") from None
-    except ValueError as broken:
-        raise broken_toml(source, text, str(broken)) from None
-
+    content = toml_of(text, source)
     header: dict[str, Any] = {key: content.pop(key) for key in HEADER if key in content}
     mistakes: list[CaseError] = []
     values: dict[str, dict[str, Any]] = {}

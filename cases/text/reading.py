@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-from quickreturn.cases.errors import CaseError, attempted, together
-from quickreturn.cases.keys import PATHS, SECTIONS, Written, dimension_of, value_at
+from quickreturn.cases.errors import CaseError, as_written, attempted, together
+from quickreturn.cases.keys import PATHS, PLUS_MINUS, SECTIONS, Written, dimension_of, toleranced, value_at
 from quickreturn.cases.plausibility import doubts
 from quickreturn.cases.text.copies import with_changes
 from quickreturn.cases.text.document import Document, header_of
@@ -62,6 +62,8 @@ def changes_of(texts: Mapping[str, Any], source: str) -> dict[str, Value]:
 
     CaseError, which names `source`: all mistakes.
     """
+    if ranged := next((path for path, text in texts.items() if PLUS_MINUS in str(text)), None):
+        raise CaseError(source, ranged, as_written(texts[ranged]), "has a tolerance", "give single values here")
     document = Document(source, {}, {}).overridden_by(texts, source)
     values = in_si(document)
     return {path: _written(text, values.at(path)) for path, text in document.overridden.items()}
@@ -141,13 +143,14 @@ def _values(document: Document, mistakes: list[CaseError]) -> dict[str, dict[str
 
 
 def _quantity(document: Document, path: str, written: Any) -> Any:
-    """SI value, or tuple of SI values, of the text at a key."""
+    """SI value, or tuple of SI values, of the text at a key; of one with a tolerance the nominal value."""
     if isinstance(written, (list, tuple)):
         return tuple(_quantity(document, path, one) for one in written)
     if isinstance(written, float) and path not in document.overridden:
         return written
     try:
-        value = value_at(path, written)
+        is_toleranced = isinstance(written, str) and PLUS_MINUS in written
+        value = toleranced(path, written).nominal if is_toleranced else value_at(path, written)
     except QuantityError as wrong:
         raise document.error(path, wrong.problem, wrong.accepted, value=written) from None
     if path == "crank.initial_angle" and abs(value) > _LARGEST_ANGLE:

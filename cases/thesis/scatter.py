@@ -13,11 +13,14 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.thesis.experiment import statements
 from quickreturn.cases.thesis.runs import RUNS, run_name
-from quickreturn.cases.uncertainty.propagation import PROBABILITIES, Quantile, Scatter, planned, quantiles
+from quickreturn.cases.uncertainty.propagation import planned
+from quickreturn.cases.uncertainty.scatter import Quantile, Scatter, quantiles
 
 #: Number of points of each run. In run 24 the outer quantiles agree with those of 512 points to 0.7 % for the frequency, to 8 % for the
 #: peak strain.
 SAMPLES: Final = 16
+#: Probabilities of the quantiles.
+PROBABILITIES: Final = (0.025, 0.5, 0.975)
 #: Runs and points with an estimate of the simulation's own error, which takes twice the time.
 CLAIMED_RUNS: Final = (10, 24)
 CLAIMED_SAMPLES: Final = 8
@@ -107,7 +110,7 @@ def band(run: int, scatter: Scatter, claims: tuple[float, ...] = ()) -> Band:
     strain = np.max([columns[name] for name in MEASURES[2:]], axis=0)
     both = settled & np.isfinite(pre) & np.isfinite(post)
     ratios = post[both] / pre[both]
-    of_kinds = [quantiles(values[settled & np.isfinite(values)]) for values in (pre, post, strain)]
+    of_kinds = [quantiles(values[settled & np.isfinite(values)], PROBABILITIES) for values in (pre, post, strain)]
     return Band(
         run=run,
         points=len(settled),

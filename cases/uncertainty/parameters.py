@@ -12,8 +12,8 @@ from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
 from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
-from quickreturn.cases.keys import PATHS, si_value
-from quickreturn.cases.units import plain_number
+from quickreturn.cases.keys import PATHS, PLUS_MINUS, si_value, toleranced
+from quickreturn.cases.units import QuantityError, plain_number
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.quantities import Quantity
 from quickreturn.reference_model.scene_values import Value, values_of
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 _KEY: Final = re.compile(r"([a-z_.]+)(?:\[([1-9])\])?")
 _EXAMPLES: Final = (
-    'write such as "uniform 0 kg .. 1 kg", "log-uniform 1 kg .. 4 kg", "normal 2128 lbf*in^2 +- 4 %" or "normal 2 in +- 1 in"'
+    'write such as "uniform 0 kg .. 1 kg", "log-uniform 1 kg .. 4 kg", "normal 2128 lbf*in^2 +- 4 %", or a tolerance, "2 in +- 0.1 in"'
 )
 
 
@@ -98,6 +98,11 @@ class Distribution:
     second: float  # SI; upper end, or the standard deviation
     text: str  # as written
 
+    @property
+    def told(self) -> str:
+        """The text, with the kind of distribution that a tolerance stands for."""
+        return self.text if self.text.startswith(self.kind) else f"{self.kind} within {self.text}"
+
     def quantile(self, probability: Array) -> Array:
         """Quantiles for probabilities from 0 to 1, SI, shape as the argument."""
         if self.kind == "normal":
@@ -123,7 +128,9 @@ class Distribution:
 
 
 def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
-    """A distribution as written: `"uniform A .. B"`, `"log-uniform A .. B"`, `"normal M +- S"`; S may be a percentage of M.
+    """A distribution as written: `"uniform A .. B"`, `"log-uniform A .. B"`, `"normal M +- S"`, or a tolerance: `"M +- T"`.
+
+    S, the standard deviation, may be a percentage of M, and so may T. Within a tolerance every value is equally likely: it is uniform.
 
     Raises:
         CaseError: none of these; ends in the wrong order; a value that the quantity cannot have.
@@ -132,8 +139,14 @@ def distribution(text: Any, parameter: Parameter, source: str) -> Distribution:
     def wrong(problem: str, accepted: str = _EXAMPLES) -> CaseError:
         return CaseError(source, parameter.key, as_written(text), problem, accepted)
 
+    if isinstance(text, str) and plain_number(text.partition(" ")[0]) is not None and PLUS_MINUS in text:
+        try:
+            _, low, high = toleranced(parameter.path, text)
+        except QuantityError as unreadable:
+            raise wrong(unreadable.problem, unreadable.accepted) from None
+        return Distribution("uniform", low, high, text)
     kind, _, rest = text.strip().partition(" ") if isinstance(text, str) else ("", "", "")
-    between = {"uniform": "..", "log-uniform": "..", "normal": "+-"}.get(kind)
+    between = {"uniform": "..", "log-uniform": "..", "normal": PLUS_MINUS}.get(kind)
     if between is None or rest.count(between) != 1:
         raise wrong("is no distribution")
     ends = [part.strip() for part in rest.split(between)]

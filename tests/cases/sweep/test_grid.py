@@ -49,6 +49,8 @@ def test_vectors_are_listed_as_texts() -> None:
     ("text", "told"),
     [
         ("tip.mass", "is no axis"),
+        ("tip.mass = 5 g +- 1 g; 6 g", "unreadable unit"),
+        ('mechanism.gravity = ["0 m/s^2", "-9.8 m/s^2 +- 1 %"]; ["0 m/s^2", "0 m/s^2"]', "has a tolerance; give single values"),
         ("tip.mas = 0 g; 1 g", "tip.mass"),
         ("tip.mass = 0 g .. 60 g", "is no range"),
         ("tip.mass = 0 g .. 60 g : 1", "is no range"),

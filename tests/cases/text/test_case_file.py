@@ -124,3 +124,38 @@ def test_material_and_what_follows_from_it_exclude_each_other(first: str, other:
 def test_a_force_must_come_and_go_within_a_turn(overrides: dict[str, str], key: str) -> None:
     with pytest.raises(CaseError, match=f"overrides: {key}: .*force_ramp.*360 deg are accepted"):
         parse_case(SCENE, "scene.toml", overrides)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("3 mm +- 0.1 mm", ""),
+        ("3 mm +- 2 %", ""),
+        ("3 mm +-0.1 mm", "no tolerance that can be read"),
+        ("3 mm +- 0.1 mm +- 0.1 mm", "no tolerance that can be read"),
+        ("3 mm +- 0.1", "has no unit"),
+        ("3 mm +- 0.1 kg", "is a mass"),
+        ("3 mm +- -0.1 mm", "tolerance that is not positive"),
+        ("3 mm +- 0 %", "tolerance that is not positive"),
+        ("3 mm +- 3 mm", "tolerance beyond which it is not positive"),
+        ("inf +- 1 mm", "is infinite"),
+    ],
+)
+def test_a_value_with_a_tolerance_is_the_value(text: str, told: str) -> None:
+    if told:
+        with pytest.raises(CaseError, match=r"overrides: follower\.thickness: ") as wrong:
+            parse_case(SCENE, "scene.toml", {"follower.thickness": text})
+        assert told in str(wrong.value)
+        assert str(wrong.value).count("\n") == 0
+        return
+    case, plain = (parse_case(SCENE, "scene.toml", {"follower.thickness": each}) for each in (text, "3 mm"))
+    assert case.scene == plain.scene
+    assert case.tolerances == {"follower.thickness": text}
+    assert parse_case(case.to_toml(), "written").tolerances == case.tolerances
+    assert case.mechanism_with({"follower.thickness": 0.004}).follower.thickness == 0.004
+
+
+def test_a_tolerance_in_a_list_belongs_to_its_place() -> None:
+    case = parse_case(SCENE, "scene.toml", {"mechanism.gravity": '["0 m/s^2", "-9.8 m/s^2 +- 0.1 m/s^2"]'})
+    assert case.tolerances == {"mechanism.gravity[2]": "-9.8 m/s^2 +- 0.1 m/s^2"}
+    assert case.mechanism.gravity == (0.0, -9.8)
