@@ -8,6 +8,7 @@ from typing import Any
 from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.keys import PATHS, PLUS_MINUS, shown_value
+from quickreturn.cases.shown import Units, units_named, units_of
 from quickreturn.cases.text.copies import in_words, name_of_copy
 from quickreturn.cases.text.document import Document, check_mapping, header_of, read_document
 from quickreturn.cases.text.reading import in_si, read
@@ -30,6 +31,7 @@ class Case(Displayed):
         notes: remarks for a reader of results, e.g. which published value was replaced and why, or which value is doubtful.
         source: the file's path, or "library".
         document: the values as they were written, with their units; None if the case was made from numbers.
+        shown_in: name of the set of units in which its numbers are shown to people; "": those of its file.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Case(Displayed):
     notes: tuple[str, ...] = ()
     source: str = ""
     document: Document | None = field(default=None, repr=False, compare=False)
+    shown_in: str = field(default="", repr=False, compare=False)
 
     def _parts(self) -> Iterator[Cell]:
         """Name, title, notes, and a row for each value that is given or differs from its default: in SI, and as written."""
@@ -76,6 +79,18 @@ class Case(Displayed):
                 parts = enumerate(value, 1) if isinstance(value, (list, tuple)) else ()
                 texts |= {f"{section}.{key}": value} | {f"{section}.{key}[{place}]": part for place, part in parts}
         return {key: text for key, text in texts.items() if isinstance(text, str) and PLUS_MINUS in text}
+
+    @cached_property
+    def units(self) -> Units:
+        """The units in which people read its numbers: those of its file, see `cases.shown`, or of the set that `in_units` chose."""
+        if self.shown_in:
+            return units_named(self.shown_in)
+        return units_of({} if self.document is None else self.document.values, of_library=self.source == "library")
+
+    def in_units(self, name: str) -> "Case":
+        """The same case, whose numbers are shown to people in a set of units: "si", "mm" or "inch". CaseError: another name."""
+        units_named(name)
+        return replace(self, shown_in=name)
 
     def to_toml(self) -> str:
         """The text of a case file for the same case: values as written, or else in SI, each key with its meaning.
@@ -135,7 +150,7 @@ class Case(Displayed):
         # notes on the case itself stay; doubts about numbers are given for the copy only if they were given for the case
         kept = [note for note in self.notes if note not in before.notes]
         doubted = [note for note in new.notes if note in self.notes or note not in before.notes]
-        return replace(new, name=name, notes=(*kept, *doubted), source=self.source)
+        return replace(new, name=name, notes=(*kept, *doubted), source=self.source, shown_in=self.shown_in)
 
 
 def case_of(document: Document) -> Case:

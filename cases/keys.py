@@ -119,9 +119,14 @@ def text_of(path: str, value: Any) -> Any:
     return value.text if isinstance(value, Written) else si_text(path, value) if isinstance(value, float) else value
 
 
+def unit_in(text: str) -> str:
+    """The unit in a text such as "6 mm" or "6 mm +- 0.1 mm"; "" if it has none."""
+    return text.partition(PLUS_MINUS)[0].strip().partition(" ")[2]
+
+
 def unit_given(path: str, texts: Iterable[str]) -> tuple[str, float]:
     """The unit in which values of the quantity at a dotted path are written, and its size in SI; the SI unit if they have several."""
-    units = {unit for text in texts if (unit := text.strip().partition(" ")[2])}
+    units = {unit for text in texts if (unit := unit_in(text))}
     unit = units.pop() if len(units) == 1 else PATHS[path].unit
     return unit, 1.0 if unit == "1" else unit_size(unit, dimension_of(path))
 

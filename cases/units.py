@@ -94,8 +94,6 @@ _NEEDED: Final = (
 )  # fmt: skip
 #: By the SI unit with which a quantity is declared.
 DIMENSIONS: Final = MappingProxyType({dimension.si_unit: dimension for dimension in _NEEDED})
-#: SI unit -> unit in which numbers are shown to people: on axes, in tables and sentences. Files, JSON and datasets are in SI.
-_UNITS_FOR_PEOPLE: Final = MappingProxyType({"Pa": "MPa", "m": "mm"})
 _FREQUENCY: Final = (0, 0, -1, 0)
 #: Names of dimensions that are given by mistake, by exponents.
 _NAMES: Final = {dimension.exponents: dimension.name for dimension in _NEEDED} | {
@@ -147,11 +145,6 @@ def unit_size(unit: str, dimension: Dimension) -> float:
 def in_si(unit: str) -> float:
     """A unit that the code names, in SI units: `in_si("rpm")` is pi / 30 rad/s."""
     return PURE_UNITS[unit] if unit in PURE_UNITS else float(_read_unit(unit)[0])
-
-
-def shown_unit(unit: str) -> tuple[str, float]:
-    """The unit in which numbers of an SI unit are shown to people, and its size in SI."""
-    return (_UNITS_FOR_PEOPLE[unit], in_si(_UNITS_FOR_PEOPLE[unit])) if unit in _UNITS_FOR_PEOPLE else (unit, 1.0)
 
 
 def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Decimal:
@@ -244,6 +237,7 @@ COMMON_UNITS: Final = MappingProxyType(
         "ft": ("0.3048", (1, 0, 0, 0)),
         "kg": ("1", (0, 1, 0, 0)),
         "g": ("0.001", (0, 1, 0, 0)),
+        "lb": ("0.45359237", (0, 1, 0, 0)),
         "s": ("1", (0, 0, 1, 0)),
         "ms": ("0.001", (0, 0, 1, 0)),
         "us": ("0.000001", (0, 0, 1, 0)),
@@ -257,6 +251,7 @@ COMMON_UNITS: Final = MappingProxyType(
         "MPa": ("1000000", (-1, 1, -2, 0)),
         "GPa": ("1000000000", (-1, 1, -2, 0)),
         "psi": ("6894.757293168361336722673443", (-1, 1, -2, 0)),
+        "hp": ("745.69987158227022", (2, 1, -3, 0)),
         "Hz": ("1", (0, 0, -1, 0)),
         "kHz": ("1000", (0, 0, -1, 0)),
         "rad": ("1", (0, 0, 0, 1)),

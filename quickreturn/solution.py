@@ -139,7 +139,7 @@ class Solution(Displayed):
         """
         from quickreturn.reports.drawing.curves import curves
 
-        return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}")
+        return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}", units=self.case.units)
 
     def animate(self, path: "str | os.PathLike[str]", magnify: float | None = None) -> None:
         """Write a moving picture: a .webp of the last turn, or a .html page.
@@ -178,7 +178,7 @@ class Solution(Displayed):
         if self.error_parts:
             yield "shown by", Rows([(f"{part}",) for part in self.error_parts])
         if (loads := self.loads).stress is not None:
-            yield "arm", stress_text(loads, self.case.scene.follower.length).replace(TIED, " ")
+            yield "arm", stress_text(loads, self.case).replace(TIED, " ")
         elif {*MOMENTS} <= set(self.trajectory.columns):
             yield "arm", f"no stress along it: {missing(self.case.scene, self.trajectory.columns)}"
         then = " (comes from the store; times of its computation)" if self.stored else ""
@@ -199,12 +199,13 @@ class Solution(Displayed):
         asked = "" if result.accuracy is None else f"asked: {result.accuracy:g}"
         rows = []
         for column in (each for each in ESTIMATED if each in self.trajectory.columns):
-            relative, size, unit = result.error_estimates[column], rms(self.trajectory[column]), COLUMNS[column].unit
+            relative, size = result.error_estimates[column], rms(self.trajectory[column])
+            unit = self.case.units.of(COLUMNS[column].unit)
             words = column.removeprefix("tip_").removeprefix("slider_").replace("_", " ")
             if column == "tip_deflection" and relative is None and result.error_estimate is not None:
                 relative, size, words = result.error_estimate, self.case.scene.follower.length, "tip's place"
             about = "; ".join(filter(None, (asked, remark))) if column == "tip_deflection" else ""
-            rows.append((words, _digits(relative), "" if relative is None else _digits(relative * size, unit), about))
+            rows.append((words, _digits(relative), "" if relative is None else unit.text(relative * size, ".1e"), about))
         for words, columns in (("moments", BENDING), ("bearings", BEARINGS)):
             if estimates := [estimate for column in columns if (estimate := result.error_estimates.get(column)) is not None]:
                 rows.append((words, _digits(max(estimates)), "", "at most"))
@@ -306,5 +307,5 @@ def as_csv(trajectory: Trajectory) -> bytes:
     return "".join(f"{','.join(line)}\n" for line in ([*names], *(map(repr, row) for row in rows))).encode("ascii")
 
 
-def _digits(estimate: float | None, unit: str = "") -> str:
-    return "unknown" if estimate is None else f"{estimate:.1e} {unit}".removesuffix(" 1").rstrip()
+def _digits(estimate: float | None) -> str:
+    return "unknown" if estimate is None else f"{estimate:.1e}"

@@ -11,6 +11,8 @@ from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Units
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
@@ -23,15 +25,10 @@ _OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude
 #: Names of forces and torques in the text.
 FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_force": "at the slider", "crank_torque": "torque of the drive"}
 
-#: Measure that the terminal shows -> its heading there.
-_MEASURED: Final = {
-    name: f"{shown.head.replace('₁', '1')} {MEASURES[name].unit.replace('^', '')}".removesuffix(" 1")
-    for name, shown in IN_TABLES.items()
-    if shown.in_terminal
-}
-_HEADS: Final = (
-    "engine", "status", "start", "cycles", "solve s", "estimate", "class", *_MEASURED.values(), "peak accel. m/s2", "peak strain 2",
-)  # fmt: skip
+#: Measures that the terminal shows.
+_MEASURED: Final = tuple(name for name, shown in IN_TABLES.items() if shown.in_terminal)
+#: Column whose peak the terminal shows -> its heading, and its format in SI.
+_PEAKS: Final = {"tip_acceleration": ("peak accel.", ".2f"), "strain_2": ("peak strain 2", ".3e")}
 
 
 def parts_of(result: CaseResult) -> list[Cell]:
@@ -42,7 +39,15 @@ def parts_of(result: CaseResult) -> list[Cell]:
     verdict = [f"  {line}" for line in _verdict(whole)]
     loads = [f"  {line}" for line in _load_lines(leading_loads(result))]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
-    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _HEADS), *remarks, *loads, *verdict]
+    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _heads(result.case.units)), *remarks, *loads, *verdict]
+
+
+def _heads(units: Units) -> list[str]:
+    """The headings of the rows of engines."""
+    heads = {IN_TABLES[name].head.replace("₁", "1"): MEASURES[name].unit for name in _MEASURED}
+    heads |= {head: COLUMNS[name].unit for name, (head, _) in _PEAKS.items()}
+    measured = [f"{head} {units.of(si).name.replace('^', '')}".removesuffix(" 1") for head, si in heads.items()]
+    return ["engine", "status", "start", "cycles", "solve s", "estimate", "class", *measured]
 
 
 def _verdict(result: CaseResult) -> list[str]:
@@ -52,7 +57,8 @@ def _verdict(result: CaseResult) -> list[str]:
         total = sum((check.engine, check.other) == (engine, other) for check in result.checks)
         lines.append(f"{engine} and {other} disagree by more than they claim, in {len(checks)} of {total} comparisons:")
         worst = sorted(checks, key=lambda check: -abs(check.difference) / check.tolerance if check.tolerance else -math.inf)
-        lines += [f"  {line}" for check in worst[:LISTED] for line in (_departure(check), *(f"  {part}" for part in check.why))]
+        units = result.case.units
+        lines += [f"  {line}" for check in worst[:LISTED] for line in (_departure(check, units), *(f"  {part}" for part in check.why))]
         if len(checks) > LISTED:
             lines.append(f"  and {len(checks) - LISTED} more, which `departures` and --json list")
     if result.passed is None:
@@ -79,20 +85,24 @@ def _load_lines(case: CaseLoads) -> list[str]:
     """Loads on the parts by the leading engine, and the nearest resonance."""
     if not case.lead:
         return []
-    loads = case.loads[case.lead]
-    lines = [f"{case.lead}: {stress_text(loads, case.case.mechanism.follower.length)}"]
-    forces = [f"{FORCES[name]} {quantity(peak.value, UNITS[name])}" for name, peak in loads.peaks.items() if name in FORCES and peak]
+    loads, units = case.loads[case.lead], case.case.units
+    lines = [f"{case.lead}: {stress_text(loads, case.case)}"]
+    forces = [
+        f"{FORCES[name]} {quantity(peak.value, units.of(UNITS[name]))}" for name, peak in loads.peaks.items() if name in FORCES and peak
+    ]
     if forces:
         lines.append(f"{case.lead}: largest {', '.join(forces)}")
     if case.resonance is not None:
-        lines.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.resonance.sentence}")
+        lines.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.resonance.sentence(units)}")
     return [line.replace(TIED, " ") for line in lines]
 
 
-def _departure(check: Difference) -> str:
-    number, other, where = check.number, check.other_number, check.channel or "all channels"
+def _departure(check: Difference, units: Units) -> str:
+    unit, where = units.of(check.unit), check.channel or "all channels"
+    number, other = check.number.times(1.0 / unit.size), check.other_number.times(1.0 / unit.size)
     return (
-        f"{check.quantity}, {check.half}-return, {where}: {number.value:.5g} and {other.value:.5g} differ by {abs(check.difference):.2g},"
+        f"{check.quantity}, {check.half}-return, {where}: {number.value:.5g} and"
+        f" {unit.text(check.other_number.value, '.5g')} differ by {abs(number.value - other.value):.2g},"
         f" claimed are {number.error:.2g} by {check.engine} and {other.error:.2g} by {check.other}"
     )
 
@@ -101,9 +111,12 @@ def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
     def number(value: float | None, form: str) -> str:
         return "-" if value is None or math.isnan(value) else format(value, form)
 
+    def shown(value: float | None, si: str, form: str) -> str:
+        return number(None if value is None else value / case.units.of(si).size, case.units.form(si, form))
+
     measured = numbers(case.mechanism, run, _MEASURED)
-    forms = {"tip_acceleration": ".2f", "strain_2": ".3e"}
-    peaks = [number(run.peak(name) if run.usable and name in run.cycle else None, form) for name, form in forms.items()]
+    units = {name: COLUMNS[name].unit for name in _PEAKS}
+    peaks = [shown(run.peak(name) if run.usable and name in run.cycle else None, units[name], form) for name, (_, form) in _PEAKS.items()]
     return (
         run.engine,
         run.status,
@@ -112,7 +125,7 @@ def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
         "-" if run.computation.solve_seconds is None else cost(run.computation.solve_seconds),
         number(run.computation.error_estimate, ".1e"),
         accuracy_class or "-",
-        *(number(measured[name].value if measured else None, IN_TABLES[name].in_terminal) for name in _MEASURED),
+        *(shown(measured[name].value if measured else None, MEASURES[name].unit, IN_TABLES[name].in_terminal) for name in _MEASURED),
         *peaks,
     )
 

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.cases.library import registered
-from quickreturn.cases.units import in_si, shown_unit
+from quickreturn.cases.shown import Unit
+from quickreturn.cases.units import in_si
 
 MINUS: Final = "−"
 #: A space at which no line breaks.
@@ -53,11 +54,6 @@ def _without_exponent(text: str) -> str:
         return format(float(text), f"{'+' if text.startswith('+') else ''}.{decimals}f")
     of_ten = f"10{str(int(power)).translate(RAISED)}"
     return f"{digits.removesuffix('1')}{of_ten}" if digits in ("1", "+1", "-1") else f"{digits}·{of_ten}"
-
-
-def shown_in(unit: str) -> str:
-    """The unit in which the page shows a quantity with an SI unit: 10⁻⁶ for 1, as of strains, MPa for Pa, mm for m, m/s² for m/s^2."""
-    return "10⁻⁶" if unit == "1" else shown_unit(unit)[0].replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
 
 
 def within_turn(degrees: float) -> float:
@@ -117,11 +113,11 @@ def per_unit(unit: str) -> float:
     return 1.0 / in_si(_READ.get(unit, unit))
 
 
-def quantity(value: float, unit: str) -> str:
+def quantity(value: float, unit: Unit) -> str:
     """A number in SI units written in a unit, to four figures: "35.70 MPa"."""
-    scaled = value * per_unit(unit)
+    scaled = value / unit.size
     places = min(6, max(0, 3 - math.floor(math.log10(abs(scaled))))) if scaled else 0
-    return f"{number(scaled, f'.{places}f')}{TIED}{unit}"
+    return f"{number(scaled, f'.{places}f')}{TIED}{unit.sign}".removesuffix(f"{TIED}1").rstrip()
 
 
 def off_by(error: float, value: float) -> str:

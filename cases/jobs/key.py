@@ -32,6 +32,7 @@ _RECORDS: Final = "quickreturn.cases.jobs.records"
 ONLY_TALK: Final = (
     "quickreturn.cases.jobs",
     "quickreturn.cases.displayed",
+    "quickreturn.cases.shown",
     "quickreturn.cases.whole_file",
     "quickreturn.engines.progress",
     "quickreturn.reference_model.witnesses",

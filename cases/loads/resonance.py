@@ -7,7 +7,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from quickreturn.cases.units import in_si
+from quickreturn.cases.shown import Units
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
@@ -51,13 +51,12 @@ class Resonance:
         """Relative change from the crank's speed to the resonant one; negative if that is lower."""
         return self.ratio / self.harmonic - 1.0
 
-    @property
-    def sentence(self) -> str:
+    def sentence(self, units: Units) -> str:
         """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
         ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
-        speed, change = self.resonant_speed / in_si("rpm"), "faster" if self.detuning > 0.0 else "slower"
+        speed, change = units.of("rad/s").text(self.resonant_speed), "faster" if self.detuning > 0.0 else "slower"
         nearest = f"the {self.harmonic}{ending} harmonic is nearest to the first mode"
-        return f"{nearest}; the two meet at {speed:.4g} rpm, {100.0 * abs(self.detuning):.2g} % {change}"
+        return f"{nearest}; the two meet at {speed}, {100.0 * abs(self.detuning):.2g} % {change}"
 
 
 @cache

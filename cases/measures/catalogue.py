@@ -104,7 +104,7 @@ class Measure:
         """Why a number with its error says nothing (a clause); "" if it says something, or if the error is unknown."""
         if not self.size or not error > SAYS_NOTHING * abs(value) > 0.0:
             return ""
-        return f"{self.name} is {value:.3g} +- {error:.2g} {self.unit}".removesuffix(" 1") + ", which says nothing"
+        return f"the error of {self.name} is {error / abs(value):.2g} times its value, which says nothing"
 
 
 def measure(name: str) -> Measure:

@@ -33,7 +33,7 @@ class TableColumn:
 
     head: str  # heading
     form: str  # format in the page, e.g. ".2f"
-    unit: str = ""  # unit in the page; "": that in which the page shows the SI unit
+    unit: str = ""  # unit in the page; "": that of the case for the SI unit
     group: str = ""  # heading above this and its neighbours
     key: str = ""  # heading in the CSV file, without the unit; "": the measure's name
     in_terminal: str = ""  # format in the terminal, in SI; "": it is not shown there

@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.measures.time_scale import TimeScale, time_scale
+from quickreturn.cases.shown import Units
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Mechanism
 
@@ -49,7 +50,7 @@ class Departure:
     left: float
 
 
-def built_otherwise(table: Mapping[str, Array], right: Mapping[str, Array], gap: float | None, mechanism: Mechanism) -> str:
+def built_otherwise(table: Mapping[str, Array], right: Mapping[str, Array], gap: float | None, mechanism: Mechanism, units: Units) -> str:
     """A hypothesis on the construction, with its evidence and what to do; "" where the tip deflection shows none.
 
     Args:
@@ -57,6 +58,7 @@ def built_otherwise(table: Mapping[str, Array], right: Mapping[str, Array], gap:
         right: columns of an engine's, in the same turn or state.
         gap: largest distance of the slider from the centre line in the table, m; None: not recorded.
         mechanism: the scene.
+        units: units of the sentence.
     """
     scale = time_scale(mechanism)
     if scale is None or not {"tip_deflection", "crank_angle"} <= table.keys() & right.keys():
@@ -66,7 +68,7 @@ def built_otherwise(table: Mapping[str, Array], right: Mapping[str, Array], gap:
     if gap is not None and mechanism.slider.is_rigid and gap > LOOSE * float(np.max(np.abs(right["tip_deflection"]))):
         low = f", and the first mode's frequency is {-100.0 * found.frequency:.2g} % low" if found.frequency < 0.0 else ""
         advice = "give the contact a time constant of two steps, or hold the slider by a joint"
-        return f"probably a soft contact: the slider is up to {1e3 * gap:.2g} mm off the centre line{low}; {advice}"
+        return f"probably a soft contact: the slider is up to {units.of('m').text(gap, '.2g')} off the centre line{low}; {advice}"
     if later > SLOW:
         told = f"a turn of the crank takes {100.0 * later:.2g} % longer"
         return f"probably friction, or another drive: {told}; set the friction of the slider's contact to zero"

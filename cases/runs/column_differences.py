@@ -107,7 +107,7 @@ def _construction(run: Run, other: Run, case: Case, off: float) -> str:
     """A hypothesis on how another program's machine was built, whose tip deflection is `off`, relative; "" where there is none."""
     if off <= LEAST_DIFFERENCE or run.recording is None or run.recording.filtered:
         return ""
-    return built_otherwise(run.cycle, other.cycle, run.recording.gap, case.mechanism)
+    return built_otherwise(run.cycle, other.cycle, run.recording.gap, case.mechanism, case.units)
 
 
 def _of_another(others: OtherCases) -> str:
@@ -133,7 +133,8 @@ def _lead_on(run: Run, other: Run, case: Case, odd: Collection[str]) -> str:
     ):
         return ""
     stiffness, table = case.mechanism.follower.bending_stiffness, "TABLE.csv" if run.recording is None else run.recording.path
-    about = f"a bending stiffness of about {stiffness * float(np.mean(ratios)) ** 2:.2g} N m² in place of {stiffness:.4g}"
+    unit = case.units.of("N*m^2")
+    about = f"a bending stiffness of about {unit.text(stiffness * float(np.mean(ratios)) ** 2, '.2g')} in place of {unit.text(stiffness)}"
     return f"; {about} would give its frequencies: `quickreturn calibrate {case.name} {table} --free follower.bending_stiffness` fits it"
 
 

@@ -20,6 +20,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import mean_estimate
 from quickreturn.cases.runs.request import NOTHING, Run
+from quickreturn.reference_model.columns import COLUMNS
 
 REFERENCE: Final = "reference"
 #: Quantities of each channel that are judged, besides the consensus of the channels' frequencies.
@@ -69,6 +70,11 @@ class Difference:
     def difference(self) -> float:
         """Engine minus other."""
         return self.number.value - self.other_number.value
+
+    @property
+    def unit(self) -> str:
+        """SI unit of both numbers."""
+        return "Hz" if self.channel is None or self.quantity == VIBRATION[0] else COLUMNS[self.channel].unit
 
     @property
     def relative(self) -> float:

@@ -26,6 +26,7 @@ class Trait(NamedTuple):
     """A trait of a turn in words, and its tolerance."""
 
     words: str  # with places for the table's value, the given case's, and that case's name
+    unit: str  # SI
     factor: float  # largest ratio of a table's value to that expected for its own case, or of this to the table's
     elsewhere: float = 1.0  # factor on the logarithm of this tolerance if the given case is not the table's own
 
@@ -36,15 +37,15 @@ _WRONG_SHAPE: Final = 2.0
 #: An engine that is 10 % off in the deflection keeps the length of a turn to 1e-4 and places of the slider to 1e-3. One cubic, the coarsest
 #: model known here, has a first frequency that is 13 % too high, but the length of the turn and all places are right.
 TRAITS: Final[Mapping[str, Trait]] = {
-    "turn": Trait("a turn takes {:.4g} s in it, {:.4g} s in {}", 1.003),
-    "nearest": Trait("the slider comes as near as {:.4g} m to P in it, {:.4g} m in {}", 1.005),
-    "farthest": Trait("the slider goes as far as {:.4g} m from P in it, {:.4g} m in {}", 1.005),
-    "reach": Trait("the tip is {:.4g} m beyond O when the slider is farthest, {:.4g} m in {}", 1.01),
-    "pre frequency": Trait("its first mode has {:.3g} Hz before the return, {:.3g} Hz in {}", 1.04, _WRONG_SHAPE),
-    "post frequency": Trait("its first mode has {:.3g} Hz after the return, {:.3g} Hz in {}", 1.04, _WRONG_SHAPE),
+    "turn": Trait("a turn takes {} in it, {} in {}", "s", 1.003),
+    "nearest": Trait("the slider comes as near as {} to P in it, {} in {}", "m", 1.005),
+    "farthest": Trait("the slider goes as far as {} from P in it, {} in {}", "m", 1.005),
+    "reach": Trait("the tip is {} beyond O when the slider is farthest, {} in {}", "m", 1.01),
+    "pre frequency": Trait("its first mode has {} before the return, {} in {}", "Hz", 1.04, _WRONG_SHAPE),
+    "post frequency": Trait("its first mode has {} after the return, {} in {}", "Hz", 1.04, _WRONG_SHAPE),
     # Deflection and force grow with vibration, which depends on how near a harmonic of the crank is to the first mode.
-    "deflection": Trait("the tip deflects by {:.2g} m RMS in it, by {:.2g} m in {}", 2.5),
-    "force": Trait("the slider force is {:.3g} N RMS in it, {:.3g} N in {}", 1.6),
+    "deflection": Trait("the tip deflects by {} RMS in it, by {} in {}", "m", 2.5),
+    "force": Trait("the slider force is {} RMS in it, {} in {}", "N", 1.6),
 }
 #: Scatter of measured traits, as a part of the logarithm of their factor: a trait that fits the given case better by more rules out a case.
 _SCATTER: Final = 0.25
@@ -80,7 +81,8 @@ def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
     if not odd or len(names) < FEWEST:
         return OtherCases()
     worth_telling = [name for name in odd if name != "post frequency" or "pre frequency" not in odd][:2]
-    told = "; ".join(TRAITS[name].words.format(shown[name], right[name], case.name) for name in worth_telling)
+    units = {name: case.units.of(TRAITS[name].unit) for name in worth_telling}
+    told = "; ".join(TRAITS[name].words.format(unit.text(shown[name]), unit.text(right[name]), case.name) for name, unit in units.items())
     fitting: dict[str, float] = {}
     for candidate in case_names():
         mechanism = _scene(candidate)

@@ -84,9 +84,8 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         speed = mean_crank_speed(mechanism)
         columns["crank_angle"] = mechanism.crank.initial_angle + speed * columns["time"]
         start = math.degrees(mechanism.crank.initial_angle)
-        remarks.append(
-            f"no crank_angle was recorded: the crank is taken to turn evenly at {speed:.6g} rad/s, from {start:.6g} deg at time 0"
-        )
+        evenly = case.units.of("rad/s").text(speed, ".6g")
+        remarks.append(f"no crank_angle was recorded: the crank is taken to turn evenly at {evenly}, from {start:.6g} deg at time 0")
     _check_pace(table, columns, mechanism, case.name)
     begun, odd = _first_row(table, columns, mechanism)
     cycles = _cycles(table, columns)

@@ -66,7 +66,7 @@ class Free:
     parameter: Parameter
     start: float  # SI
     ends: tuple[float, float] | None  # of the range, SI; None: there is no range
-    unit: str  # in which the range is given; SI without one
+    unit: str  # in which the range is given; without one that of the case, see `Case.units`
 
     @classmethod
     def of_text(cls, text: str, case: Case) -> "Free":
@@ -83,7 +83,7 @@ class Free:
             ends = (si_text(parameter.path, end) for end in (0.1 if parameter.quantity.sign == "positive" else 0.0, 1.0))
             accepted = f'give a range, such as "{key} = {" .. ".join(ends)}"'
             raise CaseError(FREE, key, f"{start:g} {parameter.quantity.unit}", "is no value to begin from", accepted)
-        return cls(parameter, start, None, parameter.quantity.unit)
+        return cls(parameter, start, None, case.units.of(parameter.quantity.unit).name)
 
     @property
     def first(self) -> float:

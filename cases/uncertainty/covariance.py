@@ -86,7 +86,8 @@ def smooth_part(residuals: Array) -> float:
     Third differences of independent numbers of variance v have the variance 20 v; those of a smooth course are small.
     """
     noise = float(np.mean(np.diff(residuals, 3, axis=1) ** 2)) / 20.0
-    return max(0.0, 1.0 - noise / float(np.mean(residuals**2)))
+    square = float(np.mean(residuals**2))
+    return max(0.0, 1.0 - noise / square) if square > 0.0 else 0.0
 
 
 def undetermined(sensitivities: Array, spread: Array) -> list[Array]:

@@ -25,7 +25,7 @@ class FittedParameter:
 
     key: str  # of the parameter
     unit: str  # SI
-    given_in: str  # unit of the range of the search, in which the numbers are shown; SI without a range
+    given_in: str  # unit of the range of the search, or else of the case, in which the numbers are shown
     start: float  # value with which the search began
     value: float  # the best value
     low: float  # lower end of the 95 % interval: noise, the simulation's error and the table's own

@@ -22,7 +22,6 @@ from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.uncertainty.chaos import DRAWN, HALF_WIDTH, SEED, Surrogate
 from quickreturn.cases.uncertainty.parameters import Distribution, Parameter
-from quickreturn.cases.units import shown_unit
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
@@ -282,7 +281,7 @@ class Scatter(Displayed):
             return
         rows, bands, shares = list[Sequence[Cell]](), list[str](), list[Sequence[Cell]]()
         for name in told:
-            unit, size = shown_unit(measure(name).unit)
+            unit, size = (shown := self.case.units.of(measure(name).unit)).name, shown.size
             found = [self.mean(name), self.deviation(name), *self.quantiles(name)]
             rows += [
                 (name, unit, *(f"{each.value / size:.5g}" for each in found)),

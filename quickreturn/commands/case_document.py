@@ -14,9 +14,10 @@ from quickreturn.cases.case import Case, written_document
 from quickreturn.cases.case_file import in_library
 from quickreturn.cases.errors import CaseError, path_shown
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.keys import SECTIONS, shown_value
+from quickreturn.cases.keys import PATHS, SECTIONS, shown_value, unit_given
 from quickreturn.cases.loads import resonance
 from quickreturn.cases.plausibility import doubts
+from quickreturn.cases.shown import Unit
 from quickreturn.cases.text.document import NAME
 from quickreturn.cases.text.written import as_toml
 from quickreturn.engines.registry import LIGHT
@@ -35,15 +36,15 @@ def document_of(loaded: Case) -> dict[str, Any]:
     """The scene in SI units, what follows from it, and the model that each engine builds."""
     return {name: getattr(loaded, name) for name in ("name", "title", "tags", "source", "notes")} | {
         "scene": loaded.values,
-        "derived": _derived(loaded.scene),
+        "derived": _derived(loaded),
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
         "engines": _models(loaded.scene),
     }
 
 
-def _derived(scene: Scene) -> dict[str, dict[str, Any]]:
+def _derived(case: Case) -> dict[str, dict[str, Any]]:
     """What follows from the follower's numbers: name -> value, unit and meaning."""
-    follower = scene.follower
+    scene, follower = case.scene, case.scene.follower
     found = {
         "mass": (follower.mass, "kg", "of the follower"),
         "area": (follower.section.area(), "m^2", f"of the section: {follower.section.name}"),
@@ -55,7 +56,7 @@ def _derived(scene: Scene) -> dict[str, dict[str, Any]]:
     elif first := resonance(scene):
         found["first_bending_frequency"] = (first.lowest, "Hz", "crank held, the least over its turn")
         found["mean_bending_frequency"] = (first.first_mode, "Hz", "crank held, the mean over its turn")
-        found["resonance"] = (first.ratio, "", f"that mean over the crank's frequency: {first.sentence}")
+        found["resonance"] = (first.ratio, "", f"that mean over the crank's frequency: {first.sentence(case.units)}")
     return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
 
 
@@ -68,17 +69,17 @@ def _models(scene: Scene) -> list[dict[str, Any]]:
     return found
 
 
-def print_document(document: dict[str, Any]) -> None:
-    """Print a document, which may have lines of `resonances`."""
+def print_document(document: dict[str, Any], case: Case) -> None:
+    """Print the document of a case, which may have lines of `resonances`, in the case's units."""
     click.echo(f"{document['name']}: {document['title']}")
     for note in document["notes"]:
         click.echo(f"note: {note}")
-    units = document["units"]
     for section, values in document["scene"].items():
         click.echo(f"\n{section}")
-        print_table([(f"  {key}", shown_value(value), units[section][key]) for key, value in values.items()])
+        print_table([(f"  {key}", *_in_units(case, f"{section}.{key}", value)) for key, value in values.items()])
     click.echo("\nwhat follows")
-    print_table([(f"  {name}", shown_value(of["value"]), of["unit"], of["meaning"]) for name, of in document["derived"].items()])
+    derived = document["derived"].items()
+    print_table([(f"  {name}", *_texts(of["value"], case.units.of(of["unit"])), of["meaning"]) for name, of in derived])
     for line in ("", *document["resonance_curve"]) if "resonance_curve" in document else ():
         click.echo(line)
     for built in document["engines"]:
@@ -89,6 +90,21 @@ def print_document(document: dict[str, Any]) -> None:
         click.echo(f"\n{built['engine']}: {count} degree{'s' * (count != 1)} of freedom")
         lines = [("  body", body) for body in grouped(built["bodies"])] + [("  joint", joint) for joint in grouped(built["joints"])]
         print_table(lines or [("", "")])
+
+
+def _in_units(case: Case, path: str, value: Any) -> tuple[str, str]:
+    """A value (SI) at a key as text, and its unit: that in which the file gives it, if it does."""
+    written = None if case.shown_in or case.document is None else case.document.at(path)
+    texts = [written] if isinstance(written, str) else written
+    if texts and all(isinstance(text, str) for text in texts):
+        unit = Unit(*unit_given(path, texts))
+        return _texts(value, unit) if unit.name != PATHS[path].unit else _texts(value, case.units.of(unit.name))
+    return _texts(value, case.units.of(PATHS[path].unit))
+
+
+def _texts(value: Any, unit: Unit) -> tuple[str, str]:
+    scaled = tuple(each / unit.size for each in value) if isinstance(value, (list, tuple)) else value / unit.size
+    return shown_value(scaled), unit.name
 
 
 def grouped(texts: Sequence[str]) -> list[str]:

@@ -50,9 +50,9 @@ def show(
     as_json: bool,
     computing: Computing,
 ) -> None:
-    """Show the scene of CASE in SI units and the parts, joints and degrees of freedom that each engine builds.
+    """Show the scene of CASE and the parts, joints and degrees of freedom that each engine builds.
 
-    With several cases the JSON document is a list.
+    The JSON document is in SI; with several cases it is a list.
     """
     overrides = options.read_overrides(assignments)
     if for_others and as_json:
@@ -75,9 +75,9 @@ def show(
     if as_json:
         print_json(documents[0] if len(documents) == 1 else documents)
         return
-    for number, document in enumerate(documents):
+    for number, (case, document) in enumerate(zip(loaded, documents, strict=True)):
         click.echo("\n" * (number > 0), nl=False)
-        print_document(document)
+        print_document(document, case)
 
 
 @click.command(name="new")

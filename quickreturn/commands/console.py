@@ -26,9 +26,10 @@ class ExitCode(IntEnum):
 
 @dataclass
 class Call:
-    """The present call of the program: whether progress is not reported, and the store of its results once that is open."""
+    """The present call: whether progress is not reported, the set of units for people, the store of its results once that is open."""
 
     quiet: bool = False
+    units: str | None = None
     store: "Store | None" = None
 
     @property

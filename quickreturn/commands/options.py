@@ -73,14 +73,20 @@ NO_STORE: Final = "--no-store"
 PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
 
 
+def _one(option: str, given: Sequence[str]) -> str | None:
+    """The value of an option, if it is given. UsageError: several are given."""
+    if len(given) > 1:
+        values = " and ".join(map(as_written, given))
+        raise click.UsageError(f"{option}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
+    return given[0] if given else None
+
+
 def single(*names: str, read: Reader = lambda _, text: text, default: str | None = None, **more: Any) -> Callable[[Any], Any]:
     """An option with one value. UsageError: several are given, and the message names them all; click would take the last."""
 
     def one(context: click.Context, option: click.Parameter, given: Sequence[str]) -> Any:
-        if len(given) > 1:
-            values = " and ".join(map(as_written, given))
-            raise click.UsageError(f"{names[0]}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
-        return read(names[0], given[0]) if given else None
+        text = _one(names[0], given)
+        return None if text is None else read(names[0], text)
 
     return click.option(*names, multiple=True, callback=one, default=default and [default], **more)
 
@@ -108,8 +114,31 @@ def _complete_engine(context: click.Context, option: click.Parameter, begun: str
     return [CompletionItem(name) for name in engine_names() if name.startswith(begun)]
 
 
-cases: Final[Callable[[Any], Any]] = click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=complete_case)
-case: Final[Callable[[Any], Any]] = click.argument("case", metavar="CASE", shell_complete=complete_case)
+def _keep_units(context: click.Context, option: click.Parameter, given: Sequence[str]) -> None:
+    context.ensure_object(console.Call).units = _one("--units", given)
+
+
+#: The option of every command that takes a case; `load` applies it.
+units: Final[Callable[[Any], Any]] = click.option(
+    "--units",
+    metavar="SET",
+    multiple=True,
+    expose_value=False,
+    callback=_keep_units,
+    help="Units of texts and pictures: si, mm or inch; default: those of the case file. Files and JSON documents are in SI.",
+)
+
+
+def cases(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the argument for any number of cases."""
+    return click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=complete_case)(units(command))
+
+
+def case(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the argument for one case."""
+    return click.argument("case", metavar="CASE", shell_complete=complete_case)(units(command))
+
+
 tag: Final = single("--tag", metavar="TAG", help="Add all cases of the library with this tag.")
 engines_for: Final = functools.partial(
     click.option,
@@ -208,11 +237,17 @@ def load(case: str, overrides: dict[str, str], duration: float | None = None, ou
         if seconds is not None and f"simulation.{key}" in overrides:
             given = f"{_option(key)} ({seconds:g} s) and --set simulation.{key}={as_written(overrides[f'simulation.{key}'])}"
             raise click.UsageError(f"{given} are both given; give one of them")
-    loaded = load_case(case, overrides)
+    loaded = in_units(load_case(case, overrides))
     try:
         return with_times(loaded, duration, output_step)
     except CaseError as wrong:
         raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
+
+
+def in_units(case: "Case") -> "Case":
+    """The case, shown in the set of units that --units gives, if it does."""
+    name = console.call().units
+    return case if name is None else case.in_units(name)
 
 
 def given_as(case: "Case", overrides: Mapping[str, str]) -> list[str]:

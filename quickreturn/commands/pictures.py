@@ -17,6 +17,7 @@ MOVING: Final = (".webp", ".html")
 @click.command(name="plot")
 @click.argument("sources", metavar="[CASE|FILE]...", nargs=-1, shell_complete=options.complete_case)
 @options.tag
+@options.units
 @options.engines_for(help="Engine to simulate with, see `quickreturn engines`; may be given again.")
 @click.option(
     "--column", "columns", metavar="NAME", multiple=True, help="Column to show; may be given again. Default: four, such as strain_2."
@@ -44,6 +45,7 @@ def plot(
     other sources.
     """
     from quickreturn.cases.recorded import is_table, read_table
+    from quickreturn.cases.shown import units_named
     from quickreturn.commands.answers import trajectories
     from quickreturn.reports.drawing.style import picture
 
@@ -68,7 +70,8 @@ def plot(
         shown: dict[str, Mapping[str, Any]] = {Path(file).stem: read_table(file).columns for file in files}
         solved = trajectories(loaded, engines, settings, accuracy, computing)
         shown |= {name if len(loaded) == 1 else f"{case} {name}": found.columns for (case, name), found in solved.items()}
-        figure = curves(shown, columns, title=f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else "")
+        title = f"{loaded[0].name}: {loaded[0].title}" if len(loaded) == 1 else ""
+        figure = curves(shown, columns, title=title, units=loaded[0].units if loaded else units_named(console.call().units or "mm"))
     write_file(Path(output), picture(figure, Path(output).suffix.lower()))
     click.echo(output)
     return 0

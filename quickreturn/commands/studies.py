@@ -97,7 +97,7 @@ def sweep(
     if as_json:
         print_json({"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": output})
     else:
-        click.echo("\n".join(summary(dataset)))
+        click.echo("\n".join(summary(dataset, loaded.units)))
     if any(map(math.isfinite, found.values.flat)):
         return ExitCode.GOOD
     console.tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
@@ -106,6 +106,7 @@ def sweep(
 
 @click.command(name="uncertainty")
 @click.argument("study", metavar="STUDY", shell_complete=options.complete_case)
+@options.units
 @options.several("--measure", "measures", metavar="NAME", help="What to measure, see `quickreturn sweep --help`.")
 @options.single(
     "--samples", metavar="N", read=options.number(1, 1e6, 256, whole=True), help="Number of points, a power of two; default: 256."
@@ -149,6 +150,7 @@ def uncertainty(
 
     overrides, settings = options.read_assignments(assignments)
     asked = study_of(study, overrides) if is_study(study) else {"case": options.load(study, overrides)}
+    asked["case"] = options.in_units(asked["case"])
     texts = {name: value for given in settings.values() for name, value in given.items()}
     points = points_of(asked, study, measures, samples, engine, texts, claims, accuracy)
     for file, endings in ((output, POINTS), (plot, PICTURES)):
@@ -228,7 +230,7 @@ def resonance(
         if file is not None:
             check_writable(Path(file), loaded.source, *endings)
     with computing.opened([loaded], ["reference"]) as workshop:
-        found = Resonance(loaded.name, value_of(workshop.outcomes([asked], "resonance curve")[0]))
+        found = Resonance(loaded, value_of(workshop.outcomes([asked], "resonance curve")[0]))
     for file in (each for each in (output, plot) if each is not None):
         ending = Path(file).suffix.lower()
         write_file(Path(file), picture(found.plot(), ending) if ending in PICTURES else found.written(ending))

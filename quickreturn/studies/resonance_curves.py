@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from quickreturn.accuracy import checked
+from quickreturn.cases.case import Case
 from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
@@ -14,7 +15,6 @@ from quickreturn.cases.keys import PATHS, si_value
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve
 from quickreturn.cases.resonance_curve.range import SPEED, range_of
 from quickreturn.cases.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
-from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.dataset import dataset_file, table_file
 from quickreturn.studies.sweeping import ERROR
@@ -33,8 +33,8 @@ class Resonance(Displayed):
         curve: points, special points and peaks, as `reference` computed them.
     """
 
-    def __init__(self, case: str, curve: ResonanceCurve) -> None:
-        self.case, self.curve = case, curve
+    def __init__(self, case: Case, curve: ResonanceCurve) -> None:
+        self.case, self.curve, self._units = case.name, curve, case.units
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -74,7 +74,7 @@ class Resonance(Displayed):
         """
         from quickreturn.reports.drawing.resonance import resonance_figure
 
-        return resonance_figure(self.curve, self.case, mark)
+        return resonance_figure(self.curve, self.case, self._units, mark)
 
     def document(self) -> dict[str, Any]:
         """The JSON document: special points, peaks, and the points by column."""
@@ -110,14 +110,14 @@ class Resonance(Displayed):
         stable = sum(curve.stability(at) == "stable" for at in range(len(curve.values)))
         yield f"{self.case}: {len(curve.values)} points along {curve.range.key}, {stable} of them stable{drive}"
         first = next(iter(curve.measures))
-        unit_of_height, size = shown_unit(self._unit(first))
+        of_height = self._units.of(self._unit(first))
         rows = [
             (each.kind, f"{self._of_range(each.value)} {unit}", f"+- {self._of_range(each.error, '.2g')}", each.reason)
             for each in curve.special
         ]
         for each in curve.peaks:
             error = curve.errors[first][each.at]
-            height = f"{each.height / size:.4g} {unit_of_height}" + ("" if math.isnan(error) else f" +- {error / size:.2g}")
+            height = of_height.text(each.height) + ("" if math.isnan(error) else f" +- {error / of_height.size:.2g}")
             claim = f"+- {self._of_range(curve.value_errors[each.at], '.2g')}"
             rows.append((f"peak of order {each.order}", f"{self._of_range(each.value)} {unit}", claim, height))
         if rows:
@@ -164,7 +164,7 @@ def resonance(
     chosen, names = one_case(case), tuple(texts_given(measures, "measures", USUAL))
     varied, held = range_of(key, range, "range"), speed_of(speed, "speed")
     with compilation_announced(quiet):
-        return Resonance(chosen.name, resonance_curve(chosen, varied, held, names, checked(accuracy), claims))
+        return Resonance(chosen, resonance_curve(chosen, varied, held, names, checked(accuracy), claims))
 
 
 def speed_of(text: str | None, option: str) -> float | None:

@@ -14,10 +14,10 @@ from quickreturn.cases.errors import Argument, CaseError, as_written, texts_give
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.keys import si_text, unit_given
 from quickreturn.cases.measures.catalogue import MEASURES, Measure, measure
+from quickreturn.cases.shown import Units
 from quickreturn.cases.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
 from quickreturn.cases.sweep.rows import MeasureRequest
 from quickreturn.cases.sweep.study import Path, Study, study
-from quickreturn.cases.units import shown_unit
 from quickreturn.catalogue import AnyCase, Listing, one_case
 from quickreturn.computing import Computing
 from quickreturn.cross_validation import given_settings
@@ -180,22 +180,22 @@ def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
     return case.with_(overrides)
 
 
-def summary(dataset: "xr.Dataset") -> list[str]:
-    """Lines for a terminal: the number of points of each status, and the extremes of every measure with their places."""
+def summary(dataset: "xr.Dataset", units: Units) -> list[str]:
+    """Lines for a terminal: the number of points of each status, and the extremes of every measure with their places, in some units."""
     counts = Counter(map(str, dataset["status"].values.flat)).most_common()
     points = ", ".join(f"{count} {status}" for status, count in counts)
     lines = [f"{dataset['status'].size} points: {points}"]
     if "two_motions" in dataset and (two := int(dataset["two_motions"].sum())):
         lines.append(f"two stable motions at {two} of {dataset['two_motions'].size} points")
     for name in (str(each) for each in dataset.data_vars if str(each) in MEASURES):
-        unit, size = shown_unit(dataset[name].attrs["units"])
-        values = dataset[name] / size
+        unit = units.of(dataset[name].attrs["units"])
+        values = dataset[name] / unit.size
         if not values.notnull().any():
             lines.append(f"{name}: no point has a value")
             continue
         ends = (("least", values.argmin(...)), ("greatest", values.argmax(...)))
         ends_text = [f"{which} {float(values[at]):.6g} at {_place(values[at], values)}" for which, at in ends]
-        lines.append(f"{name} [{unit}]: {', '.join(ends_text)}")
+        lines.append(f"{name} [{unit.name}]: {', '.join(ends_text)}")
     return lines
 
 

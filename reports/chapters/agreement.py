@@ -5,10 +5,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION
+from quickreturn.cases.measures.cycle import EXTREMES
 from quickreturn.cases.runs.comparison import CLASSES, REFERENCE, WORSE, CaseResult, Difference, Kind, not_judged
 from quickreturn.cases.runs.comparison import agreement as verdicts
-from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
@@ -271,10 +270,15 @@ def every_comparison(results: Sequence[CaseResult]) -> Table:
             both = {
                 name: getattr(check.number, name) + getattr(check.other_number, name) for name in ("estimate", "measurement", "settling")
             }
-            unit = "Hz" if check.channel is None or check.quantity == VIBRATION[0] else COLUMNS[check.channel].unit
             why = "; ".join(check.why)
             table.add(
-                check, case=result.case.name, value=check.number.value, other_value=check.other_number.value, unit=unit, why=why, **both
+                check,
+                case=result.case.name,
+                value=check.number.value,
+                other_value=check.other_number.value,
+                unit=check.unit,
+                why=why,
+                **both,
             )
     return table
 

@@ -54,14 +54,15 @@ def _others() -> str:
 
 def case_table(result: CaseResult) -> Table:
     """The small table of one case: extremes, frequencies, peaks and cost per engine."""
+    units = result.case.units
     columns: ColumnList = (
         "engine",
         "status",
-        *(measure_column(name) for name in IN_TABLES if MEASURES[name].vibration),
-        Column("peak_tip_acceleration", "tip acc.", "m/s²", ".1f", group="peak"),
+        *(measure_column(name, units) for name in IN_TABLES if MEASURES[name].vibration),
+        Column("peak_tip_acceleration", "tip acc.", "m/s^2", ".1f", group="peak").shown_in(units),
         *(Column(f"peak_{name}", channel_name(name), "10⁻⁶", ".0f", group="peak") for name in CHANNELS[1:]),
-        Column("peak_slider_force", "slider force", "N", ".2f", group="peak"),
-        *(measure_column(name) for name in IN_TABLES if not MEASURES[name].vibration),
+        Column("peak_slider_force", "slider force", "N", ".2f", group="peak").shown_in(units),
+        *(measure_column(name, units) for name in IN_TABLES if not MEASURES[name].vibration),
         Column("cycles", form="d"),
         Column("solve_seconds", "solve", "s", ".2f", words=cost),
     )

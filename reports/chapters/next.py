@@ -17,7 +17,7 @@ def next_steps(content: Content) -> Chapter | None:
     departing = [result.case.name for result in content.results if result.missed]
     facts = {
         "file": shlex.quote(case.source if case.source not in ("", "library") else case.name),
-        "shorter": f"{900.0 * case.mechanism.crank.length:.4g}",
+        "shorter": case.units.of("m").text(0.9 * case.mechanism.crank.length),
         "failures": failures,
         "departing": departing,
         "measured": bool(content.benchmarks),

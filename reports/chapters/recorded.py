@@ -4,15 +4,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from quickreturn.cases.measures.cycle import EXTREMES
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Unit
+from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.results.measured import MeasuredHalf
 from quickreturn.reports.tables.cells import CASE, CHANNEL, COMPARISON, HALF_COLUMN, UNRESOLVABLE, compared
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.words import channel_name, counted, listed
+from quickreturn.reports.words import channel_name, counted, listed, quantity
 
 
 def recorded(content: Content) -> Chapter | None:
@@ -67,6 +70,11 @@ def recorded_tables(results: Sequence[CaseResult]) -> Table:
     return table
 
 
+def _shown(value: float, unit: Unit | None) -> Cell:
+    """A number in SI, which the page shows with its unit, if one is given."""
+    return Cell(value, quantity(value, unit) if unit else "")
+
+
 def _origin(run: Run) -> Cell:
     origin = run.recording.declared.get("origin", "") if run.recording else ""
     return Cell(origin or None, mark="open" if origin == "synthetic" else "")
@@ -84,10 +92,10 @@ def curve_comparison(halves: Sequence[MeasuredHalf], engines: Sequence[str]) -> 
         Column("frequency", "table", "Hz", ".2f", uncertainty="frequency_uncertainty", group="first-mode frequency"),
         Column("frequency_uncertainty", unit="Hz", in_page=False),
         *over_table("frequency"),
-        Column("amplitude", "table", "SI", ".3g", group="first-mode amplitude"),
+        Column("amplitude", "table", "[SI]", ".3g", group="first-mode amplitude"),
         *over_table("amplitude"),
-        Column("minimum", unit="SI", form=".3g", group="extremes of the table"),
-        Column("maximum", unit="SI", form=".3g", group="extremes of the table"),
+        Column("minimum", unit="[SI]", form=".3g", group="extremes of the table"),
+        Column("maximum", unit="[SI]", form=".3g", group="extremes of the table"),
     )
     table = Table(
         "curve_comparison",
@@ -96,10 +104,13 @@ def curve_comparison(halves: Sequence[MeasuredHalf], engines: Sequence[str]) -> 
         columns,
     )
     for half in halves:
+        unit = half.case.units.column(COLUMNS[half.measure.channel].unit)
         cells: dict[str, Any] = {"frequency_uncertainty": half.measure.first_mode_frequency_uncertainty}
+        cells |= {name: _shown(getattr(half.measure, name), unit) for name in EXTREMES}
         for short in ("frequency", "amplitude"):
             value = getattr(half.measure, f"first_mode_{short}")
-            cells[short] = Cell(None, UNRESOLVABLE, half.measure.reason, "open") if value is None else value
+            shown = unit if short == "amplitude" else None
+            cells[short] = Cell(None, UNRESOLVABLE, half.measure.reason, "open") if value is None else _shown(value, shown)
             for engine in engines:
                 of_engine = getattr(half.engines.get(engine), f"first_mode_{short}", None)
                 cells[f"{short}_{engine}"] = of_engine / value if of_engine is not None and value else None
@@ -110,7 +121,7 @@ def curve_comparison(halves: Sequence[MeasuredHalf], engines: Sequence[str]) -> 
 def table_departures(results: Sequence[CaseResult]) -> Table:
     """One row per number of a recorded table that differs from an engine's by more than claim and uncertainty of the measures."""
     of_tables = {"engine": Column("table"), "channel": replace(CHANNEL, head="column")}
-    of_tables["other_value"] = Column("other_value", "engine's value", "SI", ".4g")
+    of_tables["other_value"] = Column("other_value", "engine's value", "[SI]", ".4g")
     table = Table(
         "table_departures",
         """Every number in which a recorded table and an engine differ by more than the uncertainty of the measures and the engine's own

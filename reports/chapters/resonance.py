@@ -5,17 +5,17 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from quickreturn.cases.resonance_curve.search import NEAR
+from quickreturn.cases.shown import Unit
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
 from quickreturn.reports.results.around import Around
 from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Column, Table
-from quickreturn.reports.words import in_words, listed, number, per_unit, percent, size
+from quickreturn.reports.tables.table import Column, ColumnList, Table
+from quickreturn.reports.words import in_words, listed, number, percent, size
 
-_RPM: Final = per_unit("rpm")
-_SPEED: Final = Column("speed", "crank speed", "rpm", ".5g")
-_HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s²", ".4g")
+_SPEED: Final = Column("speed", "crank speed", "rad/s", ".5g")
+_HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s^2", ".4g")
 #: The page's name for the machine on its curve.
 OWN: Final = "your machine"
 PEAK: Final = "peak"
@@ -36,21 +36,31 @@ def resonance(content: Content) -> Chapter | None:
 def finding(cases: Sequence[Around]) -> str:
     """The speed of the first machine, and its distance from the nearest peak and the nearest change of stability."""
     first = cases[0]
-    text = f"your machine runs at {rpm(first.pace)}; {nearest(first)}" if first.curve else f"no resonance curve: {first.reason}"
+    text = (
+        f"your machine runs at {speed_text(first, first.pace)}; {nearest(first)}" if first.curve else f"no resonance curve: {first.reason}"
+    )
     return f"{first.case.name}: {text}" if len(cases) > 1 else text
 
 
 def nearest(around: Around) -> str:
     """The peak and the special point nearest to the machine's speed, as a clause each."""
     peak, change, within = around.peak, around.change, f"within {percent(NEAR, '.0f')}"
-    of_peak = f"nearest peak at {rpm(peak.value)} (order {peak.order}), {_way(around, peak.value)}" if peak else f"no peak {within}"
-    of_change = f"{change.kind} at {rpm(change.value)}, {_way(around, change.value)}" if change else ""
+    of_peak = (
+        f"nearest peak at {speed_text(around, peak.value)} (order {peak.order}), {_way(around, peak.value)}"
+        if peak
+        else f"no peak {within}"
+    )
+    of_change = f"{change.kind} at {speed_text(around, change.value)}, {_way(around, change.value)}" if change else ""
     return f"{of_peak}; {of_change or f'no fold and no loss of stability {within}'}"
 
 
-def rpm(speed: float) -> str:
-    """A speed in rad/s as text in rpm."""
-    return f"{number(_RPM * speed, '.5g')} rpm"
+def speed_text(around: Around, speed: float) -> str:
+    """A speed of the crank, rad/s, as text in the machine's units."""
+    return _in(around.case.units.of("rad/s"), speed, ".5g")
+
+
+def _in(unit: Unit, value: float, form: str) -> str:
+    return f"{number(value / unit.size, form)} {unit.sign}"
 
 
 def _way(around: Around, value: float) -> str:
@@ -61,19 +71,20 @@ def _way(around: Around, value: float) -> str:
 def sentences(around: Around) -> str:
     """The machine's speed, its motions at this speed, and what is nearest, for a machine that has a curve."""
     drive = ", its mean speed, which is prescribed here in place of its drive" if around.solved_curve.prescribed else ""
-    return f"Your machine runs at {rpm(around.pace)}{drive}. {motion_sentences(around.motions)} {nearest(around).capitalize()}."
+    motions = motion_sentences(around.motions, around.case.units.of("m/s^2"))
+    return f"Your machine runs at {speed_text(around, around.pace)}{drive}. {motions} {nearest(around).capitalize()}."
 
 
-def motion_sentences(motions: Sequence[tuple[float, str]]) -> str:
-    """The periodic motions at the machine's speed; each of `motions` is its tip acceleration, m/s², and its kind of instability or ""."""
+def motion_sentences(motions: Sequence[tuple[float, str]], unit: Unit) -> str:
+    """The periodic motions at the machine's speed; each of `motions` is its tip acceleration, SI, and its kind of instability or ""."""
     if len(motions) > 1:
-        texts = [f"{number(height, '.3g')} m/s² ({f'unstable: {kind}' if kind else 'stable'})" for height, kind in motions]
+        texts = [f"{_in(unit, height, '.3g')} ({f'unstable: {kind}' if kind else 'stable'})" for height, kind in motions]
         return (
             f"At that speed it has {in_words(len(motions))} periodic motions, with largest tip accelerations in a turn of about"
             f" {listed(texts)}. Its history decides which of the stable ones it follows."
         )
     return "".join(
-        f"There its largest tip acceleration in a turn is about {number(height, '.3g')} m/s²"
+        f"There its largest tip acceleration in a turn is about {_in(unit, height, '.3g')}"
         + (f", but that motion is unstable ({kind}): the machine would leave it." if kind else ".")
         for height, kind in motions
     )
@@ -82,14 +93,16 @@ def motion_sentences(motions: Sequence[tuple[float, str]]) -> str:
 def plot(around: Around) -> Plot:
     """The plot: stable parts as a line, unstable ones dashed, peaks and folds with their orders, and the machine's speed."""
     curve, series = around.solved_curve, []
+    speed_unit, height_unit = around.case.units.of("rad/s"), around.case.units.of("m/s^2")
     for name, wanted in (("stable", False), ("unstable", True)):
         points: list[tuple[float | None, float | None, str]] = []
         for part, unstable in curve.stretches():
             if unstable is wanted:
                 for at in range(*part.indices(len(curve.kinds))):
-                    speed, height = _RPM * float(curve.values[at]), float(around.heights[at])
+                    speed, height = float(curve.values[at]), float(around.heights[at])
                     multiplier = number(math.hypot(*curve.multipliers[at]), ".3g")
-                    points.append((speed, height, _told(speed, height, f"multiplier {multiplier}")))
+                    told = _told(around, speed, height, f"multiplier {multiplier}")
+                    points.append((speed / speed_unit.size, height / height_unit.size, told))
                 points.append((None, None, ""))
         if points:
             x, y, text = zip(*points, strict=True)
@@ -101,19 +114,20 @@ def plot(around: Around) -> Plot:
             Series(
                 name,
                 name,
-                [_RPM * row["speed"] for row in of_kind],
-                [row["tip_acceleration"] for row in of_kind],
-                [_told(_RPM * row["speed"], row["tip_acceleration"], _about(around, row)) for row in of_kind],
+                [row["speed"] / speed_unit.size for row in of_kind],
+                [row["tip_acceleration"] / height_unit.size for row in of_kind],
+                [_told(around, row["speed"], row["tip_acceleration"], _about(around, row)) for row in of_kind],
                 line=False,
                 labels=[f"{row['order']}×" if row["order"] else "" for row in of_kind],
             )
         )
-    here = (_RPM * around.pace, "your machine runs here")
-    return Plot("resonance_curve.csv", "crank speed [rpm]", "largest tip acceleration in a turn [m/s²]", series, "y", here=here)
+    here = (around.pace / speed_unit.size, "your machine runs here")
+    labels = f"crank speed [{speed_unit.sign}]", f"largest tip acceleration in a turn [{height_unit.sign}]"
+    return Plot("resonance_curve.csv", *labels, series, "y", here=here)
 
 
-def _told(speed: float, height: float, about: str) -> str:
-    return f"{number(speed, '.5g')} rpm, {number(height, '.4g')} m/s²; {about}"
+def _told(around: Around, speed: float, height: float, about: str) -> str:
+    return f"{speed_text(around, speed)}, {_in(around.case.units.of('m/s^2'), height, '.4g')}; {about}"
 
 
 def _about(around: Around, row: dict[str, Any]) -> str:
@@ -127,13 +141,14 @@ def _about(around: Around, row: dict[str, Any]) -> str:
 def resonances(cases: Sequence[Around]) -> Table:
     """The machine, peaks and special points, from the slowest to the fastest."""
     rows = [{"case": around.case.name, **row} for around in cases if around.curve for row in remarkable(around)]
+    units = cases[0].case.units
     distance, reason = Column("distance", "from your speed", "%", "+.2f"), Column("reason", "the curve ends because")
     ends = [reason] if any(row["reason"] for row in rows) else []
     table = Table(
         "resonances",
         """The machine on its resonance curve, and the peaks and special points within 15 % of its speed. Order: the multiple of the crank's
         speed that lies nearest to the first mode at this point.""",
-        (CASE, "point", "stability", Column("order", form="d"), _SPEED, distance, _HEIGHT, *ends),
+        (CASE, "point", "stability", Column("order", form="d"), _SPEED.shown_in(units), distance, _HEIGHT.shown_in(units), *ends),
     )
     for row in rows:
         table.add(row)
@@ -161,7 +176,8 @@ def _row(
 
 def resonance_curve(cases: Sequence[Around]) -> Table:
     """Every point of every curve."""
-    columns = (CASE, Column("arclength", unit="1"), _SPEED, _HEIGHT, Column("multiplier", unit="1"), "stability", "special")
+    speed_and_height = [column.shown_in(cases[0].case.units) for column in (_SPEED, _HEIGHT)]
+    columns: ColumnList = (CASE, Column("arclength", unit="1"), *speed_and_height, Column("multiplier", unit="1"), "stability", "special")
     table = Table(
         "resonance_curve",
         """Points of the resonance curve in order of arclength. At a fold the speed turns back. Multiplier: the factor by which the slowest

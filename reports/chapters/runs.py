@@ -9,13 +9,14 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CONSENSUS, REFERENCE, CaseResult, pair_of
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Units
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.tables.cells import CASE, UNRESOLVABLE, status_cell
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Mark, Table, Value
-from quickreturn.reports.words import case_label, channel_name, listed, short_name, shown_in
+from quickreturn.reports.words import case_label, channel_name, listed, short_name
 
 #: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.
 PLOTTED: Final = ("tip_acceleration", "strain_2")
@@ -56,7 +57,7 @@ def run_by_engine(results: Sequence[CaseResult]) -> Table:
         *(CASE, "engine"),
         Column("status", in_page=not settled),
         Column("accuracy_class", "class", meaning="least that covers the engine's own estimates and its deviation from the reference"),
-        *_number_columns(),
+        *_number_columns(results[0].case.units),
     )
     others = listed([channel_name(name) for name in CHANNELS if name not in PLOTTED])
     table = Table(
@@ -90,13 +91,12 @@ def _has_gaps(result: CaseResult) -> bool:
     return None in frequencies or any(measure is None or measure.first_mode_amplitude is None for measure in measures)
 
 
-def _number_columns() -> list[Column]:
+def _number_columns(units: Units) -> list[Column]:
     """Columns of numbers: those that every run has come first, the others may be empty."""
     columns = []
     for channel in PLOTTED:
-        unit = shown_in(COLUMNS[channel].unit)
         columns += [
-            Column(f"peak_{channel}", short_name(channel), unit, ".1f", group="peak"),
+            Column(f"peak_{channel}", short_name(channel), COLUMNS[channel].unit, ".1f", group="peak").shown_in(units),
             Column(f"peak_{channel}_difference", DIFFERENCE, "%", "+.1f", group="peak"),
         ]
     for half in HALVES:
@@ -107,12 +107,12 @@ def _number_columns() -> list[Column]:
             Column(f"{key}_difference", DIFFERENCE, "%", "+.2f", group=group, meaning="(engine − reference) / reference"),
         ]
     for channel in CHANNELS:
-        unit, form = shown_in(COLUMNS[channel].unit), _FORMS[channel]
+        unit, form = COLUMNS[channel].unit, _FORMS[channel]
         for half in HALVES:
             key, shown, group = f"{half}_{channel}_amplitude", channel in PLOTTED, f"{channel_name(channel)}: amplitude"
             columns += [
-                Column(key, half, unit, form, shown, group=group),
-                Column(f"{key}_uncertainty", unit=unit, in_page=False),
+                Column(key, half, unit, form, shown, group=group).shown_in(units),
+                Column(f"{key}_uncertainty", unit=unit, in_page=False).shown_in(units),
                 Column(f"{key}_difference", DIFFERENCE, "%", "+.1f", shown, group=group),
             ]
     return columns

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from quickreturn.cases.loads import Loads
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.loads import NAMES, CaseLoads, Load, from_p, numbers_of_case
+from quickreturn.reports.results.loads import NAMES, STRAIN, CaseLoads, Load, from_p, numbers_of_case
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.words import TIED, degrees, number, off_by, quantity, size, span
+from quickreturn.reports.words import degrees, number, off_by, quantity, size, span
 
 
 def strength(content: Content) -> Chapter | None:
@@ -31,10 +31,10 @@ def strength(content: Content) -> Chapter | None:
 def finding(cases: Sequence[CaseLoads]) -> str:
     """The largest stress in the first case, a safety factor, and the distance to resonance, as far as they are known."""
     case = cases[0]
-    loads, resonance = case.loads[case.lead], case.resonance
+    loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
     assert loads.stress is not None
     stress = loads.stress.largest
-    text = f"{quantity(stress.value, 'MPa')} at {from_p(stress)}"
+    text = f"{quantity(stress.value, units.of('Pa'))} at {from_p(stress, units)}"
     if loads.yield_factor:
         text += f", safety {loads.yield_factor.text} against yielding"
     elif loads.fatigue_factor:
@@ -46,17 +46,18 @@ def finding(cases: Sequence[CaseLoads]) -> str:
 
 def stress_sentences(case: CaseLoads) -> str:
     """Whether the arm holds, and where it is stressed most, by the leading engine."""
-    loads = case.loads[case.lead]
+    loads, units = case.loads[case.lead], case.case.units
     assert loads.stress is not None
     assert loads.strain is not None
     stress, amplitude, mean = loads.stress.largest, loads.stress.amplitude, loads.stress.mean
     assert stress.crank_angle is not None
-    strain = f" (a surface strain of {quantity(loads.strain.value, 'µε')})" if loads.strain.value else ""
-    about = "zero" if abs(mean) < 0.005 * amplitude.value else f"a mean of {quantity(mean, 'MPa')}"
+    strain = f" (a surface strain of {quantity(loads.strain.value, STRAIN)})" if loads.strain.value else ""
+    at_most, half_range, middle = (quantity(each, units.of("Pa")) for each in (stress.value, amplitude.value, mean))
+    about = "zero" if abs(mean) < 0.005 * amplitude.value else f"a mean of {middle}"
     return (
-        f"{case.verdict} By {case.lead}, bending stresses the arm most {from_p(stress)}, with {quantity(stress.value, 'MPa')} when the"
-        f" crank stands at {degrees(stress.crank_angle)}{strain}. The range of stress in a turn is widest {from_p(amplitude)}: an amplitude"
-        f" of {quantity(amplitude.value, 'MPa')} about {about}."
+        f"{case.verdict} By {case.lead}, bending stresses the arm most {from_p(stress, units)}, with"
+        f" {at_most} when the crank stands at {degrees(stress.crank_angle)}{strain}. The range of stress in a turn is widest"
+        f" {from_p(amplitude, units)}: an amplitude of {half_range} about {about}."
     )
 
 
@@ -69,13 +70,14 @@ def lacking(loads: Loads) -> tuple[str, list[str]]:
 
 def mode_sentences(case: CaseLoads) -> str:
     """The first mode beside the crank's frequency; "" where there is no such mode."""
-    resonance = case.resonance
+    resonance, units = case.resonance, case.case.units
     if resonance is None:
         return ""
+    first, lowest, crank = (quantity(each, units.of("Hz")) for each in (resonance.first_mode, resonance.lowest, resonance.crank))
     return (
-        f"The first mode, with the crank held, has {quantity(resonance.first_mode, 'Hz')} in the mean over the turn,"
-        f" {number(resonance.ratio, '.2f')} times the crank’s {quantity(resonance.crank, 'Hz')}. At a whole number that harmonic drives it;"
-        f" of the crank’s speed {resonance.sentence}. The frequency changes over the turn, from {quantity(resonance.lowest, 'Hz')} up, so a"
+        f"The first mode, with the crank held, has {first} in the mean over the turn,"
+        f" {number(resonance.ratio, '.2f')} times the crank’s {crank}. At a whole number that harmonic drives it;"
+        f" of the crank’s speed {resonance.sentence(units)}. The frequency changes over the turn, from {lowest} up, so a"
         " resonance is blunt. The rotation of the crank, and its compliance under a driving torque, change the mean by"
         f" {size(case.shift_of_motion / resonance.first_mode)}; this is taken as its error."
     )
@@ -83,12 +85,13 @@ def mode_sentences(case: CaseLoads) -> str:
 
 def strength_table(cases: Sequence[CaseLoads]) -> Table:
     """All numbers of all cases."""
+    units = cases[0].case.units
     columns: ColumnList = (
-        *(CASE, "engine", Column("quantity", words=lambda name: NAMES[name][0])),
+        *(CASE, "engine", Column("quantity", words=NAMES.__getitem__)),
         Column("value", unit="[SI]", form=".4g"),
         Column("error", "off by", unit="[SI]", form=".2g", meaning="by the spacing of rows and places, and the engine's own estimate"),
         Column("unit", in_page=False),
-        Column("place", "from P", "mm", ".0f", meaning="arc length"),
+        Column("place", "from P", "m", ".0f", meaning="arc length").shown_in(units),
         Column("crank_angle", "crank at", "°", ".0f"),
         Column("lowest", in_page=False),
         Column("highest", in_page=False),
@@ -102,8 +105,8 @@ def strength_table(cases: Sequence[CaseLoads]) -> Table:
     )
     for case in cases:
         for engine, load in numbers_of_case(case):
-            text = quantity(load.value, NAMES[load.quantity][1]).strip(TIED)
-            table.add(load, case=case.case.name, engine=engine, value=Cell(load.value, text), error=Cell(load.error, _off(load)))
+            value = Cell(load.value, load.text(units))
+            table.add(load, case=case.case.name, engine=engine, value=value, error=Cell(load.error, _off(load)))
     return table
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from quickreturn.cases.columns import UnknownColumn, known_column
-from quickreturn.cases.units import in_si, shown_unit
+from quickreturn.cases.shown import METRIC, Units
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, Drawing, look, new_figure, tidy
 
@@ -18,13 +18,16 @@ WIDE: Final = 8.0  # in, of several panels
 PANEL: Final = 1.9  # in, height
 
 
-def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "") -> Drawing:
+def curves(
+    trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[str] = (), *, title: str = "", units: Units = METRIC
+) -> Drawing:
     """Draw columns over time, a panel for each.
 
     Args:
         trajectories: label -> column -> values; a label that is an engine's name gives the line that engine's look.
         columns: names of columns; empty: those of `USUAL` that exist.
         title: text above the panels.
+        units: units of the columns.
 
     Raises:
         UnknownColumn: no trajectory has a column of that name, or any of `USUAL`.
@@ -36,7 +39,7 @@ def curves(trajectories: Mapping[str, Mapping[str, Array]], columns: Sequence[st
     figure = new_figure(0.8 + PANEL * len(chosen), WIDE)
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, chosen, strict=True):
-        _panel(axes, trajectories, name, "time")
+        _panel(axes, trajectories, name, "time", units)
     panels[-1].set_xlabel("time [s]", fontsize=FONT_SIZE)
     _finish(figure, panels[0], title)
     return figure
@@ -48,7 +51,7 @@ def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Se
     grid = figure.subplots(len(cycles), len(columns), squeeze=False, sharex=True)
     for row, (case, runs) in zip(grid, cycles.items(), strict=True):
         for axes, name in zip(row, columns, strict=True):
-            _panel(axes, runs, name, "crank_angle")
+            _panel(axes, runs, name, "crank_angle", METRIC)
         row[0].set_title(case, fontsize=FONT_SIZE, loc="left")
     for axes in grid[-1]:
         axes.set_xlabel("crank angle from the farthest place [deg], quick return at 180", fontsize=FONT_SIZE)
@@ -56,20 +59,19 @@ def stacked(cycles: Mapping[str, Mapping[str, Mapping[str, Array]]], columns: Se
     return figure
 
 
-def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: str, over: str) -> None:
-    in_si_unit = COLUMNS[column].unit
-    unit, scale = ("10⁻⁶", in_si("microstrain")) if in_si_unit == "1" else shown_unit(in_si_unit)
+def _panel(axes: Axes, trajectories: Mapping[str, Mapping[str, Array]], column: str, over: str, units: Units) -> None:
+    unit = units.column(COLUMNS[column].unit)
     for label, trajectory in trajectories.items():
         if column in trajectory:
             along: Any = trajectory["time"]
             if over == "crank_angle":
                 angle = trajectory["crank_angle"]
                 along = np.degrees(np.abs(angle - angle[0]))
-            axes.plot(along, trajectory[column] / scale, label=label, **look(label))
+            axes.plot(along, trajectory[column] / unit.size, label=label, **look(label))
     if over == "crank_angle":
         axes.set_xticks(range(0, 361, 90))
         axes.axvline(180.0, color="#444444", linewidth=0.8, linestyle=(0, (2, 2)), zorder=1.5)
-    tidy(axes, f"{column.replace('_', ' ')} [{unit.replace('^2', '²')}]")
+    tidy(axes, f"{column.replace('_', ' ')} [{unit.sign}]")
 
 
 def _finish(figure: Drawing, first: Axes, title: str) -> None:

@@ -43,15 +43,16 @@ def draw_cycle(result: CaseResult, printed: Printed = MappingProxyType({})) -> F
     figure = new_figure(1.4 + 1.25 * len(channels))
     heights = [1.5 if name == ACCELERATION else 1.0 for name in channels]
     panels = np.ravel(figure.subplots(len(channels), 1, sharex=True, height_ratios=heights, squeeze=False))
+    unit = result.case.units.of("m/s^2")
     gauges = [place / result.case.mechanism.follower.length for place in result.case.mechanism.follower.strain_gauges]
     for axes, channel in zip(panels, channels, strict=True):
-        factor = 1.0 if channel == ACCELERATION else PERCENT
+        factor = 1.0 / unit.size if channel == ACCELERATION else PERCENT
         for name, run in runs.items():
             axes.plot(fraction(run.cycle["crank_angle"]), factor * run.cycle[channel], **look(name))
         _limits(axes, [factor * run.cycle[channel] for run in runs.values()], _printed_range(printed, channel), factor)
         if channel != ACCELERATION:
             note(axes, 0.01, 0.97, f"gauge at {gauges[int(channel[-1]) - 1]:.3g} L")
-    y_labels = ["tip acceleration (m/s²)" if name == ACCELERATION else f"strain {name[-1]} (%)" for name in channels]
+    y_labels = [f"tip acceleration ({unit.sign})" if name == ACCELERATION else f"strain {name[-1]} (%)" for name in channels]
     stacked_panels(list(panels), y_labels, direction(next(iter(runs.values()))))
     handles: list[Artist] = [Line2D([], [], label=name, **look(name)) for name in runs]
     if any(_printed_range(printed, channel) for channel in CHANNELS):

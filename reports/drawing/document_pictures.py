@@ -60,7 +60,7 @@ def curve(case: Case, workshop: Workshop) -> Figure:
     (outcome,) = workshop.outcomes([job(case, range_of(SPEED, CURVE, "range"), claims=False)], "resonance curve")
     assert outcome.value is not None
     figure = new_figure(3.0)
-    resonance.draw(figure, outcome.value, case.name)
+    resonance.draw(figure, outcome.value, case.name, case.units)
     return figure
 
 

@@ -32,15 +32,16 @@ def draw_recorded(results: Sequence[CaseResult]) -> Figure:
     handles: dict[str, Artist] = {}
     labels, place = [], 0
     for result, shown in zip(results, names, strict=True):
+        units = {name: result.case.units.column(COLUMNS[name].unit) for name in shown}
         for run in (run for run in result.with_tables.runs.values() if run.cycle and (run.usable or run.recording)):
             style = styles[run.engine]
             handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style)
             for axes, name in zip(panels[place:], shown, strict=False):
                 if name in run.cycle:
-                    axes.plot(fraction(run.cycle["crank_angle"]), run.cycle[name], **style)
+                    axes.plot(fraction(run.cycle["crank_angle"]), run.cycle[name] / units[name].size, **style)
         turn = next(iter(result.recorded.values())).approach.turn
         note(panels[place], 0.01, 0.97, "steady state" if turn is None else f"turn {turn} from the standard start")
-        labels += [f"{name.replace('_', ' ')}\n({COLUMNS[name].unit.replace('^2', '²')})" for name in shown]
+        labels += [f"{name.replace('_', ' ')}\n({units[name].sign})" for name in shown]
         place += len(shown)
     stacked_panels(panels, labels, direction(next(iter(results[0].recorded.values()))))
     legend_above(figure, list(handles.values()), 3)

@@ -11,7 +11,6 @@ from matplotlib.ticker import MaxNLocator
 
 from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.uncertainty.scatter import Scatter
-from quickreturn.cases.units import shown_unit
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import BAND, FONT_SIZE, GREY, QUICK, Drawing, legend_above, new_figure, note, tidy
 
@@ -43,7 +42,7 @@ def scatter_figure(scatter: Scatter) -> Drawing:
 
 def _distribution(axes: Axes, scatter: Scatter, name: str) -> None:
     """Draw the share of the points below each value, the band, and the three quantiles with both errors."""
-    unit, size = shown_unit(MEASURES[name].unit)
+    unit, size = (shown := scatter.case.units.of(MEASURES[name].unit)).sign, shown.size
     _, values = scatter.of(name)
     values = np.sort(values) / size
     axes.plot(values, 100.0 * (np.arange(len(values)) + 0.5) / max(len(values), 1), ".", color=GREY, markersize=3.0)
@@ -59,7 +58,7 @@ def _distribution(axes: Axes, scatter: Scatter, name: str) -> None:
         axes.errorbar(best, levels, xerr=errors, fmt="|", color=DARK, capsize=3.0, zorder=3.0)
     axes.set_ylim(0.0, 100.0)
     axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.set_xlabel(f"{name} [{unit}]".replace("^2", "²"), fontsize=FONT_SIZE)
+    axes.set_xlabel(f"{name} [{unit}]", fontsize=FONT_SIZE)
     tidy(axes, "machines below [%]")
 
 

@@ -22,7 +22,6 @@ from quickreturn.cases.runs.stability import NOT_CONVERGED, UNSTABLE
 from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.rows import LEFT, OPEN
 from quickreturn.cases.sweep.study import Study
-from quickreturn.cases.units import shown_unit
 from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
 #: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
@@ -69,8 +68,8 @@ def draw(study: Study) -> Figure:
     handles: list[Artist] = []
     for (measure, direction), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
         about = MEASURES[study.asked.measures[measure]]
-        unit, size = shown_unit(about.unit)
-        label, shown = f"{about.name} [{unit.replace('^2', '²')}]", study.values[..., measure] / size
+        unit = study.grid.case.units.of(about.unit)
+        label, shown = f"{about.name} [{unit.sign}]", study.values[..., measure] / unit.size
         if mapped:
             values, endings = (np.moveaxis(each[direction], along, 1) for each in (shown, study.statuses))
             handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)

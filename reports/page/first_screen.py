@@ -7,11 +7,12 @@ from typing import Final
 
 from markupsafe import Markup
 
-from quickreturn.cases.loads import Loads
+from quickreturn.cases.loads import UNITS, Loads
 from quickreturn.cases.measures.number import Number
+from quickreturn.cases.shown import Unit
 from quickreturn.reports.page.answer import Answer, Cubic, Fastest
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.results.loads import NAMES, CaseLoads, from_p
+from quickreturn.reports.results.loads import CaseLoads, from_p
 from quickreturn.reports.words import (
     case_label,
     counted,
@@ -183,7 +184,8 @@ def largest_stress_words(case: CaseLoads) -> str:
     stress = _largest(case.loads[case.lead])
     assert stress.place is not None
     share = percent(stress.place / case.case.mechanism.follower.length, ".0f")
-    return f"The largest stress is {from_p(stress)}, at {share} of the arm’s length, when the crank stands at {_angle(stress)}."
+    where = from_p(stress, case.case.units)
+    return f"The largest stress is {where}, at {share} of the arm’s length, when the crank stands at {_angle(stress)}."
 
 
 def departure_words(case: CaseLoads) -> str:
@@ -194,15 +196,15 @@ def departure_words(case: CaseLoads) -> str:
 
 def machine_figures(case: CaseLoads) -> list[Figure]:
     """The large numbers: stress, safety, forces, and the first mode over the crank's frequency."""
-    loads, resonance = case.loads[case.lead], case.resonance
+    loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
     stress = _largest(loads)
-    shown = [(quantity(stress.value, "MPa"), f"largest stress in the arm, by bending{_error(stress)}"), safety_figure(case)]
+    shown = [(quantity(stress.value, units.of("Pa")), f"largest stress in the arm, by bending{_error(stress)}"), safety_figure(case)]
     for key, what in _LOADS.items():
         peak = loads.peaks[key]
         if peak and peak.value:
-            shown.append((quantity(peak.value, NAMES[key][1]), f"{what}, crank at {_angle(peak)}{_error(peak)}"))
+            shown.append((quantity(peak.value, units.of(UNITS[key])), f"{what}, crank at {_angle(peak)}{_error(peak)}"))
     if resonance:
-        mean = f"first mode (mean {quantity(resonance.first_mode, 'Hz')}) over the crank’s frequency"
+        mean = f"first mode (mean {quantity(resonance.first_mode, units.of('Hz'))}) over the crank’s frequency"
         off = off_by(case.shift_of_motion, resonance.first_mode)
         shown.append((number(resonance.ratio, ".2f"), f"{mean}, resonance at whole numbers; {off}"))
     return shown
@@ -210,19 +212,19 @@ def machine_figures(case: CaseLoads) -> list[Figure]:
 
 def safety_figure(case: CaseLoads) -> Figure:
     """The safety factors that are known."""
-    follower, loads = case.case.mechanism.follower, case.loads[case.lead]
-    against_fatigue = f"against fatigue at an amplitude of {_given(follower.fatigue_strength)}" if loads.fatigue_factor else ""
+    follower, loads, unit = case.case.mechanism.follower, case.loads[case.lead], case.case.units.of("Pa")
+    against_fatigue = f"against fatigue at an amplitude of {_given(follower.fatigue_strength, unit)}" if loads.fatigue_factor else ""
     if loads.yield_factor:
         besides = f"; {loads.fatigue_factor.text} {against_fatigue}" if loads.fatigue_factor else ""
-        return loads.yield_factor.text, f"safety against yielding at {_given(follower.yield_strength)}{besides}"
+        return loads.yield_factor.text, f"safety against yielding at {_given(follower.yield_strength, unit)}{besides}"
     if loads.fatigue_factor:
         return loads.fatigue_factor.text, f"safety {against_fatigue}"
     return "–", Markup("safety: give <code>yield_strength</code> and <code>fatigue_strength</code> in <code>[follower]</code>")
 
 
-def _given(strength: float | None) -> str:
+def _given(strength: float | None, unit: Unit) -> str:
     assert strength is not None
-    return f"{number(1e-6 * strength, '.4g')} MPa"
+    return f"{number(strength / unit.size, '.4g')} {unit.sign}"
 
 
 def _largest(loads: Loads) -> Number:

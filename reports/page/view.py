@@ -13,6 +13,7 @@ from quickreturn.cases.library import registered
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Unit, Units
 from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
@@ -20,7 +21,6 @@ from quickreturn.reports.line_styles import Look, looks
 from quickreturn.reports.page.packing import packed
 from quickreturn.reports.results.loads import CaseLoads
 from quickreturn.reports.results.runs import of_library
-from quickreturn.reports.words import per_unit, shown_in
 
 Array = NDArray[np.float64]
 
@@ -48,6 +48,7 @@ class View:
 
     axis: str  # column on the horizontal axis of curves: "crank_angle" of a cycle, "time" of a trajectory
     engines: Sequence[str]  # names
+    units: Units  # in which it shows numbers
     runs: list[dict[str, Any]] = field(default_factory=list)  # one per case, in the script's form
     blobs: list[str] = field(default_factory=list)  # the packed motions of each of them
     drawn: Sequence[str] = ()  # names of other items drawn on the page
@@ -67,7 +68,7 @@ class View:
                 "scene": _scene(case.mechanism),
                 "engines": layouts,
                 "facts": dict(facts),
-                "stress": _stress(loads),
+                "stress": _stress(loads, self.units),
             }
         )
 
@@ -83,10 +84,8 @@ class View:
             "axis": self.axis,
             "looks": {name: vars(look) for name, look in self.looks.items()},
             "engines": self.engines,
-            "signals": {
-                name: {"label": label, "unit": (unit := shown_in(COLUMNS[name].unit)), "factor": per_unit(unit)}
-                for name, label in SIGNALS.items()
-            },
+            "signals": {name: {"label": label, **_scaled(self.units.column(COLUMNS[name].unit))} for name, label in SIGNALS.items()},
+            "length": _scaled(self.units.of("m")),
             "units": {name: COLUMNS[name].unit for name in (*_PLACES, *SIGNALS)},
             "runs": self.runs,
         }
@@ -101,43 +100,52 @@ def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequenc
         loads: loads of the cases whose stress is drawn.
     """
     stressed = {loads_of_case.case.name: loads_of_case for loads_of_case in loads if loads_of_case.lead}
-    view = View("crank_angle", list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)])))
+    names = list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)]))
+    view = View("crank_angle", names, results[0].case.units)
     for result in results:
         runs = result.with_tables.runs
         motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == Ending.NOT_SETTLED) and run.cycle}
-        view.add(result.case, motions, {name: _fact(run) for name, run in runs.items()}, stressed.get(result.case.name))
+        view.add(result.case, motions, {name: _fact(run, view.units) for name, run in runs.items()}, stressed.get(result.case.name))
     return view
 
 
 def trajectories(case: Case, motions: Mapping[str, Mapping[str, Array]]) -> View:
     """Trajectories of one case from its start."""
-    view = View("time", list(motions))
+    view = View("time", list(motions), case.units)
     view.add(case, motions, {})
     return view
 
 
-def _stress(loads: CaseLoads | None) -> dict[str, Any] | None:
-    """Least and greatest stress along the arm over the cycle, in MPa at even arc lengths from P to the tip; None where not known."""
+def _scaled(unit: Unit) -> dict[str, Any]:
+    """A unit for the script: its sign, and the factor from SI."""
+    return {"unit": unit.sign, "factor": 1.0 / unit.size}
+
+
+def _stress(loads: CaseLoads | None, units: Units) -> dict[str, Any] | None:
+    """Least and greatest stress along the arm over the cycle, at even arc lengths from P to the tip; None where not known."""
     stress = None if loads is None else loads.loads[loads.lead].stress
     if loads is None or stress is None:
         return None
     places = np.linspace(0.0, stress.places[-1], ALONG)
-    low, high = (np.interp(places, stress.places, per_unit("MPa") * values) for values in (stress.lowest, stress.highest))
+    unit = units.of("Pa")
+    low, high = (np.interp(places, stress.places, values / unit.size) for values in (stress.lowest, stress.highest))
     largest = stress.largest
     return {
         "engine": loads.lead,
         "low": [float(f"{value:.4g}") for value in low],
         "high": [float(f"{value:.4g}") for value in high],
-        "largest": per_unit("MPa") * largest.value,
+        "largest": largest.value / unit.size,
+        "unit": unit.sign,
         "at": None if largest.place is None else largest.place / float(stress.places[-1]),
     }
 
 
-def _fact(run: Run) -> str:
+def _fact(run: Run, units: Units) -> str:
     """A remark on a run: peak of the tip acceleration and first-mode frequency, or its status."""
     if not run.usable:
         return run.status
-    texts = [f"{run.peak('tip_acceleration'):.1f} m/s²"] if "tip_acceleration" in run.cycle else []
+    unit, form = units.of("m/s^2"), units.form("m/s^2", ".1f")
+    texts = [f"{run.peak('tip_acceleration') / unit.size:{form}} {unit.sign}"] if "tip_acceleration" in run.cycle else []
     frequency = run.consensus_frequency("post") or run.consensus_frequency("pre")
     return ", ".join(texts + ([f"{frequency:.1f} Hz"] if frequency else []))
 

@@ -81,22 +81,25 @@ class Around:
     def lines(self) -> list[str]:
         """The machine's own motion, and the nearest peak and special point, as lines for a terminal."""
         curve, name = self.solved_curve, next(iter(self.solved_curve.measures))
-        rpm, unit = curve.range.size, OF_CURVE[name].unit
+        units = self.case.units
+        speed, height_unit = units.of("rad/s"), units.of(OF_CURVE[name].unit)
         low, high = sorted((curve.range.low, curve.range.high))
         drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
-        lines = [f"the machine runs at {self.pace / rpm:.5g} rpm{drive}"]
+        lines = [f"the machine runs at {speed.text(self.pace, '.5g')}{drive}"]
         lines += [
-            f"there {name} is about {height:.3g} {unit}, {f'unstable: {kind}' if kind else 'stable'}" for height, kind in self.motions
+            f"there {name} is about {height_unit.text(height, '.3g')}, {f'unstable: {kind}' if kind else 'stable'}"
+            for height, kind in self.motions
         ]
         nearest = {
-            "peak": [(f"order {each.order}, {each.height:.3g} {unit}", each.value) for each in [self.peak] if each],
+            "peak": [(f"order {each.order}, {height_unit.text(each.height, '.3g')}", each.value) for each in [self.peak] if each],
             "change of stability": [(each.kind, each.value) for each in [self.change] if each],
         }
         for what, places in nearest.items():
-            lines += [] if places else [f"no {what} between {low / rpm:.4g} and {high / rpm:.4g} rpm"]
+            lines += [] if places else [f"no {what} between {low / speed.size:.4g} and {speed.text(high)}"]
             for words, value in places:
                 direction = "faster" if self.faster(value) > 0.0 else "slower"
-                lines.append(f"nearest {what}: {words}, at {value / rpm:.5g} rpm, {100.0 * abs(self.faster(value)):.2g} % {direction}")
+                share = f"{100.0 * abs(self.faster(value)):.2g} % {direction}"
+                lines.append(f"nearest {what}: {words}, at {speed.text(value, '.5g')}, {share}")
         return lines
 
 

@@ -10,28 +10,32 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.loads import UNITS, Factor, Loads, Resonance, loads_of_run, resonance, shift_of_motion
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.shown import Unit, Units
+from quickreturn.cases.units import in_si
 from quickreturn.reports.words import TIED, degrees, number, off_by, percent, quantity, size
 
 if TYPE_CHECKING:
     from quickreturn.cases.runs.comparison import CaseResult
     from quickreturn.cases.runs.request import Run
 
-#: Number -> its name and unit in the page.
+#: Number -> its name in the page.
 NAMES: Final = {
-    "stress": ("largest stress", "MPa"),
-    "strain": ("the same as strain", "µε"),
-    "stress_amplitude": ("stress amplitude", "MPa"),
-    "stress_mean": ("mean stress there", "MPa"),
-    "yield_factor": ("safety against yielding", ""),
-    "fatigue_factor": ("safety against fatigue", ""),
-    "crank_torque": ("torque of the drive", "N m"),
-    "pivot_force": ("force in the bearing P", "N"),
-    "crank_force": ("force in the bearing O", "N"),
-    "slider_force": ("force at the slider", "N"),
-    "tip_deflection": ("deflection of the tip", "mm"),
-    "mean_first_frequency": ("first mode, mean over the turn", "Hz"),
-    "frequency_ratio": ("the same over the crank's frequency", ""),
+    "stress": "largest stress",
+    "strain": "the same as strain",
+    "stress_amplitude": "stress amplitude",
+    "stress_mean": "mean stress there",
+    "yield_factor": "safety against yielding",
+    "fatigue_factor": "safety against fatigue",
+    "crank_torque": "torque of the drive",
+    "pivot_force": "force in the bearing P",
+    "crank_force": "force in the bearing O",
+    "slider_force": "force at the slider",
+    "tip_deflection": "deflection of the tip",
+    "mean_first_frequency": "first mode, mean over the turn",
+    "frequency_ratio": "the same over the crank's frequency",
 }
+#: Unit in which the page shows the strain of the arm.
+STRAIN: Final = Unit("µε", in_si("microstrain"))
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,10 @@ class Load:
     crank_angle: float | None = None  # rad, from 0 to a turn
     lowest: float | None = None  # least and greatest value of a safety factor by the stress's error
     highest: float | None = None  # None where it has no bound
+
+    def text(self, units: Units) -> str:
+        """The number as the page shows it."""
+        return quantity(self.value, STRAIN if self.quantity == "strain" else units.of(self.unit))
 
 
 @dataclass(frozen=True)
@@ -138,22 +146,23 @@ def verdict(loads: Loads) -> str:
     return f"{begin}: the safety factor is {values}{below}."
 
 
-def from_p(peak: Number) -> str:
+def from_p(peak: Number, units: Units) -> str:
     """The place of a peak along the arm: "375 mm from P"."""
     assert peak.place is not None
-    return f"{number(1e3 * peak.place, '.0f')} mm from P"
+    return f"{number(peak.place / units.of('m').size, units.form('m', '.0f'))} {units.of('m').sign} from P"
 
 
-def stress_text(loads: Loads, length: float) -> str:
-    """The largest stress and where it is, and whether the arm holds, in a line; `length` is the arm's, m. There must be a stress."""
+def stress_text(loads: Loads, case: Case) -> str:
+    """The largest stress in a case and where it is, and whether the arm holds, in a line. There must be a stress."""
     assert loads.stress is not None
+    length, units = case.scene.follower.length, case.units
     largest_stress, where = loads.stress.largest, []
     if largest_stress.place is not None:
-        where.append(f"{from_p(largest_stress)} ({100.0 * largest_stress.place / length:.0f} % of the arm)")
+        where.append(f"{from_p(largest_stress, units)} ({100.0 * largest_stress.place / length:.0f} % of the arm)")
     if largest_stress.crank_angle is not None:
         where.append(f"crank at {degrees(largest_stress.crank_angle)}")
     error = "" if math.isnan(largest_stress.error) else f" ({off_by(largest_stress.error, largest_stress.value)})"
-    text = f"largest stress {quantity(largest_stress.value, 'MPa')}{error}, {', '.join(where)}"
+    text = f"largest stress {quantity(largest_stress.value, units.of('Pa'))}{error}, {', '.join(where)}"
     return f"{text}. {verdict_text.removesuffix('.')}" if (verdict_text := verdict(loads)) else text
 
 

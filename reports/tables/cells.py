@@ -8,9 +8,10 @@ from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
+from quickreturn.cases.shown import Units
 from quickreturn.reports.results.engine_differences import outward
 from quickreturn.reports.tables.table import Cell, Column
-from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, shown_in
+from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, quantity
 
 CASE: Final = Column("case", "run", words=case_label)
 QUANTITY_COLUMN: Final = Column("quantity", words=QUANTITY.__getitem__)
@@ -24,8 +25,8 @@ COMPARISON: Final = (
     QUANTITY_COLUMN,
     HALF_COLUMN,
     CHANNEL,
-    Column("value", unit="SI", form=".4g"),
-    Column("other_value", unit="SI", form=".4g"),
+    Column("value", unit="[SI]", form=".4g"),
+    Column("other_value", unit="[SI]", form=".4g"),
     Column("difference", unit="%", form="+.2f"),
     Column("tolerance", unit="%", form=".2f"),
 )
@@ -33,11 +34,11 @@ COMPARISON: Final = (
 UNRESOLVABLE: Final = "n. r."
 
 
-def measure_column(name: str) -> Column:
+def measure_column(name: str, units: Units) -> Column:
     """The column of a measure that the tables of a run show."""
     shown = IN_TABLES[name]
-    unit = shown.unit or shown_in(MEASURES[name].unit)
-    return Column(shown.key or name.replace(".", "_"), shown.head, unit, shown.form, group=shown.group)
+    column = Column(shown.key or name.replace(".", "_"), shown.head, shown.unit or MEASURES[name].unit, shown.form, group=shown.group)
+    return column if shown.unit else column.shown_in(units)
 
 
 def measure_cells(case: Case, run: Run) -> dict[str, Cell]:
@@ -45,16 +46,19 @@ def measure_cells(case: Case, run: Run) -> dict[str, Cell]:
     cells = {}
     for name, found in numbers(case.mechanism, run, IN_TABLES).items():
         why = "no channel resolves the first mode" if MEASURES[name].vibration else "it cannot be measured"
-        cells[measure_column(name).key] = Cell(None, UNRESOLVABLE, why, "open") if math.isnan(found.value) else Cell(found.value)
+        cells[measure_column(name, case.units).key] = (
+            Cell(None, UNRESOLVABLE, why, "open") if math.isnan(found.value) else Cell(found.value)
+        )
     return cells
 
 
 def compared(result: CaseResult, check: Difference) -> dict[str, Any]:
     """The cells of `COMPARISON` that are not fields of the comparison itself."""
+    unit = result.case.units.column(check.unit)
     return {
         "case": result.case.name,
-        "value": check.number.value,
-        "other_value": check.other_number.value,
+        "value": Cell(check.number.value, quantity(check.number.value, unit)),
+        "other_value": Cell(check.other_number.value, quantity(check.other_number.value, unit)),
         "difference": outward(check.quantity, check.difference) / check.scale,
         "tolerance": check.tolerance / check.scale,
     }

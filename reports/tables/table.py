@@ -3,10 +3,11 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from quickreturn.cases.shown import Unit, Units
 from quickreturn.reports.words import number, per_unit
 
 if TYPE_CHECKING:
@@ -52,6 +53,11 @@ class Column:
     group: str = ""  # heading above this and its neighbours of the same group
     meaning: str = ""  # shown above the table
     words: Callable[[Any], str] | None = None  # value -> the text that the page shows for it
+    shown: Unit | None = None  # unit in which the page shows numbers whose `unit` is that of the CSV file, see `shown_in`
+
+    def shown_in(self, units: Units) -> "Column":
+        """The column, whose `unit` is SI as the page shows it in the units of a case."""
+        return replace(self, unit=Unit(self.unit).sign, form=units.form(self.unit, self.form), shown=units.column(self.unit))
 
     @property
     def page_head(self) -> str:
@@ -61,6 +67,8 @@ class Column:
     @property
     def page_unit(self) -> str:
         """Unit beside the heading in the page."""
+        if self.shown is not None:
+            return self.shown.sign
         return "" if self.unit == "1" or self.unit.startswith("[") else self.unit
 
     @property
@@ -88,6 +96,8 @@ class Column:
 
     def number(self, value: float) -> str:
         """A number of the CSV file as the page shows it."""
+        if self.shown is not None:
+            return number(value / self.shown.size, self.form)
         return number(value * per_unit(self.unit.removesuffix(" of range")) if self.unit in _SI else value, self.form)  # counts stay whole
 
 

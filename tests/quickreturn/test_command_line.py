@@ -95,7 +95,7 @@ def test_show_says_what_an_engine_builds(call: Call) -> None:
     }
     text = call("show", "small.toml").output
     assert "fake: 3 degrees of freedom" in text
-    assert re.search(r"length +0\.1016 +m\n", text)
+    assert re.search(r"length +101\.6 +mm\n", text)
 
 
 def test_modes_in_hertz(call: Call) -> None:

@@ -59,7 +59,7 @@ COLUMNS = {
 
 
 #: Of the columns that have one.
-UNITS = {"tip_deflection": " m", "tip_acceleration": " m/s\\^2", "slider_force": " N"}
+UNITS = {"tip_deflection": " mm", "tip_acceleration": " m/s\\^2", "slider_force": " N"}
 
 
 def test_the_estimate_of_every_column_is_shown(call: Call) -> None:
@@ -80,7 +80,7 @@ def test_the_estimate_of_a_follower_that_does_not_bend_is_the_tips(call: Call) -
     found = document(simulated(call, "--set", "engine.behaviour=rigid", "--json"))
     assert found["error_estimates"]["tip_deflection"] is None
     shown = simulated(call, "--set", "engine.behaviour=rigid").output
-    assert re.search(rf"^ +tip's place +{found['error_estimate']:.1e} +\S+ m$", shown, re.MULTILINE), shown
+    assert re.search(rf"^ +tip's place +{found['error_estimate']:.1e} +\S+ mm$", shown, re.MULTILINE), shown
 
 
 def test_an_integration_error_is_called_so(call: Call, tmp_path: Path) -> None:
@@ -88,7 +88,7 @@ def test_an_integration_error_is_called_so(call: Call, tmp_path: Path) -> None:
     answer = simulated(call, "--accuracy", "1e-2", engine="variant")
     assert (answer.code, answer.errors) == (0, "")
     assert re.search(
-        r"^integration error +of .*\n +deflection +\S+ +\S+ m +asked: 0\.01; model error not estimated, see `run`$",
+        r"^integration error +of .*\n +deflection +\S+ +\S+ mm +asked: 0\.01; model error not estimated, see `run`$",
         answer.output,
         re.MULTILINE,
     )
@@ -105,7 +105,7 @@ def test_an_estimate_that_is_not_verified_reaches_no_accuracy_that_was_asked(cal
     variant(tmp_path, "estimates = 'unverified'")
     answer = simulated(call, "--accuracy", "1e-2", engine="variant")
     assert answer.code == 3
-    assert re.search(r"^ +deflection +\S+ +\S+ m +asked: 0\.01; estimate not verified$", answer.output, re.MULTILINE)
+    assert re.search(r"^ +deflection +\S+ +\S+ mm +asked: 0\.01; estimate not verified$", answer.output, re.MULTILINE)
     assert answer.errors.startswith("quickreturn: small: engine variant: ")
     assert "are not verified" in answer.errors
     assert "101 rows are kept in out.csv" in answer.errors

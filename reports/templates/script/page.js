@@ -98,8 +98,8 @@ function show() {
     element("stressed").hidden = !run.stress;
   }
   element("signal").value = state.signal;
-  const mm = (length) => `${written(1000 * length, 3)} mm`;
-  element("caption").textContent = `${run.title} · follower ${mm(run.scene.follower)}, crank ${mm(run.scene.crank)}${any && motion.cyclic ? `, one turn in ${written(1000 * motion.duration, 4)} ms` : ""}`;
+  const told = (length) => `${written(DATA.length.factor * length, 3)} ${DATA.length.unit}`;
+  element("caption").textContent = `${run.title} · follower ${told(run.scene.follower)}, crank ${told(run.scene.crank)}${any && motion.cyclic ? `, one turn in ${written(1000 * motion.duration, 4)} ms` : ""}`;
   for (const box of document.querySelectorAll("#engines input")) {
     box.checked = state.engines.includes(box.value);
     const fact = box.closest("label").querySelector(".fact");

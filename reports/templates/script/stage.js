@@ -134,7 +134,7 @@ class Stage {
     const round = roundBelow(largest), length = unit * round, x = 18, y = height - 16;
     stroke(pen, tone, 2, () => { pen.moveTo(x, y); pen.lineTo(x + length, y); }, "butt");
     pen.font = SMALL; pen.textAlign = "left"; pen.textBaseline = "bottom"; pen.fillStyle = this.colours.soft;
-    pen.fillText(`${written(round)} MPa${compact ? "" : `, stress over the turn by ${engine}`}`, x, y - 3);
+    pen.fillText(`${written(round)} ${this.stress.unit}${compact ? "" : `, stress over the turn by ${engine}`}`, x, y - 3);
     return [upper, lower];
   }
 
@@ -165,10 +165,10 @@ class Stage {
 
   /** A length to compare with. */
   bar(pen, width, height, scale, colours) {
-    const length = roundBelow(0.2 * this.motion.scene.follower), x = width - 18 - scale * length, y = height - 16;
+    const { factor, unit } = DATA.length, length = roundBelow(0.2 * this.motion.scene.follower * factor) / factor, x = width - 18 - scale * length, y = height - 16;
     stroke(pen, colours.soft, 2, () => { pen.moveTo(x, y); pen.lineTo(x + scale * length, y); }, "butt");
     pen.font = SMALL; pen.textAlign = "center"; pen.textBaseline = "bottom"; pen.fillStyle = colours.soft;
-    pen.fillText(`${Number((1000 * length).toPrecision(6))} mm`, x + scale * length / 2, y - 3);
+    pen.fillText(`${Number((factor * length).toPrecision(6))} ${unit}`, x + scale * length / 2, y - 3);
   }
 
   /** Names, each at the first of its places where it covers nothing; it stays there as long as it can. */

@@ -94,7 +94,7 @@ def test_a_scene_with_another_value_is_told_as_that_and_no_column_is_explained()
     mine = simulate_scene(engine("reference"), dataclasses.replace(case.mechanism, crank=crank), 2.2, 1e-3, estimate=False)
     told = explanations(recorded_run(table_of(mine.trajectory.columns), case), right(case), case)
     assert list(told) == [WHOLE]
-    assert "the slider comes as near as 0.3404 m to P in it, 0.3556 m in thesis-24" in told[WHOLE]
+    assert "the slider comes as near as 340.4 mm to P in it, 355.6 mm in thesis-24" in told[WHOLE]
     assert "is a quantity of the scene another one" in told[WHOLE]
 
 

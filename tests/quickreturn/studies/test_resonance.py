@@ -171,7 +171,7 @@ def test_the_curve_around_a_crank_that_turns_clockwise_is_over_negative_speeds()
 def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -> None:
     fold = found.special["value"].item()
     pace = 0.998 * fold
-    lines = Around(qr.case("thesis-24", {"crank.prescribed_speed": f"{pace!r} rad/s"}), found.curve).lines
+    lines = Around(qr.case("thesis-24", {"crank.prescribed_speed": f"{pace / RPM!r} rpm"}), found.curve).lines
     assert lines[0].startswith(f"the machine runs at {pace / RPM:.5g} rpm, its mean speed")
     assert {line.rpartition(", ")[2] for line in lines[1:3]} == {"stable", "unstable: fold"}
     assert lines[3].startswith("no peak between 237.5 and 241 rpm")

@@ -14,6 +14,7 @@ from quickreturn.cases.jobs.job import Job, Limits, Outcome, Watch
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.resonance_curve.search import job_around
+from quickreturn.cases.shown import Unit
 from quickreturn.engines.base import EngineFailure
 from quickreturn.reports.chapters.resonance import finding, motion_sentences, plot
 from quickreturn.reports.page.chapters import chapters_of
@@ -106,13 +107,13 @@ def test_a_machine_near_nothing_and_one_without_a_curve_say_so(around: Around) -
 
 
 def test_one_motion_is_told_with_its_stability_and_several_are_listed() -> None:
-    assert motion_sentences([(12.34, "")]) == "There its largest tip acceleration in a turn is about 12.3 m/s²."
-    unstable = motion_sentences([(12.34, "torus")])
+    assert motion_sentences([(12.34, "")], Unit("m/s^2")) == "There its largest tip acceleration in a turn is about 12.3 m/s²."
+    unstable = motion_sentences([(12.34, "torus")], Unit("m/s^2"))
     assert unstable.endswith("12.3 m/s², but that motion is unstable (torus): the machine would leave it.")
-    several = motion_sentences([(10.0, ""), (20.0, "fold"), (30.0, "")])
+    several = motion_sentences([(10.0, ""), (20.0, "fold"), (30.0, "")], Unit("m/s^2"))
     listed = "10 m/s² (stable), 20 m/s² (unstable: fold) and 30 m/s² (stable)"
     assert several.startswith(f"At that speed it has three periodic motions, with largest tip accelerations in a turn of about {listed}.")
-    assert motion_sentences([]) == ""
+    assert motion_sentences([], Unit("m/s^2")) == ""
 
 
 class Failing:

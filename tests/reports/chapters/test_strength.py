@@ -8,6 +8,8 @@ import pytest
 from quickreturn.cases.loads import loads_of_run, resonance
 from quickreturn.cases.loads.stress import ArmStress, section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.cases.shown import Unit
+from quickreturn.cases.units import in_si
 from quickreturn.reports.chapters.strength import finding, lacking, mode_sentences, stress_sentences
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
@@ -93,16 +95,16 @@ def test_the_keys_that_are_missing_are_named(known: CaseLoads) -> None:
 def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseResult, stress: ArmStress) -> None:
     page, told = read(one_run(example)), text_of(one_run(example))
     rows = {(row[1][0], row[2][1]): row for row in page.tables["strength.csv"]}
-    for name, unit in (("stress", "MPa"), ("crank_torque", "N m"), ("pivot_force", "N"), ("slider_force", "N"), ("tip_deflection", "mm")):
+    for name, unit in (("stress", "MPa"), ("crank_torque", "N*m"), ("pivot_force", "N"), ("slider_force", "N"), ("tip_deflection", "mm")):
         value = float(rows["reference", name][3][1])
-        assert quantity(value, unit).replace("\N{NO-BREAK SPACE}", " ") in told
+        assert quantity(value, Unit(unit, in_si(unit))).replace("\N{NO-BREAK SPACE}", " ") in told
         assert rows["reference", name][4][0] != "–"  # each with its error
     assert float(rows["reference", "stress"][3][1]) == stress.largest.value
     place = float(rows["reference", "stress"][6 - 1][1])
     assert f"{1e3 * place:.0f} mm from P" in told
     first = resonance(example.case.mechanism)
     assert first is not None
-    assert first.sentence in told
+    assert first.sentence(example.case.units) in told
     assert f"{first.ratio:.2f}first mode" in told  # a large number and the words under it
     assert loads_of_case(example).verdict in told
     assert told.index("largest stress") < told.index("Engines show or hide")

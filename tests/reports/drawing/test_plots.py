@@ -86,7 +86,7 @@ def test_recorded_tables_are_drawn_over_the_engines_under_their_plain_names() ->
     result = with_table(TROUBLES["settled"], "$a_1$.csv", ("strain_2", "tip_deflection"))
     figure = recorded.draw_recorded([result])
     _check(figure)
-    assert [axes.get_ylabel() for axes in figure.axes] == ["strain 2\n(1)", "tip deflection\n(m)"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["strain 2\n(10⁻⁶)", "tip deflection\n(mm)"]
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["thesis", "reference", "exudyn", "mujoco", r"\$a_1\$.csv"]
     assert recorded.drawn([result], ".svg").startswith(b"<?xml")

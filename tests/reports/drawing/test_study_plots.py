@@ -61,7 +61,7 @@ def test_people_see_megapascals_and_the_unit_given_and_datasets_are_in_si() -> N
     np.testing.assert_allclose(panel.lines[0].get_ydata(), 1e-6 * found.values[0, :, 0])
     assert panel.get_ylabel() == "peak.stress [MPa]"
     dataset = dataset_of(found)
-    assert summary(dataset)[1] == (
+    assert summary(dataset, found.grid.case.units)[1] == (
         "peak.stress [MPa]: least 1e-06 at crank.prescribed_speed = 60 rpm, greatest 0.000562341 at crank.prescribed_speed = 115 rpm"
     )
     assert dataset["peak.stress"].attrs["units"] == "Pa"
