@@ -122,8 +122,9 @@ def _check(source: str, path: str, value: Any) -> bool:
         fits, problem = isinstance(value, str), "is a bare number" if type(value) in (int, float) else "is not a string"
         accepted = f"write a string with number and unit, such as {example}" + (', or "inf"' if wanted.infinity else "")
     else:
-        fits = isinstance(value, list) and len(value) == wanted.count and all(isinstance(item, str) for item in value)
-        problem, accepted = f"is not a list of {wanted.count} strings", f"write one such as [{', '.join([example] * wanted.count)}]"
+        fits = isinstance(value, list) and len(value) == (wanted.count or len(value)) and all(isinstance(item, str) for item in value)
+        problem = f"is not a list of {wanted.count or ''} strings".replace("  ", " ")
+        accepted = f"write one such as [{', '.join([example] * (wanted.count or 2))}]"
     if not fits:
         raise CaseError(source, path, as_written(value), problem, accepted)
     return True
