@@ -23,8 +23,9 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.eigenproblem import eigh
-from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene, Tip
+from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene
 from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.tip import Tip
 
 Array = NDArray[np.float64]
 

@@ -14,13 +14,13 @@ from quickreturn.reference_model.mechanism import (
     PrescribedSpeed,
     Scene,
     SpinUp,
-    Tip,
     TorqueDrive,
 )
 from quickreturn.reference_model.quantities import Quantity, quantities_of
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.tip import ForceTable, Tip
 
-Value = float | tuple[float, ...]
+Value = float | tuple[float, ...] | ForceTable
 #: Section -> key -> SI value.
 Values = Mapping[str, Mapping[str, Value]]
 #: Dotted key, `section.key` -> SI value; None leaves out the key, or the section that is named alone.
@@ -68,6 +68,9 @@ ALTERNATIVES: Final = (
     ("follower.diameter", ("follower.thickness", "follower.width", "follower.flange", "follower.web")),
     ("follower.wall", ("follower.flange", "follower.web")),
 )
+#: Ways to give the force of a tool: each takes the place of the others, and a table also that of the window in which a constant one acts.
+FORCES: Final = ("tip.force", "tip.force_following", "tip.force_table")
+WINDOW: Final = ("tip.force_from", "tip.force_to", "tip.force_ramp")
 #: Keys that turn the base of a follower alone; a scene with a crank must not have them.
 SPIN_UP: Final = ("base.spin_up_speed", "base.spin_up_time")
 CRANK_OR_NOT: Final = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
@@ -144,6 +147,9 @@ def replaced_by(paths: Container[str]) -> list[str]:
     dropped = list[str]()
     for first, others in ALTERNATIVES:
         dropped += others if first in paths else [first] if any(path in paths for path in others) else []
+    for force in FORCES:
+        if force in paths:
+            dropped += [other for other in (*FORCES, *(WINDOW if force == FORCES[-1] else ())) if other != force]
     return dropped
 
 

@@ -51,6 +51,7 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "follower.damping": {"follower.damping": 2.0},
     "tip.center_of_mass": {"tip.center_of_mass": 0.06, "tip.inertia": 4e-4},
     "tip.force": {"tip.force": (-1.0, 1.5), "tip.force_from": 3.3, "tip.force_to": 5.3},
+    "tip.friction_force": {"tip.friction_force": 0.2, "tip.friction_speed": 0.3},
     "slider.mass": {"slider.mass": 0.3},
     "slider.inertia": {"slider.inertia": 1e-3},
     "slider.joint_stiffness": {"slider.joint_stiffness": 2e4},

@@ -4,8 +4,8 @@ An engine gives the moment at the interior twelfths of the length, at both ends,
 what the bodies there require by the engine's own accelerations. They are not made of other columns here: the angle of the end follows from
 the moments, the moment at the end from that angle's second derivative, and this circle diverges for rows closer than the period of the last
 twelfth with the tip body on it. The slopes at the ends follow from Newton's law, with n the normal, a the acceleration of the flexible end
-along it, theta the angle of the end, e the tip body's centre of mass beyond the end, R the force of the bearing, f the force on the tip, c
-the damping of the beam, which acts between it and the base:
+along it, theta the angle of the end, e the tip body's centre of mass beyond the end, R the force of the bearing, f that of the tool and of
+the friction of its slide, c the damping of the beam, which acts between it and the base:
 
     base   dM(0)/dx = R n + integral of c dW/dt over x
     tip    dM(L)/dx = m (a + e theta'' - g n) - f n,   M(L) = -J theta'' - m e (a + e theta'' - g n)
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.splines import CubicSpline
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip_force import slide_friction, tip_force
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]
@@ -157,8 +157,15 @@ def _tip_slope(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) 
     across = columns["tip_acceleration"] - _across(np.array(scene.gravity)[:, None], angle)
     lever, about_end = tip.mass * tip.center_of_mass, tip.inertia + tip.mass * tip.center_of_mass**2
     turning = -(known.twelfths[:, -1] + lever * across) / about_end if about_end > 0.0 else 0.0
-    force = _across(tip_force(tip, columns["crank_angle"]), angle) if tip.is_forced else 0.0
-    return np.asarray(tip.mass * across + lever * turning - force)
+    slope = tip.mass * across + lever * turning
+    if tip.is_forced:
+        force = tip_force(tip, columns["crank_angle"], angle)
+        slope -= _across(np.array([force.real, force.imag]), angle)
+    if tip.friction_force > 0.0:
+        velocity = CubicSpline(columns["time"], np.column_stack([columns["tip_x"], columns["tip_y"]]))(columns["time"], 1)
+        rubbing = slide_friction(tip, velocity @ np.array([1.0, 1j]))
+        slope -= _across(np.array([rubbing.real, rubbing.imag]), angle)
+    return np.asarray(slope)
 
 
 def _end_angle(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> Array:

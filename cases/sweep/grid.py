@@ -13,7 +13,6 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import Argument, CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.keys import PATHS, Written, si_value, text_of, unit_given
-from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.cases.text.copies import in_words
@@ -21,7 +20,7 @@ from quickreturn.cases.text.reading import changes_of
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.scene_values import Changes, Value, what_moves_nothing
+from quickreturn.reference_model.scene_values import Changes, Value
 
 #: Key of an axis whose values are engines.
 ENGINE: Final = "engine"
@@ -41,7 +40,7 @@ class Axis:
     key: str  # dotted key of a case file, or "engine"
     texts: tuple[str, ...]  # the values as in a case file
     numbers: tuple[Value, ...]  # the values in SI, which remember their texts; empty of engines
-    unit: str  # SI; "" of engines and vectors
+    unit: str  # SI; "" of engines, vectors and tables
 
     @property
     def values(self) -> tuple[Value, ...] | tuple[str, ...]:
@@ -69,12 +68,12 @@ def axis(text: str) -> Axis:
     numbers = tuple(_number(key, each) for each in texts) if unit else ()
     if len(set(numbers or texts)) < len(texts):
         raise CaseError(VARY, key, None, "has a value twice", "give each once")
-    return Axis(key, texts, numbers, "" if unit and PATHS[key].count else unit)
+    return Axis(key, texts, numbers, "" if unit and not PATHS[key].is_number else unit)
 
 
 def _number(key: str, text: str) -> Value:
-    """The value in SI of a text, or of a list of texts. CaseError: it is invalid."""
-    return Written(si_value(key, text, VARY), text) if PATHS[key].count is None else changes_of({key: text}, VARY)[key]
+    """The value in SI of a text, or of a list of texts; or the table. CaseError: it is invalid."""
+    return Written(si_value(key, text, VARY), text) if PATHS[key].is_number else changes_of({key: text}, VARY)[key]
 
 
 def unit_of(key: str) -> str:
@@ -161,7 +160,8 @@ class Grid:
 
 def keeps_shapes(key: str) -> bool:
     """Whether a key leaves the follower's shapes unchanged, so that a row can share their tables."""
-    return key.startswith(("crank.", "base.", "slider.", "tip.force", "mechanism.gravity", "follower.damping")) and key != "crank.length"
+    kept = ("crank.", "base.", "slider.", "tip.force", "tip.friction", "mechanism.gravity", "follower.damping")
+    return key.startswith(kept) and key != "crank.length"
 
 
 def scenes_of(case: Case, changes: Iterable[Changes]) -> list[Mechanism | Impossible]:
@@ -187,7 +187,6 @@ def job(case: Case, changes: Sequence[Changes], asked: MeasureRequest) -> Job[Ro
     """`measured_row` as a job, whose row is stored as a whole."""
     changed = tuple(map(dict, changes))
     first = ", ".join(f"{key} = {in_words(text_of(key, value))}" for key, value in changed[0].items())
-    material = what_moves_nothing(case.scene) if any(measure(name).of_material for name in asked.measures) else {}
     own = type(engine(asked.engine)).__module__.startswith("quickreturn.engines.own.")
     return Job(
         name=f"{asked.engine}, {len(changed)} points from {first}",
@@ -196,7 +195,7 @@ def job(case: Case, changes: Sequence[Changes], asked: MeasureRequest) -> Job[Ro
         kind="row of a study",
         engines=tuple(dict.fromkeys(("reference", asked.engine))),
         # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the row show it
-        inputs=(case.scene, material, [list(each.items()) for each in changed], scenes_of(case, (changed[0], changed[-1])), asked),
+        inputs=(case.scene, [list(each.items()) for each in changed], scenes_of(case, (changed[0], changed[-1])), asked),
         points=len(changed),
         brief=own,  # a foreign library gets a process of its own
     )

@@ -52,10 +52,16 @@ CONTEXT = np.dtype(
         ("tip_inertia", "f8"),  # kg m^2, about its centre
         ("tip_offset", "f8"),  # of its centre beyond the end
         ("gravity", "c16"),  # m/s^2, along n1 + i n2
-        ("tip_force", "c16"),  # N
-        ("force_begin", "f8"),  # crank angle
+        ("force_1", "f8"),  # this and the next four: see `tip_force.tool_force`
+        ("force_2", "f8"),
+        ("force_begin", "f8"),
         ("force_span", "f8"),
         ("force_ramp", "f8"),
+        ("force_table", "i8"),  # address of its rows, and their number
+        ("force_points", "i8"),
+        ("force_follows", "i8"),  # whether the force turns with the last link
+        ("slide_friction", "f8"),  # N, of the tool's slide
+        ("slide_speed", "f8"),  # m/s, over which that changes its sign
         ("base_is_prescribed", "i8"),  # then there is neither crank nor slider
         ("spin_up_speed", "f8"),
         ("spin_up_time", "f8"),  # s

@@ -20,6 +20,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
+from quickreturn.reference_model import tip_force
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
@@ -51,7 +52,7 @@ class ChainSimulation(Simulation):
         self._hinges = hinge_count(scene, settings.links)
         self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
-        self._context = _context(scene, self._hinges, self._data)
+        self._context, self._force_table = _context(scene, self._hinges, self._data)
         self._past = np.zeros((2, self._model.nv))
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
@@ -170,9 +171,10 @@ def _hinge_angles(tangents: Array) -> Array:
     return angles
 
 
-def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
-    """The `CONTEXT` of a scene, shape (1,)."""
-    follower, context = scene.follower, np.zeros(1, CONTEXT)
+def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np.void], Array]:
+    """The `CONTEXT` of a scene, shape (1,), and an array to which it has the address."""
+    follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tip_force.constants(scene.tip_body)
+    table = tool.pop("force_table")
     values: dict[str, complex] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
@@ -198,6 +200,12 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "tip_inertia": scene.tip_body.inertia,
         "tip_offset": scene.tip_body.center_of_mass,
         "gravity": complex(*scene.gravity),
+        **tool,
+        "force_table": table.ctypes.data,
+        "force_points": len(table),
+        "force_follows": scene.tip_body.follows,
+        "slide_friction": scene.tip_body.friction_force,
+        "slide_speed": scene.tip_body.friction_speed,
     }
     if scene.crank is None:
         values |= {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
@@ -205,11 +213,11 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         values |= _crank_and_slider(scene)
     for name, value in values.items():
         context[name] = value
-    return context
+    return context, table
 
 
 def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
-    """Fields of the `CONTEXT` for crank, slider and the force on the tip."""
+    """Fields of the `CONTEXT` for crank and slider."""
     crank, slider, drive = mechanism.crank, mechanism.slider, mechanism.crank.drive
     values: dict[str, complex] = {
         "pivot_distance": mechanism.pivot_distance,
@@ -218,10 +226,6 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
         "crank_mass": mechanism.crank_mass,
         "crank_moment": mechanism.crank_moment,
     }
-    tip = mechanism.tip_body
-    if tip.is_forced:
-        span = {"force_begin": tip.force_from, "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp}
-        values |= {"tip_force": complex(*tip.force), **span}
     values |= {"friction": slider.friction, "friction_force": slider.friction_force, "friction_speed": slider.friction_speed}
     if not slider.is_rigid:
         law = asdict(rollers(slider))

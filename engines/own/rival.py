@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import USUAL, Comparison, EstimateOf
+from quickreturn.engines.base import TOOL, USUAL, Comparison, EstimateOf
 from quickreturn.engines.ladder import Ladder, gain_of
 from quickreturn.engines.own.beam_engine import BeamEngine, S
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -27,7 +27,7 @@ class Rival(Generic[S]):
     method: str
     default_accuracy: float
     estimates: EstimateOf = "total"
-    quantities: tuple[str, ...] = USUAL
+    quantities: tuple[str, ...] = (*USUAL, *TOOL)
     settings_type: type[S]
     ladder: Ladder[S]  # measured in run 24
     shapes: Callable[[S, float], ShapeSet]  # of a flexible follower, from its length, m

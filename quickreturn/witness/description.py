@@ -12,11 +12,14 @@ import casadi as ca
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from quickreturn.derive import Beam, System, turned, vector
 from quickreturn.derive.system import column
-from quickreturn.reference_model.mechanism import ROUNDING, Mechanism, TorqueDrive
+from quickreturn.derive.tables import Table
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
+from quickreturn.reference_model.tip import ROUNDING, ForceTable
 
 Array = NDArray[np.float64]
 
@@ -30,7 +33,8 @@ UNITS: Final = {
     "base_inertia": "kg*m^2", "base_damping": "N*m*s/rad", "pivot_friction": "N*m", "pivot_friction_rate": "rad/s",
     "mass_per_length": "kg/m", "beam_damping": "N*s/m^2", "damping_moment": "N*m^2*s",
     "tip_mass": "kg", "tip_inertia": "kg*m^2", "tip_center": "m",
-    "force_1": "N", "force_2": "N", "force_from": "rad", "force_span": "rad", "force_ramp": "rad",
+    "force_1": "N", "force_2": "N", "force_from": "rad", "force_span": "rad", "force_ramp": "rad", "force_follows": "1",
+    "slide_friction": "N", "slide_speed": "m/s",
     "slider_mass": "kg", "slider_inertia": "kg*m^2", "gravity_1": "m/s^2", "gravity_2": "m/s^2",
     "joint_stiffness": "N/m", "joint_damping": "N*s/m", "joint_inertia": "kg", "joint_force": "N", "friction": "N",
 }  # fmt: skip
@@ -49,11 +53,30 @@ def constants(scene: Mechanism) -> dict[str, float]:
         "mass_per_length": follower.mass_per_length, "beam_damping": follower.damping,
         "damping_moment": follower.bending_stiffness * follower.material_damping,
         "tip_mass": tip.mass, "tip_inertia": tip.inertia, "tip_center": tip.center_of_mass,
-        "force_1": tip.force[0], "force_2": tip.force[1], "force_from": tip.force_from,
-        "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp,
+        "force_1": tip.force_scale * tip.components[0], "force_2": tip.force_scale * tip.components[1],
+        "force_from": tip.force_from, "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp,
+        "force_follows": float(tip.follows), "slide_friction": tip.friction_force, "slide_speed": tip.friction_speed,
         "slider_mass": slider.mass, "slider_inertia": slider.inertia, "gravity_1": scene.gravity[0], "gravity_2": scene.gravity[1],
         "joint_stiffness": 0.0 if slider.is_rigid else slider.sides[0], "joint_damping": slider.joint_damping,
     }  # fmt: skip
+
+
+class ForceRows(Table):
+    """A tool's force over the crank's turn, by scipy's periodic spline."""
+
+    def __init__(self, index: int, unit: str, away: ca.SX) -> None:
+        super().__init__(index, unit, away, -1e9, 2e9, np.zeros((1, 4, 2)))
+        self.spline = CubicSpline([0.0, 2.0 * pi], np.zeros((2, 2)), extrapolate="periodic")
+
+    def follow(self, table: ForceTable, scale: float) -> None:
+        """Give the force that a table holds."""
+        points = [(angle, scale * a, scale * b) for angle, a, b in zip(table.angles, table.first, table.second, strict=True)]
+        closed = np.array([*points, (points[0][0] + 2.0 * pi, *points[0][1:])])
+        self.spline = CubicSpline(closed[:, 0], closed[:, 1:], bc_type="periodic")
+
+    def at(self, s: float, slope: bool = False) -> Array:
+        """Both components at a crank angle, or their derivatives by it."""
+        return np.asarray(self.spline(s, int(slope)))
 
 
 class Follower(NamedTuple):
@@ -61,6 +84,7 @@ class Follower(NamedTuple):
 
     beam: Beam
     end: ca.SX  # place of its flexible end, m
+    turn: ca.SX  # angle of the tangent there, rad
     strain: ca.SX  # strain energy, J
     slider_cell: int  # index of the cell that ends at the slider
     place: ca.SX  # of the centre line at the slider, m
@@ -68,7 +92,9 @@ class Follower(NamedTuple):
     curvature: ca.SX  # there, 1/m
 
 
-def quick_return(tables: BeamTables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None) -> System:
+def quick_return(
+    tables: BeamTables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None, tabulated: bool = False
+) -> System:
     """The description of the mechanism: crank, slider, follower, tip body and base.
 
     Args:
@@ -77,6 +103,7 @@ def quick_return(tables: BeamTables, shapes: int, *, rigid: bool = True, prescri
         rigid: whether the slider stays on its line; otherwise there is a gap, across which joint and friction act.
         prescribed: whether the crank turns at a known speed; otherwise a torque drives it.
         line: the line on which the slider rides; None: the follower itself.
+        tabulated: whether the tool's force comes from the system's second table.
     """
     system = System("quick-return")
     p = system.constants(**{name: (1.0, unit) for name, unit in UNITS.items()})
@@ -91,8 +118,18 @@ def quick_return(tables: BeamTables, shapes: int, *, rigid: bool = True, prescri
     # bodies and drive
     system.body("crank", p.crank_mass, center, p.crank_inertia, q1)
     system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, arm.angle)
-    tool = _share_of_turn(q1, p) * vector(p.force_1, p.force_2)
+    components = _share_of_turn(q1, p) * vector(p.force_1, p.force_2)
+    if tabulated:
+        force = ForceRows(0, "rad", q1 - system.freeze(q1))
+        system.tables.append(force)
+        components = force.function("N", [0, 1])
+    tool = turned(p.force_follows * arm.turn, components[0], components[1])
     system.load("tool", arm.end, tool)
+    # friction as a damper, as in the pivot
+    velocity = system.rate(arm.end)
+    u = ca.sqrt(ca.dot(velocity, velocity) / p.slide_speed**2 + 1e-24)
+    slide = p.slide_friction / p.slide_speed * ca.tanh(u) / u
+    system.damper("slide of the tool", arm.end, slide)
     system.damper("crank bearing", q1, p.crank_damping)
     if prescribed:
         system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
@@ -131,7 +168,8 @@ def quick_return(tables: BeamTables, shapes: int, *, rigid: bool = True, prescri
         torque = p.crank_inertia * system.rate(system.rate(q1)) + _cross(center, of_crank) + _cross(crank_tip, of_slider)
     _show(
         system,
-        ("slider_force", across, "N"), ("slider_on_follower", on_follower, "N"), ("slider_moment", moment, "N*m"), ("tool", tool, "N"),
+        ("slider_force", across, "N"), ("slider_on_follower", on_follower, "N"), ("slider_moment", moment, "N*m"),
+        ("tool", tool, "N"), ("slide", -slide * velocity, "N"),
         ("crank_torque", torque, "N*m"), ("crank_force", of_crank + of_slider, "N"), ("strain_energy", strain, "J"), ("foot", lever, "m"),
     )  # fmt: skip
     return system
@@ -183,10 +221,10 @@ def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: BeamTables, sh
         ("lengths", column(*beam.lengths), "m"), ("place_x", place_x, "m"), ("place_y", place_y, "m"),
         ("drift_x", c * drift_x - n * drift_y, "m/s"), ("drift_y", n * drift_x + c * drift_y, "m/s"),
         ("acceleration_x", _acceleration(system, place_x), "m/s^2"), ("acceleration_y", _acceleration(system, place_y), "m/s^2"),
-        ("bending_rate", system.rate(bent), "rad/(m*s)"), ("tangent", column(q2, slope, turn), "rad"),
+        ("bending_rate", system.rate(bent), "rad/(m*s)"),
     )  # fmt: skip
     cell = int(tables.slider_cell[0])
-    return Follower(beam, end, strain, cell, beam.slider(cell, s - now, curvature), slope, curvature)
+    return Follower(beam, end, turn, strain, cell, beam.slider(cell, s - now, curvature), slope, curvature)
 
 
 def _show(system: System, *outputs: tuple[str, Any, str]) -> None:

@@ -17,7 +17,8 @@ from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.layout import BeamTables
 from quickreturn.reference_model.rigid import crank_pace, deflection_scale
-from quickreturn.witness.description import constants, quick_return
+from quickreturn.reference_model.tip import Tip
+from quickreturn.witness.description import ForceRows, constants, quick_return
 from quickreturn.witness.recovery import columns
 
 Array = NDArray[np.float64]
@@ -52,7 +53,7 @@ class DerivedSimulation(Simulation):
     def model(self) -> Model:
         """The compiled equations with the shapes of this scene."""
         mechanism = self.mechanism
-        return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free)
+        return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free, mechanism.tip_body)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
@@ -118,20 +119,28 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
     units = Units.of(mechanism)
     mechanism = units.scene(mechanism)
     still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False)
-    at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "torque"), 0.0)
+    at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "slide_friction", "torque"), 0.0)
     at = {"crank_angle": crank_angle} | _rigid_place(mechanism, crank_angle)
     return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest)) / units.time
 
 
-_MODELS: Final[dict[tuple[int, int, bool, bool], Model]] = {}
+_MODELS: Final[dict[tuple[int, int, bool, bool, bool], Model]] = {}
 
 
-def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool) -> Model:
-    """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
-    key = (modes, tables.gauss_points, rigid, prescribed)
+def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool, tip: Tip | None = None) -> Model:
+    """The equations of a structure, compiled once; the scene's values are inputs, its shapes and a table of forces go into the tables."""
+    forces = None if tip is None else tip.force_table
+    key = (modes, tables.gauss_points, rigid, prescribed, forces is not None)
     if key not in _MODELS:
-        _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed), feedback=FEEDBACK)
-    _MODELS[key].system.tables[0].put(tables.low, tables.step, tables.coefficients)
+        description = quick_return(tables, modes, rigid=rigid, prescribed=prescribed, tabulated=forces is not None)
+        _MODELS[key] = Model(description, feedback=FEEDBACK)
+    of_shapes, *of_force = _MODELS[key].system.tables
+    of_shapes.put(tables.low, tables.step, tables.coefficients)
+    for rows in of_force:
+        assert tip is not None
+        assert forces is not None
+        assert isinstance(rows, ForceRows)
+        rows.follow(forces, tip.force_scale)
     return _MODELS[key]
 
 

@@ -41,7 +41,8 @@ class Facts:
     unclosed: float  # m, distance by which the loop is open
     tip_arm: complex  # m, from x = L to the tip's centre of mass
     gravity: complex  # m/s^2
-    tip_force: complex  # N, prescribed
+    tip_force: complex  # N, of the tool, with the friction of its slide
+    slide_loss: float  # W, that this friction dissipates
     slider_point: int  # index of the slider's point
     force: float  # N, of the slider along the normal where the loop is open
     friction: float  # N, opposes the slider's motion along the follower
@@ -146,6 +147,10 @@ class BeamParameters(NamedTuple):
     force_begin: float  # rad, of the crank
     force_span: float
     force_ramp: float
+    force_table: Matrix  # see `tip_force.constants`
+    force_follows: int  # whether the force turns with the follower's end
+    slide_friction: float  # N, of the tool's slide
+    slide_speed: float  # m/s, over which that changes its sign
     slider_inertia: float
     gravity_1: float
     gravity_2: float

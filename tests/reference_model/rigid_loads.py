@@ -25,29 +25,12 @@ def rigid_bearing_forces(
     q1, gravity = np.asarray(crank_angle, dtype=float), complex(*mechanism.gravity)
     along, arm = np.exp(1j * motion.follower_angle), np.exp(1j * q1)
     mass = mechanism.follower.mass + mechanism.tip_body.mass
-    tool = tip_force(mechanism.tip_body, q1)
+    tool = tip_force(mechanism.tip_body, q1, motion.follower_angle)
     swing = 1j * motion.follower_acceleration - motion.follower_speed**2
-    at_pivot = (follower_inertia(mechanism)[1] * swing - 1j * force) * along - mass * gravity - (tool[0] + 1j * tool[1])
+    at_pivot = (follower_inertia(mechanism)[1] * swing - 1j * force) * along - mass * gravity - tool
     swing = 1j * np.asarray(crank_acceleration) - np.square(crank_speed)
     at_crank = mechanism.crank_moment * swing * arm + 1j * force * along - mechanism.crank_mass * gravity
     return np.array([at_pivot.real, at_pivot.imag]), np.array([at_crank.real, at_crank.imag])
-
-
-def rigid_axial_force(
-    mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
-) -> Array:
-    """Normal force (N) at the arc length `place` (m) for a given motion, positive where it pulls: the loads outboard of it along the arm.
-
-    An element of a turning arm is pulled by rho A omega^2 r dr, and by its weight; a slider without friction does not push along the arm.
-    The other arguments are as of `rigid_motion`.
-    """
-    motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
-    beam, tip, q2 = mechanism.follower, mechanism.tip_body, motion.follower_angle
-    tool = tip_force(tip, np.asarray(crank_angle, dtype=float))
-    weight = np.cos(q2) * mechanism.gravity[0] + np.sin(q2) * mechanism.gravity[1]
-    turning = beam.mass_per_length * (beam.length**2 - place**2) / 2.0 + tip.mass * (beam.length + tip.center_of_mass)
-    outboard = beam.mass_per_length * (beam.length - place) + tip.mass
-    return np.asarray(turning * motion.follower_speed**2 + outboard * weight + np.cos(q2) * tool[0] + np.sin(q2) * tool[1])
 
 
 def rigid_bending_moment(
@@ -64,6 +47,6 @@ def rigid_bending_moment(
     across = np.cos(q2) * mechanism.gravity[1] - np.sin(q2) * mechanism.gravity[0]
     moment = 0.5 * beam.mass_per_length * beyond**2 * (across - (2.0 * beam.length + place) / 3.0 * alpha)
     moment += tip.mass * (across - (beam.length + tip.center_of_mass) * alpha) * (beyond + tip.center_of_mass) - tip.inertia * alpha
-    moment += tool_across(mechanism, q1, q2) * beyond
+    moment += tool_across(mechanism, q1, motion) * beyond
     inboard = force * (motion.slider_position - place) - mechanism.slider.inertia * alpha
     return np.asarray(moment + np.where(place < motion.slider_position, inboard, 0.0))

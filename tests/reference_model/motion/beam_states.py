@@ -26,13 +26,18 @@ EVERYTHING: Final = run_24(
 )
 #: Elements carry no slider with rotary inertia: their curvature jumps at the nodes.
 ON_ELEMENTS: Final = replace(EVERYTHING, slider=Slider(mass=0.1))
-#: With all frictions, at speeds over which they change; and with a material that damps.
+#: With all frictions, at speeds over which they change; and with a material that damps, and a tool's force that turns with the end.
 RUBBING: Final = replace(
     EVERYTHING,
+    tip=replace(EVERYTHING.tip_body, friction_force=3.0, friction_speed=4.0),
     slider=replace(EVERYTHING.slider, friction=0.3, friction_force=2.0, friction_speed=1.5),
     base=replace(EVERYTHING.base, friction_torque=0.2),
 )
-DAMPED: Final = replace(RUBBING, follower=replace(RUBBING.follower, material_damping=3e-4))
+DAMPED: Final = replace(
+    RUBBING,
+    tip=replace(RUBBING.tip_body, force=(0.0, 0.0), force_following=(8.0, -5.0)),
+    follower=replace(RUBBING.follower, material_damping=3e-4),
+)
 BARE: Final = run_24(tip=None, base={"inertia": 0.0, "damping": 0.0}, follower={"damping": 0.0}, crank={"length": 6.0 * INCH})
 ALONE: Final = replace(
     FOLLOWER_ALONE,

@@ -64,7 +64,7 @@ def test_closed_forms_of_the_rigid_follower_are_newtons_law_for_mass_points(q1: 
     angle = np.array(q1)
     motion = rigid_motion(mechanism, angle, speed, acceleration)
     force = float(rigid_kinetostatics(mechanism, angle, speed, acceleration)[0])
-    along, tool = np.exp(1j * motion.follower_angle), complex(*tip_force(tip, angle))
+    along, tool = np.exp(1j * motion.follower_angle), complex(tip_force(tip, angle, motion.follower_angle))
     x, dm = 0.5 * beam.length * (1.0 + POINTS), 0.5 * beam.length * beam.mass_per_length * WEIGHTS
     centre = beam.length + tip.center_of_mass
     pivot = dm @ weighed(points(x)) + tip.mass * weighed(points(centre)) - tool - 1j * force * along
