@@ -45,7 +45,7 @@ def _document(name_or_path: str) -> Document:
     shown = path_shown(name_or_path)
     if name_or_path.lower().endswith(".csv") and os.path.isfile(name_or_path):
         raise CaseError(shown, None, None, "is a table, not a case file", "give its case; `plot` and `compare` also take tables")
-    return read_document(read_text(name_or_path, library=case_names()), shown)
+    return read_document(read_text(name_or_path, library=case_names()), shown, os.path.dirname(name_or_path))
 
 
 def in_library(name: str) -> bool:

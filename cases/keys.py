@@ -10,6 +10,7 @@ from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.units import DIMENSIONS, RANGE, Dimension, QuantityError, is_in_range, parse_quantity, plain_number, unit_size
 from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
 from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
+from quickreturn.reference_model.tip import ForceTable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +34,9 @@ PATHS: Final = MappingProxyType({f"{section}.{key}": declared for section, keys 
 
 
 def shown_value(value: Any) -> str:
-    """A number, or several, to nine digits."""
+    """A number, or several, to nine digits; a table in words."""
+    if isinstance(value, ForceTable):
+        return str(value)
     return ", ".join(map(shown_value, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"
 
 
@@ -112,8 +115,10 @@ def si_text(path: str, value: float) -> str:
 def text_of(path: str, value: Any) -> Any:
     """The text, or list of texts, that a case file has for a value in SI at a dotted path: as it was written if the value remembers it.
 
-    A text or list of texts is returned as it is.
+    A text or list of texts is returned as it is; of a table the name of its file.
     """
+    if isinstance(value, ForceTable):
+        return value.file or "a table"
     if isinstance(value, tuple):
         return [text_of(path, each) for each in value]
     return value.text if isinstance(value, Written) else si_text(path, value) if isinstance(value, float) else value

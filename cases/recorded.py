@@ -5,11 +5,7 @@ without a unit means SI, so the project's own trajectory files are also recorded
 the table. Only units are converted: no shift, no filter, no fit.
 """
 
-import csv
-import io
-import math
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -17,9 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, shortened
+from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable
+from quickreturn.cases.text.number_rows import does_not_rise, headings_in, late_row, name_and_unit, numbers_in, unit_factor
 from quickreturn.cases.text.text_file import read_text
-from quickreturn.cases.units import DIMENSIONS, PURE_UNITS, QuantityError, in_si, plain_number, unit_size
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
@@ -34,18 +30,6 @@ DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "origin": ("simulated", "measured", "digitised", "synthetic"),
     "source": (),
 }
-#: SI unit -> units that pint does not know, or knows as something else -> the same as `in_si` reads it.
-_OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
-    "1": {"-": "1", "": "1", "%": "percent", "µε": "microstrain", "με": "microstrain"} | {unit: unit for unit in PURE_UNITS},
-    "m/s^2": {"g": "g0"},
-}
-#: Characters in a text that is not a number -> advice.
-_HINTS: Final = {
-    ";": "semicolons separate it: use commas, and decimal points",
-    ",": "the decimal sign is a point",
-    "D": "write e for D",
-}
-_HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
 
 
 @dataclass(frozen=True)
@@ -79,9 +63,11 @@ def read_table(path: str) -> RecordedTable:
     if at == len(lines):
         what = "has no heading" if text.strip() else "is empty"
         raise CaseError(shown, None, None, what, 'write one such as "time [s],crank_angle [deg]"')
-    headings = _headings(shown, f"line {at + 1}", lines[at])
+    headings = headings_in(shown, f"line {at + 1}", lines[at])
     factors = _unit_factors(shown, f"line {at + 1}", headings)
-    values = dict(zip(factors, _values(shown, list(factors), lines, at + 1).T, strict=True))
+    if (rows := len(lines) - at - 1) > MOST_ROWS:
+        raise CaseError(shown, None, None, f"has {rows} rows", f"at most {MOST_ROWS} are accepted")
+    values = dict(zip(factors, numbers_in(shown, list(factors), lines, at + 1, "time").T, strict=True))
     return _table(printable(os.path.basename(path)), path, factors, values, declared)
 
 
@@ -109,8 +95,8 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
         for row in np.flatnonzero(~np.isfinite(values[column]))[:1].tolist():
             value, accepted = str(values[column][row]), "leave out rows that lack a number"
             wrong.append((row, CaseError(name, f"row {row}, {column}", value, "is not finite", accepted)))
-        if column == "time" and (late := _late_row(values[column])) is not None:
-            wrong.append((late, _does_not_rise(name, f"row {late}, time", values[column][late])))
+        if column == "time" and (late := late_row(values[column])) is not None:
+            wrong.append((late, does_not_rise(name, f"row {late}, time", values[column][late])))
     if wrong:
         raise min(wrong, key=lambda mistake: mistake[0])[1]
     return _table(name, name, factors, values, {} if case is None else {"case": case})
@@ -137,16 +123,6 @@ def _table(
     columns = {name: values[name] if factor is None else factor * values[name] for name, factor in factors.items()}
     bare = frozenset(name for name, factor in factors.items() if factor is None)
     return RecordedTable(name, path, columns, bare, declared)
-
-
-def _late_row(time: Array) -> int | None:
-    """Index of the first row whose time is not later than that of the row before; None if there is none."""
-    late = np.flatnonzero(np.diff(time) <= 0.0)
-    return int(late[0]) + 1 if late.size else None
-
-
-def _does_not_rise(source: str, place: str, value: float) -> CaseError:
-    return CaseError(source, place, f"{value:.12g}", "does not rise", "sort the rows and drop doubles")
 
 
 def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[RecordedTable]]:
@@ -196,90 +172,19 @@ def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], in
     return declared, len(lines)
 
 
-def _headings(source: str, place: str, line: str) -> list[str]:
-    """The headings that a line holds."""
-    for sign, word in ((";", "semicolons"), ("\t", "tabulators")):
-        if sign in line:
-            accepted = "separate columns by commas, decimals by points"
-            raise CaseError(source, place, as_written(line), f"has {word} between its columns", accepted)
-    return next(csv.reader([line], skipinitialspace=True))
-
-
 def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str, float | None]:
     """The names of the columns with the SI values of their units, None where a heading has none."""
     factors: dict[str, float | None] = {}
     for heading in headings:
-        match = _HEADING.fullmatch(heading)
-        name, unit = (match[1], match[2]) if match else (heading, None)
-        if plain_number(name.strip()) is not None:
-            raise CaseError(source, place, as_written(heading), "is a number where a heading is due", 'begin with one such as "time [s]"')
+        name, unit = name_and_unit(source, place, heading, "time [s]")
         if name not in COLUMNS:
             near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all; leave others out"
             raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)
         if name in factors:
             raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
-        factors[name] = None if unit is None else _unit_factor(source, place, name, unit.strip())
+        si_unit = COLUMNS[name].unit.replace(" ", "*") if unit is not None else ""
+        factors[name] = None if unit is None else unit_factor(source, f"{place}, {name}", si_unit, unit)
     if "time" not in factors or len(factors) < 2:
         lacks = "has no column time" if "time" not in factors else "holds time alone"
         raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
     return factors
-
-
-def _unit_factor(source: str, place: str, column: str, unit: str) -> float:
-    si_unit = COLUMNS[column].unit.replace(" ", "*")
-    others = _OTHER_UNITS.get(si_unit, {})
-    if unit in others:
-        return in_si(others[unit])
-    try:
-        return unit_size(unit, DIMENSIONS[si_unit])
-    except QuantityError as wrong:
-        raise CaseError(source, f"{place}, {column}", as_written(unit), wrong.problem, wrong.accepted) from None
-
-
-def _values(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> Array:
-    """The numbers below the heading, shape (rows, columns)."""
-    if len(lines) - first > MOST_ROWS:
-        raise CaseError(source, None, None, f"has {len(lines) - first} rows", f"at most {MOST_ROWS} are accepted")
-    if not any(line.strip() for line in lines[first:]):
-        raise CaseError(source, None, None, "has no rows below its heading", "a whole turn of the crank is needed")
-    try:
-        values = np.loadtxt(io.StringIO("\n".join(lines[first:])), delimiter=",", ndmin=2, comments=None, quotechar='"')
-    except ValueError:
-        values = None
-    if (
-        values is None
-        or values.shape[1] != len(names)
-        or not np.all(np.isfinite(values))
-        or _late_row(values[:, names.index("time")]) is not None
-    ):
-        raise _bad_row(source, names, lines, first)
-    return values
-
-
-def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int) -> CaseError:
-    """The mistake in the first row that is not one finite number for each column, or is not later than the row before."""
-    before = -math.inf
-    for number, line in enumerate(lines[first:], first + 1):
-        if not line.strip():
-            continue
-        place, row = f"line {number}", f'"{shortened(line)}"'
-        cells = next(csv.reader([line], skipinitialspace=True))
-        if not any(re.match(r"\s*[+-]?\.?[0-9]", cell) for cell in cells):
-            accepted = "after the one line of headings, with units in their brackets, come rows of numbers alone"
-            return CaseError(source, place, row, "is no row of numbers", accepted)
-        for name, cell in zip(names, cells, strict=False):
-            value = plain_number(cell.strip())
-            if value is None or not np.isfinite(value):
-                hint = next((f" ({told})" for sign, told in _HINTS.items() if sign in cell.upper() and any(map(str.isdigit, cell))), "")
-                problem = f"is no plain number{hint}" if cell.strip() else "is empty"
-                accepted = "leave out rows that lack a number, or columns that were not recorded"
-                return CaseError(source, f"{place}, {name}", as_written(cell), problem, accepted)
-            if name == "time":
-                if not value > before:
-                    return _does_not_rise(source, f"{place}, time", value)
-                before = value
-        if len(cells) != len(names):
-            problem = f"has {len(cells)} numbers, the heading {len(names)} columns"
-            accepted = f"give one number for each column{'; decimals need a point, not a comma' if len(cells) > len(names) else ''}"
-            return CaseError(source, place, row, problem, accepted)
-    return CaseError(source, None, None, "cannot be read as rows of numbers", "give one plain number for each column")

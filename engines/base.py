@@ -20,6 +20,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.quantities import Quantity
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
 S = TypeVar("S", bound=AnySettings)
@@ -196,8 +197,8 @@ class Engine(ABC, Generic[S]):
             for key, value in values.items():
                 name = f"{section}.{key}"
                 if (quantity := NAMED.get(name)) is not None and value != quantity.default and name not in self.quantities:
-                    accepted = _accepted_instead(scene) if quantity.default is None else quantity.default
-                    given = f"{value} {quantity.unit}" if quantity.unit != "1" else f"{value}"
+                    accepted = _accepted_instead(scene, quantity) if quantity.default is None else quantity.default
+                    given = f"{value} {quantity.unit}" if quantity.unit != "1" and not quantity.in_file else f"{value}"
                     raise Refusal(f"{name}: {given} is not modelled by engine {self.name}; accepted: {accepted}")
 
     @abstractmethod
@@ -264,8 +265,10 @@ class Engine(ABC, Generic[S]):
         """
 
 
-def _accepted_instead(scene: Scene) -> str:
-    """What to give in place of a quantity that a model lacks and that has no default: a quantity of the drive."""
+def _accepted_instead(scene: Scene, quantity: Quantity) -> str:
+    """What to give in place of a quantity that a model lacks and that has no default: a quantity of the drive, or a table."""
+    if quantity.in_file:
+        return "tip.force"
     if scene.crank is None:
         return "a scene with [crank]"
     if not isinstance(drive := scene.crank.drive, TorqueDrive):
@@ -299,14 +302,14 @@ USUAL: Final[tuple[str, ...]] = (
     "mechanism.gravity", "crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "tip.center_of_mass", "tip.force",
     "slider.mass",
 )  # fmt: skip
-#: A spring from the follower to a fixed point.
-HELD: Final[tuple[str, ...]] = ("spring.stiffness", "spring.preload", "spring.damping", "spring.stop_stiffness")
 #: A compliant joint that is one linear spring.
 SPRING: Final[tuple[str, ...]] = ("slider.joint_stiffness", "slider.joint_damping")
 #: A compliant joint of two rollers.
 ROLLERS: Final[tuple[str, ...]] = (
     *SPRING, "slider.joint_stiffness_plus", "slider.joint_stiffness_minus", "slider.clearance", "slider.preload", "slider.contact_damping",
 )  # fmt: skip
+#: Forces of a tool but a constant one, and the friction of its slide.
+TOOL: Final[tuple[str, ...]] = ("tip.force_following", "tip.force_table", "tip.friction_force")
 #: Friction along the follower and in its pivot.
 FRICTION: Final[tuple[str, ...]] = ("slider.friction", "slider.friction_force", "base.friction_torque")
 

@@ -23,7 +23,7 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.scene_values import OF_TORQUE, changed
+from quickreturn.reference_model.scene_values import FORCES, OF_TORQUE, changed
 
 Array = NDArray[np.float64]
 
@@ -181,7 +181,7 @@ class SimpleEngine(Engine[SimpleSettings]):
         self.check(mechanism)
         free = "crank.torque" in self.quantities
         at_rest = dict.fromkeys(OF_TORQUE if free else ("crank.prescribed_speed",), 0.0)
-        still = changed(mechanism, {**at_rest, "crank.inertia": _HEAVY, "mechanism.gravity": None, "tip.force": None})
+        still = changed(mechanism, {**at_rest, **dict.fromkeys(("mechanism.gravity", *FORCES)), "crank.inertia": _HEAVY})
         model = self.model(still, Start(crank_angle, 0.0), settings.resolution)
         rest = model.state[: len(model.state) // 2]
         moved = np.concatenate([rest - _DISPLACEMENT * np.eye(len(rest)), rest + _DISPLACEMENT * np.eye(len(rest))])

@@ -96,7 +96,7 @@ class Units:
         """A part of a scene, with its own parts, in these units."""
         values = {name: self._value(getattr(part, name), declared.unit) for name, _, declared in quantities_of(part)}
         parts = {field.name: self._part(each) for field in fields(part) if is_dataclass(each := getattr(part, field.name))}
-        return replace(part, **values, **parts)
+        return replace(part, **(parts | values))  # a table is a value, which `_value` converts
 
     def _value(self, value: Any, unit: str) -> Any:
         if value is None:

@@ -17,10 +17,8 @@ from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.quantities import quantity
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.spring import Spring
+from quickreturn.reference_model.tip import Tip
 
-#: Two angles count as one turn apart if their difference misses a turn by no more than this (rad): a file may give few digits.
-ROUNDING: Final = 1e-6
 #: Shortest part of a flexible follower beyond the slider's farthest place, over the follower's length. On a bent follower the slider is
 #: farther along than on a straight one; tables of shapes end 1e-5 before the end (`beam.tables`).
 LEAST_STUB: Final = 2e-5
@@ -88,43 +86,6 @@ class SpinUp:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tip:
-    """Rigid body clamped to the follower's end, and a force there, as of a tool that cuts over a part of the crank's turn.
-
-    The force keeps its size and its direction in the fixed frame. It comes and goes over `force_ramp` of the crank's angle, twice
-    continuously differentiable (DERIVATION.md, equation 4.9); over the whole turn it is constant.
-    """
-
-    mass: float = quantity("kg", "mass", sign="not negative")
-    inertia: float = quantity("kg*m^2", "about its centre of mass", sign="not negative")
-    center_of_mass: float = quantity("m", "beyond the flexible end, along the end's tangent", default=0.0, named=True)
-    force: tuple[float, float] = quantity("N", "on the flexible end, along n1 and n2", count=2, default=(0.0, 0.0), named=True)
-    force_from: float = quantity("rad", "crank angle at which the force begins", default=0.0)
-    force_to: float = quantity("rad", "crank angle at which it ends; at most a turn later", default=2.0 * math.pi)
-    force_ramp: float = quantity("rad", "crank angle over which it comes and goes", sign="positive", default=math.radians(10.0))
-
-    def __post_init__(self) -> None:
-        span = self.force_to - self.force_from
-        if not self.is_always_forced and not 2.0 * self.force_ramp <= span <= 2.0 * math.pi:
-            raise ImpossibleMechanism(
-                "tip.force_to",
-                f"lets the force act over {math.degrees(span):.6g} deg of the crank's turn",
-                f"from twice force_ramp ({math.degrees(2.0 * self.force_ramp):.6g} deg) to 360 deg are accepted",
-                ("tip.force_from", "tip.force_ramp"),
-            )
-
-    @property
-    def is_forced(self) -> bool:
-        """Whether a force acts on it at all."""
-        return self.force != (0.0, 0.0)
-
-    @property
-    def is_always_forced(self) -> bool:
-        """Whether the force acts over the whole turn."""
-        return abs(self.force_to - self.force_from - 2.0 * math.pi) <= ROUNDING
-
-
-@dataclass(frozen=True, kw_only=True)
 class _Bodies:
     """The parts that a mechanism and a follower alone have in common."""
 
@@ -132,12 +93,6 @@ class _Bodies:
     follower: Follower
     tip: Tip | None = None
     gravity: tuple[float, float] = quantity("m/s^2", "along n1 and n2, on every body", count=2, default=(0.0, 0.0), named=True)
-    spring: Spring | None = None
-
-    @property
-    def acting_spring(self) -> Spring | None:
-        """The spring, if it has a force."""
-        return self.spring if self.spring and self.spring.acts else None
 
     @property
     def has_gravity(self) -> bool:
@@ -183,8 +138,6 @@ class Mechanism(_Bodies):
                 f" {d + crank:.7g} m must not exceed {1.0 - LEAST_STUB:g} follower.length = {(1.0 - LEAST_STUB) * length:.7g} m",
                 others=others,
             )
-        if self.spring is not None:
-            self.spring.fit(d, crank, length)
 
     @property
     def crank_is_free(self) -> bool:
@@ -198,8 +151,7 @@ class Mechanism(_Bodies):
         drive = self.crank.drive.damping if isinstance(self.crank.drive, TorqueDrive) else 0.0
         losses = (
             *(base.damping, base.friction_torque, follower.damping, follower.material_damping, drive),
-            *(slider.joint_damping, slider.contact_damping, slider.friction, slider.friction_force),
-            0.0 if self.spring is None else self.spring.damping,
+            *(slider.joint_damping, slider.contact_damping, slider.friction, slider.friction_force, self.tip_body.friction_force),
         )
         return any(loss > 0.0 for loss in losses)
 
@@ -245,8 +197,8 @@ class FollowerAlone(_Bodies):
             )
         if self.tip_body.is_forced:
             raise ImpossibleMechanism("tip.force", "acts over a part of the crank's turn, and there is no crank", "leave it out")
-        if self.spring is not None:
-            raise ImpossibleMechanism("spring.anchor", "belongs to a machine with a crank", "leave out [spring], or give [crank]")
+        if self.tip_body.friction_force > 0.0:
+            raise ImpossibleMechanism("tip.friction_force", "is that of a slide beside the crank, and there is none", "leave it out")
 
 
 #: What an engine may be asked to simulate.

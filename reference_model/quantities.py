@@ -11,7 +11,7 @@ _KEY: Final = "quantity"
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with a unit, or a list of `count` of them."""
+    """A number with a unit, a list of `count` of them, or a table."""
 
     unit: str  # SI unit, as written in a case file
     meaning: str  # in words
@@ -22,7 +22,13 @@ class Quantity:
     infinity: bool  # whether it may be infinite, for a rigid part
     moves: bool  # whether the motion depends on it
     named: bool  # whether a model may lack it: an engine has it only if its `quantities` name it
+    in_file: bool  # whether its value is a table, which a case file names or holds
     default: Any  # SI value where a case file leaves it out; None where there is no fixed one
+
+    @property
+    def is_number(self) -> bool:
+        """Whether its value is a single number."""
+        return self.count is None and not self.in_file
 
 
 def quantity(
@@ -38,6 +44,7 @@ def quantity(
     moves: bool = True,
     measured: bool = False,
     named: bool = False,
+    in_file: bool = False,
 ) -> Any:
     """A field of a scene's dataclass; see `Quantity`.
 
@@ -46,7 +53,7 @@ def quantity(
     (`measured`).
     """
     optional = default is not MISSING if optional is None else optional
-    declared = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, named, None if default is MISSING else default)
+    declared = Quantity(unit, meaning, sign, key, optional, count, infinity, moves, named, in_file, None if default is MISSING else default)
     return field(default=default, compare=moves or measured, metadata={_KEY: declared})
 
 

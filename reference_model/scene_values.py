@@ -14,14 +14,13 @@ from quickreturn.reference_model.mechanism import (
     PrescribedSpeed,
     Scene,
     SpinUp,
-    Tip,
     TorqueDrive,
 )
 from quickreturn.reference_model.quantities import Quantity, quantities_of
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.spring import Spring
+from quickreturn.reference_model.tip import ForceTable, Tip
 
-Value = float | tuple[float, ...]
+Value = float | tuple[float, ...] | ForceTable
 #: Section -> key -> SI value.
 Values = Mapping[str, Mapping[str, Value]]
 #: Dotted key, `section.key` -> SI value; None leaves out the key, or the section that is named alone.
@@ -41,7 +40,6 @@ _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
         "follower": (Follower, Material),
         "tip": (Tip,),
         "slider": (Slider,),
-        "spring": (Spring,),
     }
 )
 
@@ -59,7 +57,7 @@ NAMED: Final[Mapping[str, Quantity]] = MappingProxyType(
     {f"{name}.{key}": quantity for name, keys in SECTIONS.items() for key, quantity in keys.items() if quantity.named}
 )
 #: Sections that a scene with a crank may lack.
-OPTIONAL_SECTIONS: Final = ("tip", "slider", "spring")
+OPTIONAL_SECTIONS: Final = ("tip", "slider")
 #: Keys of a crank that a torque drives.
 OF_TORQUE: Final = ("crank.torque", "crank.damping", "crank.initial_speed")
 #: Keys that exclude each other: the first of each pair, and the others. A case file needs one of the two sides.
@@ -70,6 +68,9 @@ ALTERNATIVES: Final = (
     ("follower.diameter", ("follower.thickness", "follower.width", "follower.flange", "follower.web")),
     ("follower.wall", ("follower.flange", "follower.web")),
 )
+#: Ways to give the force of a tool: each takes the place of the others, and a table also that of the window in which a constant one acts.
+FORCES: Final = ("tip.force", "tip.force_following", "tip.force_table")
+WINDOW: Final = ("tip.force_from", "tip.force_to", "tip.force_ramp")
 #: Keys that turn the base of a follower alone; a scene with a crank must not have them.
 SPIN_UP: Final = ("base.spin_up_speed", "base.spin_up_time")
 CRANK_OR_NOT: Final = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
@@ -103,7 +104,6 @@ def scene_of(values: Values) -> Scene:
         "base": Base(**base),
         "follower": _follower(given["follower"]),
         "tip": Tip(**given["tip"]) if "tip" in values else None,
-        "spring": Spring(**given["spring"]) if "spring" in values else None,
         **given["mechanism"],
     }
     if spin_up:
@@ -123,7 +123,7 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
     """The values of a scene by section and key; sections and keys that it lacks are left out."""
     parts: dict[str, list[Any]] = {
         "mechanism": [scene],
-        **{name: [part] for name in ("crank", "base", "follower", "tip", "slider", "spring") if (part := getattr(scene, name)) is not None},
+        **{name: [part] for name in ("crank", "base", "follower", "tip", "slider") if (part := getattr(scene, name)) is not None},
     }
     if scene.crank is None:
         del parts["slider"]
@@ -147,6 +147,9 @@ def replaced_by(paths: Container[str]) -> list[str]:
     dropped = list[str]()
     for first, others in ALTERNATIVES:
         dropped += others if first in paths else [first] if any(path in paths for path in others) else []
+    for force in FORCES:
+        if force in paths:
+            dropped += [other for other in (*FORCES, *(WINDOW if force == FORCES[-1] else ())) if other != force]
     return dropped
 
 

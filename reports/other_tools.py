@@ -16,6 +16,7 @@ from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.tip import Tip
 from quickreturn.reference_model.tip_force import WHOLE
 
 #: Largest number of letters in a line of prose.
@@ -38,8 +39,7 @@ def for_other_tools(case: Case, given: str) -> str:
     """
     mechanism = case.mechanism
     pace = crank_pace(mechanism)
-    not_asked = _NOT_ASKED if mechanism.acting_spring is not None else (*_NOT_ASKED, "spring_force")
-    columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in not_asked]
+    columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in _NOT_ASKED]
     follower, tip = mechanism.follower, mechanism.tip_body
     template = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=False).from_string(
         (files("quickreturn.reports") / "templates" / "other_tools.jinja").read_text("utf-8")
@@ -56,8 +56,9 @@ def for_other_tools(case: Case, given: str) -> str:
         axial_stiffness=0.0 if follower.is_rigid else follower.axial_stiffness,
         law=rollers(mechanism.slider),
         gravity=any(mechanism.gravity),
-        spring=mechanism.acting_spring,
-        tip_force=any(tip.force),
+        tip=tip,
+        tip_force=tip.is_forced,
+        force_rows=list(zip(tip.force_table.angles, tip.force_table.first, tip.force_table.second, strict=True)) if tip.force_table else [],
         whole_turn=tip.force_to - tip.force_from >= WHOLE,
         start=_start(mechanism),
         columns=columns,
@@ -84,16 +85,25 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
     for section, values in case.values.items():
         if section == "simulation" or (section == "slider" and case.mechanism.slider == Slider()):
             continue  # a slider that is only a point on the follower
-        keys = SECTIONS[section]
-        without_force = section == "tip" and not any(values["force"])
+        keys, hidden = SECTIONS[section], _idle_keys(case.mechanism.tip_body) if section == "tip" else set()
         parts[section] = [
             (name, _value(value), keys[name].unit, keys[name].meaning)
             for name, value in values.items()
             if keys[name].moves
-            and not (without_force and name.startswith("force"))
-            and not ((section in ("slider", "spring") or name in ("friction_torque", "material_damping")) and value == keys[name].default)
+            and name not in hidden
+            and not ((section == "slider" or name in ("friction_torque", "material_damping")) and value == keys[name].default)
         ]
     return parts
+
+
+def _idle_keys(tip: Tip) -> set[str]:
+    """Keys of a tip that say nothing about its motion, and that of a table, which stands with the forces."""
+    idle = {key for key in ("force", "force_following") if not any(getattr(tip, key))} | {"force_table"}
+    if tip.force_scale == 1.0:
+        idle.add("force_scale")
+    if not tip.is_forced or tip.force_table:
+        idle |= {"force_from", "force_to", "force_ramp"}
+    return idle if tip.friction_force > 0.0 else idle | {"friction_force", "friction_speed"}
 
 
 def _start(mechanism: Mechanism) -> list[tuple[str, str, str]]:

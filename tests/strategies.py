@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.tip import Tip
 
 Array = NDArray[np.float64]
 Drive = Literal["torque", "prescribed", "any"]

@@ -13,8 +13,9 @@ from typing import Any, Final
 
 from quickreturn.cases.variation import Variation
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
+from quickreturn.reference_model.tip import ForceTable, Tip
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
@@ -84,6 +85,11 @@ _TOOL: Final = {"tip.force": (0.0, 1.5)}
 _SLOT: Final = {"tip.force_from": math.radians(200.0), "tip.force_to": math.radians(300.0)}
 _WHOLE_TURN: Final = {"tip.force_from": 0.0, "tip.force_to": 2.0 * math.pi}
 _CUT: Final = {**_TOOL, **_SLOT}
+_FOLLOWING: Final = {"tip.force_following": (3.0, 1.5)}
+_TURNED_BACK: Final = {"tip.force_following": (-3.0, -1.5)}
+_TABLE: Final = ForceTable((0.3, 1.2, 2.4, 3.1, 4.0, 5.2), (0.0, -2.0, -4.0, -3.0, 2.0, 0.0), (0.0, 1.0, 1.5, 2.0, 0.5, -0.5))
+_OF_EXCHANGED_COLUMNS: Final = ForceTable(_TABLE.angles, _TABLE.second, _TABLE.first)
+_COLUMNS_EXCHANGED: Final = "the two forces of tip.force_table are exchanged"
 
 
 _GRAVITY: Final = "mechanism.gravity"
@@ -108,13 +114,6 @@ def turned(vector: tuple[float, float], angle: float) -> tuple[float, float]:
 #: Gravity (m/s^2) in a direction that every mistake changes, and a start angle (rad) of the crank other than 180 deg.
 _ASLANT: Final = (6.0, -8.0)
 _ELSEWHERE: Final = 2.0
-
-
-#: A spring across the follower, beyond its middle.
-SPRING: Final = {"spring.stiffness": 20.0, "spring.anchor": (0.03, -0.35), "spring.place": 0.4, "spring.free_length": 0.35}
-#: Stops within its travel.
-_STOPS: Final = {**SPRING, "spring.shortest": 0.3, "spring.longest": 0.4, "spring.stop_ramp": 0.01}
-_PRELOADED: Final = {**SPRING, "spring.free_length": None, "spring.preload_length": 0.35, "spring.preload": 1.0}
 
 
 #: Every quantity that can show in a motion. The width of the section does not.
@@ -200,17 +199,11 @@ CHANGES: Final = (
     Change("tip.force_from", {"tip.force_from": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": _WHOLE_TURN}),
     Change("tip.force_to", {"tip.force_to": math.radians(250.0)}, _CUT, {"the force acts over the whole turn": _WHOLE_TURN}),
     Change("tip.force_ramp", {"tip.force_ramp": math.radians(45.0)}, _CUT),
-    Change("spring.stiffness", {"spring.stiffness": 40.0}, SPRING),
-    Change(
-        "spring.anchor",
-        {"spring.anchor": (0.15, -0.3)},
-        SPRING,
-        {"the fixed point of the spring is measured from P": {"spring.anchor": (0.15 + BASE.pivot_distance, -0.3)}},
-    ),
-    Change("spring.place", {"spring.place": 0.55}, SPRING, {"the spring acts at the end": {"spring.place": BASE.follower.length}}),
-    Change("spring.preload", {"spring.preload": 3.0}, _PRELOADED),
-    Change("spring.damping", {"spring.damping": 2.0}, SPRING),
-    Change("spring.stop_stiffness", {"spring.stop_stiffness": 120.0}, {**_STOPS, "spring.stop_stiffness": 30.0}),
+    Change("tip.force_following", _FOLLOWING, alike={"tip.force_following has the wrong sign, or keeps its direction": _TURNED_BACK}),
+    Change("tip.force_table", {"tip.force_table": _TABLE}, alike={_COLUMNS_EXCHANGED: {"tip.force_table": _OF_EXCHANGED_COLUMNS}}),
+    Change("tip.force_scale", {"tip.force_scale": 2.0}, _TOOL),
+    Change("tip.friction_force", {"tip.friction_force": 0.4}, {"tip.friction_speed": 0.3}),
+    Change("tip.friction_speed", {"tip.friction_speed": 3.0}, {"tip.friction_force": 0.4}),
     Change("slider.mass", {"slider.mass": 0.5}),
     Change("slider.inertia", {"slider.inertia": 2e-3}),
     Change("slider.joint_stiffness", _SOFT_JOINT),

@@ -69,7 +69,9 @@ def library_document(name: str) -> Document:
     """
     if name in registered():
         return registered()[name].document()
-    return hard.scene_document(name, library_document(hard.ORIGINAL)) if name in hard.SCENES else read_document(_file_text(name), name)
+    if name in hard.SCENES:
+        return hard.scene_document(name, library_document(hard.ORIGINAL))
+    return read_document(_file_text(name), name, str(_FOLDER))
 
 
 def catalogue(tag: str | None = None) -> tuple[CatalogueLine, ...]:
@@ -100,7 +102,7 @@ def _line(name: str) -> CatalogueLine:
         return CatalogueLine(name, (hard.TAG,), hard.scene_title(name))
     if name in registered():
         return CatalogueLine(name, registered()[name].tags, registered()[name].title)
-    written, title, tags = header_of(read_document(_file_text(name), name))
+    written, title, tags = header_of(read_document(_file_text(name), name, str(_FOLDER)))
     if written != name:
         raise CaseError(f"{name}.toml", "name", f'"{written}"', "differs from the file's name", f'in this folder write name = "{name}"')
     return CatalogueLine(name, tags, title)

@@ -4,14 +4,11 @@ An engine gives the moment at the interior twelfths of the length, at both ends,
 what the bodies there require by the engine's own accelerations. They are not made of other columns here: the angle of the end follows from
 the moments, the moment at the end from that angle's second derivative, and this circle diverges for rows closer than the period of the last
 twelfth with the tip body on it. The slopes at the ends follow from Newton's law, with n the normal, a the acceleration of the flexible end
-along it, theta the angle of the end, e the tip body's centre of mass beyond the end, R the force of the bearing, f the force on the tip, c
-the damping of the beam, which acts between it and the base:
+along it, theta the angle of the end, e the tip body's centre of mass beyond the end, R the force of the bearing, f that of the tool and of
+the friction of its slide, c the damping of the beam, which acts between it and the base:
 
     base   dM(0)/dx = R n + integral of c dW/dt over x
     tip    dM(L)/dx = m (a + e theta'' - g n) - f n,   M(L) = -J theta'' - m e (a + e theta'' - g n)
-
-A spring at the end adds its force to f. Elsewhere it makes a kink at its place x_s: what is interpolated is the moment less the part
-F n (x_s - x) that its force F has inboard of it.
 
 On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
 rotary inertia. Each side is interpolated separately, by polynomials through the nearest known places. Their error is estimated by leaving
@@ -28,7 +25,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.splines import CubicSpline
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip_force import slide_friction, tip_force
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]
@@ -65,8 +62,6 @@ class KnownMoments:
     outboard: Array  # on its outer side, likewise
     base_slope: Array | None  # N, shape (rows,); None where it is not known
     tip_slope: Array | None  # likewise
-    spring: float = 0.0  # arc length of the spring's place, m
-    pull: Array | None = None  # the spring's force across the arm, N, shape (rows,); None without one, or if it is at the end
 
     @property
     def spacing(self) -> float:
@@ -77,10 +72,6 @@ class KnownMoments:
     def places(self) -> Array:
         """Arc lengths at which the moment is computed, m, shape (places,)."""
         return np.linspace(0.0, self.length, TWELFTHS * IN_A_TWELFTH + 1)
-
-    def of_spring(self, x: Array, rows: Numbers | slice = slice(None)) -> Array:
-        """Part of the spring in the moment of some rows at arc lengths `x` (m, shape (some rows, m)), N m; 0 without one."""
-        return np.zeros(x.shape) if self.pull is None else self.pull[rows, None] * np.maximum(self.spring - x, 0.0)
 
     @property
     def at_slider(self) -> Array | None:
@@ -109,7 +100,6 @@ def missing(scene: Scene, columns: Mapping[str, Array]) -> str:
         "moment_base": (at_base, "inertia, damping or torque of the base make a moment there"),
         "moment_tip": (tip.inertia > 0.0 or tip.mass * tip.center_of_mass != 0.0, "the tip body makes a moment there"),
         "moment_inboard": ("moment_slider" in columns and passes, "the moment jumps at the slider"),
-        "spring_force": (scene.acting_spring is not None, "the spring bends the arm"),
     }
     lacks = (f"column {name} is missing, and {why}" for name, (needed, why) in asked.items() if needed and name not in columns)
     return next(lacks, "")
@@ -133,27 +123,7 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
         base_slope=_base_slope(scene, columns),
         tip_slope=None,
     )
-    tip_slope = _tip_slope(scene, columns, known)
-    if (spring := scene.acting_spring) is None:
-        return replace(known, tip_slope=tip_slope)
-    place, pull = spring.place_on(known.length), _pull_across(scene, columns)
-    if place < known.length:
-        return replace(known, tip_slope=tip_slope, spring=place, pull=pull)
-    return replace(known, tip_slope=tip_slope - pull)
-
-
-def _pull_across(scene: Scene, columns: Mapping[str, Array]) -> Array:
-    """Force of the spring across the arm at its place, N, shape (rows,); the place is that of the deflection on the base's tangent."""
-    spring, angle, rows = scene.acting_spring, columns["follower_angle"], columns["time"].size
-    assert spring is not None
-    place = np.array([spring.place_on(scene.follower.length)])
-    bend = turned = np.zeros(rows)
-    if {*SHAPE, "tip_deflection"} <= set(columns):
-        line = np.array([np.zeros(rows), *(columns[name] for name in SHAPE), columns["tip_deflection"]])
-        spline = CubicSpline(np.linspace(0.0, scene.follower.length, TWELFTHS + 1), line)
-        bend, turned = spline(place)[0], np.arctan(spline(place, 1)[0])
-    along = complex(*spring.anchor) - scene.pivot_distance - np.exp(1j * angle) * (place + 1j * bend)
-    return np.asarray(columns["spring_force"] * (along / np.abs(along) * np.exp(-1j * (angle + turned))).imag)
+    return replace(known, tip_slope=_tip_slope(scene, columns, known))
 
 
 def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
@@ -187,8 +157,15 @@ def _tip_slope(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) 
     across = columns["tip_acceleration"] - _across(np.array(scene.gravity)[:, None], angle)
     lever, about_end = tip.mass * tip.center_of_mass, tip.inertia + tip.mass * tip.center_of_mass**2
     turning = -(known.twelfths[:, -1] + lever * across) / about_end if about_end > 0.0 else 0.0
-    force = _across(tip_force(tip, columns["crank_angle"]), angle) if tip.is_forced else 0.0
-    return np.asarray(tip.mass * across + lever * turning - force)
+    slope = tip.mass * across + lever * turning
+    if tip.is_forced:
+        force = tip_force(tip, columns["crank_angle"], angle)
+        slope -= _across(np.array([force.real, force.imag]), angle)
+    if tip.friction_force > 0.0:
+        velocity = CubicSpline(columns["time"], np.column_stack([columns["tip_x"], columns["tip_y"]]))(columns["time"], 1)
+        rubbing = slide_friction(tip, velocity @ np.array([1.0, 1j]))
+        slope -= _across(np.array([rubbing.real, rubbing.imag]), angle)
+    return np.asarray(slope)
 
 
 def _end_angle(scene: Scene, columns: Mapping[str, Array], known: KnownMoments) -> Array:
@@ -222,7 +199,7 @@ def interpolated(x: Array, known: KnownMoments, parity: int | None = None) -> Ar
             if places.any():
                 block = np.ix_(rows, places)
                 moments[block] = np.where(side[:, places], _polynomials(*nodes, x[places]), moments[block])
-    return moments + known.of_spring(np.broadcast_to(x, moments.shape))
+    return moments
 
 
 def _groups(known: KnownMoments, kept: Numbers) -> Iterator[tuple[Numbers, Numbers, Numbers]]:
@@ -248,8 +225,7 @@ def _nodes(known: KnownMoments, rows: Numbers, numbers: Numbers, inner: bool) ->
         at = len(places) if inner else 0
         places.insert(at, known.slider[rows])
         moments.insert(at, (known.inboard if inner else known.outboard)[rows])
-    nodes = np.array(places).T
-    return nodes, np.array(moments).T - known.of_spring(nodes, rows)
+    return np.array(places).T, np.array(moments).T
 
 
 def _polynomials(nodes: Array, values: Array, x: Array) -> Array:

@@ -26,7 +26,7 @@ def range_of(key: str, text: str, option: str) -> Range:
     if key not in PATHS or key.startswith("simulation."):
         raise CaseError(option, key, None, "is no quantity of a scene", nearest_or_all(key, tuple(PATHS)))
     about = PATHS[key]
-    if about.count is not None or not about.moves or key in OF_START:
+    if not about.is_number or not about.moves or key in OF_START:
         raise CaseError(option, key, None, "changes no periodic motion continuously", "give a single number of the scene")
     ends = [part.strip() for part in text.split("..")]
     example = f'such as "{"60 rpm .. 300 rpm" if key == SPEED else f"1 {about.unit} .. 2 {about.unit}"}"'

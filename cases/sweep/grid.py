@@ -40,7 +40,7 @@ class Axis:
     key: str  # dotted key of a case file, or "engine"
     texts: tuple[str, ...]  # the values as in a case file
     numbers: tuple[Value, ...]  # the values in SI, which remember their texts; empty of engines
-    unit: str  # SI; "" of engines and vectors
+    unit: str  # SI; "" of engines, vectors and tables
 
     @property
     def values(self) -> tuple[Value, ...] | tuple[str, ...]:
@@ -68,12 +68,12 @@ def axis(text: str) -> Axis:
     numbers = tuple(_number(key, each) for each in texts) if unit else ()
     if len(set(numbers or texts)) < len(texts):
         raise CaseError(VARY, key, None, "has a value twice", "give each once")
-    return Axis(key, texts, numbers, "" if unit and PATHS[key].count else unit)
+    return Axis(key, texts, numbers, "" if unit and not PATHS[key].is_number else unit)
 
 
 def _number(key: str, text: str) -> Value:
-    """The value in SI of a text, or of a list of texts. CaseError: it is invalid."""
-    return Written(si_value(key, text, VARY), text) if PATHS[key].count is None else changes_of({key: text}, VARY)[key]
+    """The value in SI of a text, or of a list of texts; or the table. CaseError: it is invalid."""
+    return Written(si_value(key, text, VARY), text) if PATHS[key].is_number else changes_of({key: text}, VARY)[key]
 
 
 def unit_of(key: str) -> str:
@@ -160,10 +160,8 @@ class Grid:
 
 def keeps_shapes(key: str) -> bool:
     """Whether a key leaves the follower's shapes unchanged, so that a row can share their tables."""
-    return (
-        key.startswith(("crank.", "base.", "slider.", "spring.", "tip.force", "mechanism.gravity", "follower.damping"))
-        and key != "crank.length"
-    )
+    kept = ("crank.", "base.", "slider.", "tip.force", "tip.friction", "mechanism.gravity", "follower.damping")
+    return key.startswith(kept) and key != "crank.length"
 
 
 def scenes_of(case: Case, changes: Iterable[Changes]) -> list[Mechanism | Impossible]:

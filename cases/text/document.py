@@ -10,6 +10,7 @@ from quickreturn.cases.errors import Argument, CaseError, as_written, attempted,
 from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of
 from quickreturn.cases.text.broken_toml import LONGEST_LINE, toml_of
 from quickreturn.cases.text.copies import LONGEST_TITLE
+from quickreturn.cases.text.force_table import read_force_table
 from quickreturn.reference_model.scene_values import changed_values, replaced_by
 
 #: Names of cases and tags.
@@ -25,7 +26,8 @@ class Document:
 
     source: str  # file or case name, for messages
     header: Mapping[str, Any]  # name, title and tags as read
-    values: Mapping[str, Mapping[str, Any]]  # section -> key -> string or list as read, or numbers in SI if the case was not a text
+    # section -> key -> string or list as read, or numbers in SI if the case was not a text; a table always with its numbers
+    values: Mapping[str, Mapping[str, Any]]
     overridden: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> text(s) of a value set from outside, latest last
     set_by: str = OVERRIDES  # source of these values, for messages
     mistakes: tuple[CaseError, ...] = ()  # mistakes in sections and keys, which the values therefore lack
@@ -78,7 +80,7 @@ class Document:
             if path in HEADER:
                 mistakes.append(CaseError(by, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque"))
             else:
-                attempted(mistakes, _check, by, path, values[path])
+                values[path] = attempted(mistakes, _accepted, by, path, values[path], "")
         if mistakes:
             raise together([*self.mistakes, *mistakes])
         return self.changed(values, by)
@@ -91,10 +93,15 @@ def check_mapping(overrides: Any) -> Mapping[str, str]:
     return overrides
 
 
-def read_document(text: str, source: str) -> Document:
-    """Parse TOML, and keep the known sections and keys whose values have the right TOML types.
+def read_document(text: str, source: str, folder: str = "") -> Document:
+    """Parse TOML, and keep the known sections and keys whose values have the right TOML types; read the table that a key names.
 
-    An unknown or misplaced key, or a value that is not a string, becomes one of the document's mistakes.
+    An unknown or misplaced key, a value that is not a string, or a mistake in a table becomes one of the document's mistakes.
+
+    Args:
+        text: TOML.
+        source: its name, for messages.
+        folder: where the paths in it begin; "": the present one.
 
     Raises:
         CaseError: broken TOML.
@@ -109,24 +116,30 @@ def read_document(text: str, source: str) -> Document:
         elif not isinstance(section, dict):
             mistakes.append(CaseError(source, name, as_written(section), "is not a section", f"write [{name}] with its keys below"))
         else:
-            values[name] = {key: value for key, value in section.items() if attempted(mistakes, _check, source, f"{name}.{key}", value)}
+            read = {key: attempted(mistakes, _accepted, source, f"{name}.{key}", value, folder) for key, value in section.items()}
+            values[name] = {key: value for key, value in read.items() if value is not None}
     return Document(source, header, values, mistakes=tuple(mistakes))
 
 
-def _check(source: str, path: str, value: Any) -> bool:
-    """True. CaseError: an unknown key, or a value that is neither a string nor, for a vector, a list of so many strings."""
+def _accepted(source: str, path: str, value: Any, folder: str) -> Any:
+    """The value itself, or the table that it names.
+
+    CaseError: an unknown key; a value that is neither a string nor, for a vector, a list of so many strings; a mistake in a table.
+    """
     if path not in PATHS:
         raise _unknown(source, path, value)
     wanted, example = PATHS[path], dimension_of(path).example
     if wanted.count is None:
         fits, problem = isinstance(value, str), "is a bare number" if type(value) in (int, float) else "is not a string"
         accepted = f"write a string with number and unit, such as {example}" + (', or "inf"' if wanted.infinity else "")
+        if wanted.in_file:
+            accepted = 'write the path of a CSV file, such as "cutting.csv"'
     else:
         fits = isinstance(value, list) and len(value) == wanted.count and all(isinstance(item, str) for item in value)
         problem, accepted = f"is not a list of {wanted.count} strings", f"write one such as [{', '.join([example] * wanted.count)}]"
     if not fits:
         raise CaseError(source, path, as_written(value), problem, accepted)
-    return True
+    return read_force_table(value, source, path, folder) if wanted.in_file else value
 
 
 def _unknown(source: str, path: str, value: Any) -> CaseError:

@@ -14,6 +14,7 @@ from quickreturn.cases.units import QuantityError
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import MissingQuantity, Value, misfits_of_keys, replaced_by, scene_of
+from quickreturn.reference_model.tip import ForceTable
 
 _MOST_STEPS: Final = 2_000_000  # output steps: a table of a gigabyte
 _LARGEST_ANGLE: Final = math.radians(1e6)  # doubles are 4e-12 rad apart there; at far larger angles a crank would turn in jumps
@@ -70,6 +71,8 @@ def changes_of(texts: Mapping[str, Any], source: str) -> dict[str, Value]:
 
 
 def _written(text: Any, value: Any) -> Value:
+    if isinstance(value, ForceTable):
+        return value
     return tuple(map(Written, value, text)) if isinstance(value, tuple) else Written(value, text)
 
 
@@ -146,7 +149,7 @@ def _quantity(document: Document, path: str, written: Any) -> Any:
     """SI value, or tuple of SI values, of the text at a key; of one with a tolerance the nominal value."""
     if isinstance(written, (list, tuple)):
         return tuple(_quantity(document, path, one) for one in written)
-    if isinstance(written, float) and path not in document.overridden:
+    if isinstance(written, ForceTable) or (isinstance(written, float) and path not in document.overridden):
         return written
     try:
         is_toleranced = isinstance(written, str) and PLUS_MINUS in written

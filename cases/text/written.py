@@ -11,7 +11,9 @@ from typing import Any, Final
 
 from quickreturn.cases.keys import PATHS, SECTIONS, dimension_of, si_text
 from quickreturn.cases.text.document import Document
+from quickreturn.cases.text.force_table import text_of_table
 from quickreturn.reference_model.scene_values import ALTERNATIVES, DESCRIPTIONS, OPTIONAL_SECTIONS, SPIN_UP
+from quickreturn.reference_model.tip import ForceTable
 
 _WIDTH: Final = 110  # characters of a line of prose
 _COLUMN: Final = 50  # largest width of keys with values, before their comments; longer ones push their own comment
@@ -71,7 +73,7 @@ def _possible(document: Document, path: str) -> bool:
     """Whether an absent key could be there: the follower alone has no crank and no slider, the others no spin-up."""
     if all(document.at(spun) is None for spun in SPIN_UP):
         return path not in SPIN_UP
-    return not path.startswith(("crank.", "slider.", "spring.", "tip.force")) and path != "mechanism.pivot_distance"
+    return not path.startswith(("crank.", "slider.", "tip.force", "tip.friction")) and path != "mechanism.pivot_distance"
 
 
 def _comment(path: str, *, absent: bool) -> str:
@@ -94,8 +96,8 @@ def _default(path: str) -> str:
     if all(isinstance(value, float) and (math.isfinite(value) or (wanted.infinity and value == math.inf)) for value in values):
         texts = [f'"{math.degrees(value):.9g} deg"' if wanted.unit == "rad" else f'"{si_text(path, value)}"' for value in values]
     else:
-        unit = "" if wanted.unit == "1" else f" {wanted.unit if wanted.unit in dimension.examples else dimension.examples[0]}"
-        texts = [f'"...{unit}"'] * (wanted.count or 1)
+        unit = wanted.unit if wanted.unit in dimension.examples else dimension.examples[0]
+        texts = [f'"...{" .csv" if wanted.in_file else "" if wanted.unit == "1" else f" {unit}"}"'] * (wanted.count or 1)
     return texts[0] if wanted.count is None else f"[{', '.join(texts)}]"
 
 
@@ -105,6 +107,8 @@ def _value(document: Document, path: str, value: Any) -> str:
         return f"[{', '.join(_value(document, path, one) for one in value)}]"
     if isinstance(value, str):
         return _toml(value)
+    if isinstance(value, ForceTable):
+        return f'"""\n{text_of_table(value)}\n"""'
     wanted = PATHS[path]
     if not math.isfinite(value) and not (wanted.infinity and value == math.inf):
         raise document.error(path, "cannot stand in a case file", "a finite number is needed", value=value)

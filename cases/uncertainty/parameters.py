@@ -48,8 +48,9 @@ class Parameter:
         if not quantity.moves:
             raise CaseError(source, match[1], None, "changes no motion", "give a quantity that the motion depends on")
         place = None if match[2] is None else int(match[2]) - 1
-        if (place is None) != (quantity.count is None) or (place or 0) >= (quantity.count or 1):
-            accepted = f"write {match[1]}" if quantity.count is None else f"write {match[1]}[1] to {match[1]}[{quantity.count}]"
+        if quantity.in_file or (place is None) != quantity.is_number or (place or 0) >= (quantity.count or 1):
+            one = "tip.force_scale" if quantity.in_file else match[1]
+            accepted = f"write {one}" if quantity.count is None else f"write {match[1]}[1] to {match[1]}[{quantity.count}]"
             raise CaseError(source, None, as_written(key), "names no single number", accepted)
         return cls(match[1], place)
 

@@ -11,8 +11,7 @@ from quickreturn.engines.base import ModelDescription
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.joint import joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
-from quickreturn.reference_model.spring import spring_tension
-from quickreturn.reference_model.tip_force import share_of_force
+from quickreturn.reference_model.tip_force import constants, slide_friction, tool_force
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True
@@ -122,34 +121,27 @@ class Assembly:
             self.mbs.AddLoad(items.LoadForceVector(markerNumber=self.point_marker(body, x), loadVector=[*force, 0.0]))
 
     def push_tip(self, marker: Any, crank_node: Any) -> None:
-        """Add the force on the tip, at a marker there, unless it is zero."""
+        """Add the force on the tip and the friction of the tool's slide; the marker there turns with the follower if the force does."""
         tip = self.scene.tip
-        if tip is None or not tip.is_forced:
+        if tip is None:
             return
-        force, span = np.array([*tip.force, 0.0]), tip.force_to - tip.force_from
-        if tip.is_always_forced:
-            self.mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=list(force)))
-            return
+        given = tuple(constants(tip).values())
 
         def acting(mbs: Any, _time: float, _load: Any) -> Any:
-            angle = mbs.GetNodeOutput(crank_node, exu.OutputVariableType.Rotation)[2]
-            return share_of_force(angle, tip.force_from, span, tip.force_ramp) * force
+            share, *force = tool_force(mbs.GetNodeOutput(crank_node, exu.OutputVariableType.Rotation)[2], *given)
+            return share * np.array([*force, 0.0])
 
-        self.mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=list(force), loadVectorUserFunction=acting))
+        def rubbing(_mbs: Any, _time: float, _item: Any, _displacement: Any, velocity: Any, *_parameters: Any) -> Any:
+            force = slide_friction(tip, np.array(complex(velocity[0], velocity[1])))
+            return [-float(force.real), -float(force.imag), 0.0]
 
-    def hold(self, marker: Any) -> None:
-        """Add the spring, at a marker on the follower, unless it has no force."""
-        if (spring := self.scene.acting_spring) is None:
-            return
-        law, markers = spring.law, [self.point_marker(self.ground, *spring.anchor), marker]
-        connector = items.ObjectConnectorSpringDamper(
-            markerNumbers=markers, referenceLength=law.rest, stiffness=law.stiffness, damping=law.damping, force=law.preload
-        )
-        if law.stop > 0.0:
-            connector.springForceUserFunction = lambda mbs, time, item, stretch, rate, *parameters: spring_tension(
-                stretch + law.rest, rate, law
-            )
-        self.add_joint(spring.in_words, connector, 0)
+        if tip.is_forced:
+            varies = {} if tip.force_table is None and tip.is_always_forced else {"loadVectorUserFunction": acting}
+            load = [*given[:2], 0.0]
+            self.mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=load, bodyFixed=tip.follows, **varies))
+        if tip.friction_force > 0.0:
+            markers = [self.point_marker(self.ground, 0.0), marker]
+            self.mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, springForceUserFunction=rubbing))
 
     def crank(self, start: Start) -> tuple[Any, Any, Any]:
         """Add the crank with its drive; a slider's mass turns with the crank tip.

@@ -8,22 +8,24 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
-from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of, marker_at
+from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of
 from quickreturn.engines.exudyn.damping import Dampers
 from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.record import (
-    Hold,
     Kinematics,
     Model,
     Record,
+    TipMotion,
     accumulated,
     bearing_columns,
     crank_bearing_columns,
     drive_columns,
     equation_of,
+    force_on_tip,
     index,
     pin_force,
     shape_columns,
+    slide_loss,
 )
 from quickreturn.engines.exudyn.settings import SLIDING, ExudynSettings
 from quickreturn.engines.exudyn.slider import add_slider
@@ -31,7 +33,6 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
 from quickreturn.reference_model.columns import MOMENTS, PLACES
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
 
@@ -83,7 +84,7 @@ class CableModel(Model):
         record: Record,
         line: Kinematics,
         frame: Kinematics,
-        kinks: tuple[Kink, ...] = (),
+        kink: Kink | None = None,
         pushed: Array | float = 0.0,
         held: Array | float = 0.0,
     ) -> dict[str, Array]:
@@ -93,19 +94,19 @@ class CableModel(Model):
             record: states of the system.
             line: see the class.
             frame: see the class.
-            kinks: at the slider, and at others after it.
-            pushed: force (N) of slider, tool and spring on the follower, shape (rows, 2).
+            kink: at the slider.
+            pushed: force (N) of slider and tool on the follower, shape (rows, 2).
             held: torque (N m) that turns the base as prescribed, shape (rows,).
         """
         cable, follower, (q, rates, accelerations) = self._cable, self.assembly.scene.follower, line
         across, (tip_tangent, _, _) = turned(frame[0]), direction(*(values[:, -1, 2:] for values in line))
         twelfths = cable.length * np.arange(1, PLACES + 1) / (PLACES + 1)
         places = np.repeat(np.r_[follower.strain_gauges, twelfths][:, None], len(q), axis=1)
-        if kinks:
-            places = np.vstack([places, kinks[0].place])
-        strains, moments = np.split(cable.curvatures(q, places, *kinks), [len(follower.strain_gauges)])
+        if kink is not None:
+            places = np.vstack([places, kink.place])
+        strains, moments = np.split(cable.curvatures(q, places, kink), [len(follower.strain_gauges)])
         if follower.material_damping > 0.0:  # turned and stretched alike a line keeps this curvature: what is left is that of the rates
-            moments = cable.curvatures(q + follower.material_damping * rates, places, *kinks)[len(strains) :]
+            moments = cable.curvatures(q + follower.material_damping * rates, places, kink)[len(strains) :]
         return {
             "tip_x": q[:, -1, 0],
             "tip_y": q[:, -1, 1],
@@ -114,7 +115,7 @@ class CableModel(Model):
             **{f"strain_{i}": follower.extreme_fibre * strain for i, strain in enumerate(strains, start=1)},
             **shape_columns(cable, q, across),
             **{name: cable.bending_stiffness * moment for name, moment in zip((*MOMENTS, "moment_slider"), moments, strict=False)},
-            **({"moment_inboard": cable.bending_stiffness * moments[-1]} if kinks else {}),  # no moment acts at the slider
+            **({} if kink is None else {"moment_inboard": cable.bending_stiffness * moments[-1]}),  # no moment acts at the slider
             "moment_base": self._moment_at_base(line, frame, held),
             "moment_tip": self._moment_at_tip(line),
             **bearing_columns("pivot", self._pivot_force(record, line, frame, pushed)),
@@ -211,9 +212,8 @@ class FlexibleModel(CableModel):
         cables = add_cable(assembly, cable, nodes, axial)
         assembly.listed_body(f"follower: {cable.elements} ANCF cable elements")
         self._load(add_ends(assembly, cable, state, nodes))
-        assembly.push_tip(mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1])), crank_node)
-        if (held := mechanism.acting_spring) is not None:
-            assembly.hold(marker_at(assembly, cable, nodes, held.place_on(cable.length)))
+        end = items.MarkerNodeRigid if mechanism.tip_body.follows else items.MarkerNodePosition
+        assembly.push_tip(mbs.AddMarker(end(nodeNumber=nodes[-1])), crank_node)
         self._joint, spring = add_slider(assembly, cable, state, start, crank, cables, axial)
         mbs.Assemble()
         self._locate()
@@ -225,7 +225,11 @@ class FlexibleModel(CableModel):
             spring.locate(assembly, nodes, axial)
 
     def joint_loss(self) -> float:
-        return 0.0 if self._spring is None else self._spring.loss()
+        loss = 0.0 if self._spring is None else self._spring.loss()
+        if (tip := self._mechanism.tip_body).friction_force > 0.0:
+            last = self._node_indices[-1]
+            loss += slide_loss(tip, self.assembly.mbs.systemData.GetODE2Coordinates_t()[last : last + 2])
+        return loss
 
     def slider_position(self, coordinates: Array) -> float:
         if self._axial_index is not None:
@@ -258,17 +262,14 @@ class FlexibleModel(CableModel):
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
         # a sliding joint's multipliers are along its tangent and normal, which are as long as the tangent
         slider_force = -dot(slider_normal, joint_force) if self._axial_index is not None else -joint_force[:, 1] * stretch
-        stiffness, spring = mechanism.follower.bending_stiffness, mechanism.acting_spring
-        hung = np.full(len(q), cable.length if spring is None else spring.place_on(cable.length))
-        hold = Hold.of(spring, (cable.evaluate(q, hung), cable.evaluate(rates, hung), cable.evaluate(accelerations, hung)))
-        kinks = [Kink(s, slider_force[:, None] * slider_normal / stiffness)]
-        if spring is not None:
-            kinks.append(Kink(hung, hold.force / stiffness))
+        kink = Kink(s, slider_force[:, None] * slider_normal / mechanism.follower.bending_stiffness)
         stored = self._stored(line, frame, mechanism.crank_inertia * speed**2, mechanism.crank_moment / mechanism.crank.length * crank_tip)
         if self.assembly.joint_is_compliant:
             stored["strain_energy"] = stored["strain_energy"] + JointLaw(mechanism.slider).energy(dot(slider_normal, apart))
+        tangent, turn, _ = direction(*(values[:, -1, 2:] for values in line))
+        tip_motion = TipMotion(rates[:, -1, :2], accelerations[:, -1, :2], np.arctan2(tangent[:, 1], tangent[:, 0]), turn)
+        pushed = slider_force[:, None] * slider_normal + force_on_tip(mechanism.tip_body, angle, tip_motion)
         crank_damping = getattr(mechanism.crank.drive, "damping", 0.0)
-        stored["strain_energy"] = stored["strain_energy"] + hold.energy
         power, power_rate = self._damped(line, frame, crank_damping * speed**2, crank_damping * speed * acceleration)
         return {
             "time": record.time,
@@ -276,19 +277,12 @@ class FlexibleModel(CableModel):
             "crank_speed": speed,
             "follower_angle": np.unwrap(np.arctan2(b1[:, 1], b1[:, 0]) % (2.0 * np.pi)),
             "slider_position": s,
-            **self._follower_columns(
-                record,
-                line,
-                frame,
-                tuple(kinks),
-                slider_force[:, None] * slider_normal + tip_force(mechanism.tip_body, angle).T + hold.force,
-            ),
-            **hold.columns,
+            **self._follower_columns(record, line, frame, kink, pushed),
             "slider_force": slider_force,
             **crank_bearing_columns(self.assembly, record, self._crank_index),
-            **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (rates[:, -1, :2], accelerations[:, -1, :2])),
+            **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, tip_motion),
             **stored,
-            "dissipated_energy": accumulated(record.time, power + hold.power, power_rate + hold.power_rate) + record.lost - record.lost[0],
+            "dissipated_energy": accumulated(record.time, power, power_rate) + record.lost - record.lost[0],
             "constraint_gap": np.linalg.norm(apart, axis=1),
         }
 

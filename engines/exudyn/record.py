@@ -1,7 +1,7 @@
 """The recorded states of a run, and the columns that the models with a rigid and a flexible follower share."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,8 @@ from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable, dot, turned
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import TorqueDrive
-from quickreturn.reference_model.spring import Pull, Spring, pull_of, spring_energy
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip import Tip
+from quickreturn.reference_model.tip_force import slide_friction, tip_force
 
 Array = NDArray[np.float64]
 #: Values with their first and second derivatives in time.
@@ -28,7 +28,7 @@ class Record:
     accelerations: Array
     multipliers: Array  # Lagrange multipliers, shape (rows, equations)
     impulse: Array  # integral over time of the multiplier that prescribes the crank's speed, N m s, summed over the steps, shape (rows,)
-    lost: Array  # energy that the slider's joint dissipated, J, summed over the steps, as a blow may be shorter than a row; shape (rows,)
+    lost: Array  # energy dissipated as `Model.joint_loss` says, J, summed over the steps: a blow may be shorter than a row; shape (rows,)
 
 
 class Model(Protocol):
@@ -47,7 +47,7 @@ class Model(Protocol):
         return None
 
     def joint_loss(self) -> float:
-        """Power that the slider's joint dissipates at present, W."""
+        """Power that the slider's joint and the friction of the tool's slide dissipate at present, W."""
         return 0.0
 
     def columns(self, record: Record) -> dict[str, Array]:
@@ -71,9 +71,16 @@ def accumulated(time: Array, power: Array, power_rate: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(parts)])
 
 
-def drive_columns(
-    assembly: Assembly, record: Record, crank: int, equation: int | None, tip_motion: tuple[Array, Array]
-) -> dict[str, Array]:
+class TipMotion(NamedTuple):
+    """Motion of the follower's flexible end in the fixed frame."""
+
+    velocity: Array  # m/s, shape (rows, 2)
+    acceleration: Array  # m/s^2, shape (rows, 2)
+    angle: Array  # of the tangent, rad, shape (rows,)
+    turn: Array  # its rate, rad/s, shape (rows,)
+
+
+def drive_columns(assembly: Assembly, record: Record, crank: int, equation: int | None, tip_motion: TipMotion) -> dict[str, Array]:
     """Columns of the crank's drive: its torque, and its work with that of the force on the tip.
 
     Args:
@@ -81,14 +88,14 @@ def drive_columns(
         record: its states.
         crank: index of the crank's angle.
         equation: see `Model.drive_equation`.
-        tip_motion: velocity (m/s) and acceleration (m/s^2) of the follower's end in the fixed frame, each of shape (rows, 2).
+        tip_motion: of the follower's end.
     """
     angle, drive = record.coordinates[:, crank], assembly.mechanism.crank.drive
     if isinstance(drive, TorqueDrive):
         torque, work = np.full_like(angle, drive.torque), drive.torque * (angle - angle[0])
     else:
         torque, work = -record.multipliers[:, equation], -drive.speed * (record.impulse - record.impulse[0])
-    return {"crank_torque": torque, "drive_work": work + _work_on_tip(assembly, record, crank, *tip_motion)}
+    return {"crank_torque": torque, "drive_work": work + _work_on_tip(assembly, record, crank, tip_motion)}
 
 
 def pin_force(assembly: Assembly, record: Record, name: str) -> Array:
@@ -116,42 +123,33 @@ def crank_bearing_columns(assembly: Assembly, record: Record, crank: int) -> dic
     return bearing_columns("crank", pin_force(assembly, record, "crank") + swing(assembly.mechanism.crank_moment, *motion))
 
 
-@dataclass(frozen=True)
-class Hold:
-    """The spring in the rows of a record, and what it adds to their columns; all zero without one."""
-
-    force: Array  # on the follower, N, shape (rows, 2)
-    energy: Array  # J, shape (rows,), as the next two
-    power: Array  # that it dissipates, W
-    power_rate: Array
-    columns: dict[str, Array]  # its own
-
-    @classmethod
-    def of(cls, spring: Spring | None, motion: Kinematics) -> "Hold":
-        """`motion`: place (m, from O), velocity and acceleration of its end on the follower, each of shape (rows, 2)."""
-        place, velocity, acceleration = (each @ np.array([1.0, 1j]) for each in motion)
-        if spring is None:
-            nothing = np.zeros(len(place))
-            return cls(np.zeros((len(place), 2)), nothing, nothing, nothing, {})
-        pull: Pull = pull_of(spring, place, velocity)
-        second = (np.abs(velocity) ** 2 - pull.rate**2) / pull.length - (pull.direction.conj() * acceleration).real
-        energy = np.array([spring_energy(length, spring.law) for length in pull.length.tolist()])
-        force, damping = np.column_stack([pull.force.real, pull.force.imag]), spring.damping
-        return cls(force, energy, damping * pull.rate**2, 2.0 * damping * pull.rate * second, {"spring_force": pull.tension})
-
-
 def shape_columns(cable: Cable, q: Array, across: Array) -> dict[str, Array]:
     """The columns `SHAPE` (m), from nodal coordinates `q`, shape (rows, nodes, 4), and b2, `across`, shape (rows, 2)."""
     places = [np.full(len(q), cable.length * k / (PLACES + 1)) for k in range(1, PLACES + 1)]
     return {name: dot(across, cable.evaluate(q, x) - q[:, 0, :2]) for name, x in zip(SHAPE, places, strict=True)}
 
 
-def _work_on_tip(assembly: Assembly, record: Record, crank: int, velocity: Array, acceleration: Array) -> Array:
+def force_on_tip(tip: Tip, crank_angle: Array, motion: TipMotion) -> Array:
+    """Force of the tool with the friction of its slide, N, shape (rows, 2)."""
+    force: Any = tip_force(tip, crank_angle, motion.angle) + slide_friction(tip, motion.velocity @ np.array([1.0, 1j]))
+    return np.column_stack([force.real, force.imag])
+
+
+def slide_loss(tip: Tip, velocity: Array) -> float:
+    """Power that the friction of the tool's slide dissipates at a velocity (m/s, shape (2,)) of the tip, W."""
+    along = np.array(complex(velocity[0], velocity[1]))
+    return -float((slide_friction(tip, along) * along.conjugate()).real)
+
+
+def _work_on_tip(assembly: Assembly, record: Record, crank: int, motion: TipMotion) -> Array:
     """Work of the force on the tip since the first row, J; arguments as of `drive_columns`."""
     tip = assembly.mechanism.tip_body
     if not tip.is_forced:
-        return np.zeros(len(velocity))
-    angle, small = record.coordinates[:, crank], 1e-5  # rad: the force's derivative by the angle is good to ten digits
-    force = tip_force(tip, angle)
-    force_rate = (tip_force(tip, angle + small) - tip_force(tip, angle - small)) / (2.0 * small) * record.rates[:, crank]
-    return accumulated(record.time, np.sum(force.T * velocity, axis=1), np.sum(force.T * acceleration + force_rate.T * velocity, axis=1))
+        return np.zeros(len(motion.angle))
+    angle, end, small = record.coordinates[:, crank], motion.angle, 1e-5  # rad: the force's derivative by the angle is good to ten digits
+    force = tip_force(tip, angle, end)
+    force_rate = (tip_force(tip, angle + small, end) - tip_force(tip, angle - small, end)) / (2.0 * small) * record.rates[:, crank]
+    if tip.follows:
+        force_rate += 1j * motion.turn * force
+    v, a, f, f_rate = motion.velocity, motion.acceleration, *(np.column_stack([each.real, each.imag]) for each in (force, force_rate))
+    return accumulated(record.time, np.sum(f * v, axis=1), np.sum(f * a + f_rate * v, axis=1))

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.record import (
-    Hold,
     Model,
     Record,
+    TipMotion,
     accumulated,
     bearing_columns,
     crank_bearing_columns,
@@ -21,6 +21,7 @@ from quickreturn.engines.exudyn.record import (
     equation_of,
     index,
     pin_force,
+    slide_loss,
     swing,
 )
 from quickreturn.engines.start import Start
@@ -59,9 +60,7 @@ class RigidModel(Model):
         assembly.weight(body, follower.length / 2.0, beam)
         if tip is not None:
             assembly.weight(body, reach, tip.mass)
-            assembly.push_tip(assembly.point_marker(body, follower.length), crank_node)
-        if mechanism.acting_spring is not None:
-            assembly.hold(assembly.point_marker(body, mechanism.acting_spring.place_on(follower.length)))
+            assembly.push_tip((assembly.frame_marker if tip.follows else assembly.point_marker)(body, follower.length), crank_node)
         self._joint = self._add_slider(start, state, crank, body)
         assembly.mbs.Assemble()
         self._reference = assembly.mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
@@ -104,14 +103,18 @@ class RigidModel(Model):
         return assembly.add_joint(f"slider on the follower{assembly.joint_text}", joint, equations)
 
     def joint_loss(self) -> float:
-        if not self.assembly.joint_is_compliant:
+        data, tip = self.assembly.mbs.systemData, self._mechanism.tip_body
+        rubs = tip.friction_force > 0.0
+        if not (self.assembly.joint_is_compliant or rubs):
             return 0.0
-        data = self.assembly.mbs.systemData
         coordinates, rates = self._reference + data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        loss = slide_loss(tip, np.array([0.0, self._mechanism.follower.length * rates[self._follower_index]])) if rubs else 0.0
+        if not self.assembly.joint_is_compliant:
+            return loss
         (place, gap), turning = self._slider_in_frame(coordinates[None])[0], rates[self._follower_index]
         angle = coordinates[self._crank_index] - coordinates[self._follower_index]
         rate = self._mechanism.crank.length * math.cos(angle) * rates[self._crank_index] - place * turning
-        return self._law.loss(float(gap), float(rate))
+        return loss + self._law.loss(float(gap), float(rate))
 
     def slider_position(self, coordinates: Array) -> float:
         return float(self._slider_in_frame(coordinates[None])[0, 0])
@@ -126,11 +129,7 @@ class RigidModel(Model):
         along, across = np.column_stack([np.cos(q2), np.sin(q2)]), np.column_stack([-np.sin(q2), np.cos(q2)])
         tip_velocity = length * q2_rate[:, None] * across
         tip_acceleration = length * (q2_acceleration[:, None] * across - (q2_rate**2)[:, None] * along)
-        place_of_spring = length if mechanism.acting_spring is None else mechanism.acting_spring.place_on(length)
-        of_spring = (place_of_spring / length * each for each in (length * along, tip_velocity, tip_acceleration))
-        from_pivot, *rates = of_spring
-        hold = Hold.of(mechanism.acting_spring, (from_pivot + np.array([d, 0.0]), rates[0], rates[1]))
-        straight = np.zeros_like(q1)
+        tip_motion, straight = TipMotion(tip_velocity, tip_acceleration, q2, q2_rate), np.zeros_like(q1)
         c_crank, c_base = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.base.damping
         power = c_crank * q1_rate**2 + c_base * q2_rate**2
         half_change = c_crank * q1_rate * q1_acceleration + c_base * q2_rate * q2_acceleration
@@ -148,13 +147,10 @@ class RigidModel(Model):
             "slider_force": -record.multipliers[:, equation],
             **bearing_columns("pivot", pin_force(self.assembly, record, "follower") + swing(self._moment, q2, q2_rate, q2_acceleration)),
             **crank_bearing_columns(self.assembly, record, self._crank_index),
-            **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, (tip_velocity, tip_acceleration)),
+            **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, tip_motion),
             "kinetic_energy": 0.5 * (mechanism.crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
-            "strain_energy": (self._law.energy(gap) if self.assembly.joint_is_compliant else straight) + hold.energy,
-            "dissipated_energy": accumulated(record.time, power + hold.power, 2.0 * half_change + hold.power_rate)
-            + record.lost
-            - record.lost[0],
-            **hold.columns,
+            "strain_energy": self._law.energy(gap) if self.assembly.joint_is_compliant else straight,
+            "dissipated_energy": accumulated(record.time, power, 2.0 * half_change) + record.lost - record.lost[0],
             "constraint_gap": np.abs(gap),
             "gravity_energy": -mechanism.crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
             - self._moment * (gx * along[:, 0] + gy * along[:, 1])

@@ -113,7 +113,7 @@ def mass_matrix(model: mujoco.MjModel) -> NDArray[np.float64]:
 
 
 def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
-    """Damping matrix (N m s) that goes with `follower_matrices`: of the base, at rest, of the link centres and in the hinges."""
+    """Damping matrix (N m s) that goes with `follower_matrices`: of the base and the tip at rest, of the link centres and in the hinges."""
     lengths = np.full(hinges, scene.follower.length / max(hinges, 1))
     lengths[-1:] *= 0.5
     every_hinge = np.tril(np.ones((hinges, hinges)))  # turns its own link and every one beyond
@@ -126,4 +126,7 @@ def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
     if scene.follower.material_damping > 0.0:
         in_hinge = scene.follower.material_damping * scene.follower.bending_stiffness * hinges / scene.follower.length
         damping[1:, 1:] += in_hinge * np.eye(hinges)
+    if (tip := scene.tip_body).friction_force > 0.0:
+        levers = np.append(scene.follower.length, np.cumsum(lengths[::-1])[::-1])
+        damping += tip.friction_force / tip.friction_speed * np.outer(levers, levers)
     return damping

@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco.native import pointer
 from quickreturn.reference_model.native.compilation import Function
-from quickreturn.reference_model.spring import SpringLaw
 
-#: The constants of a spring's law.
-LAW = np.dtype([(name, "f8") for name in SpringLaw._fields])
 #: Record of a simulation. Units of length, mass and time are those of `engines.units`, named here by the SI units that they stand for.
 CONTEXT = np.dtype(
     [
@@ -55,14 +52,16 @@ CONTEXT = np.dtype(
         ("tip_inertia", "f8"),  # kg m^2, about its centre
         ("tip_offset", "f8"),  # of its centre beyond the end
         ("gravity", "c16"),  # m/s^2, along n1 + i n2
-        ("tip_force", "c16"),  # N
-        ("force_begin", "f8"),  # crank angle
+        ("force_1", "f8"),  # this and the next four: see `tip_force.tool_force`
+        ("force_2", "f8"),
+        ("force_begin", "f8"),
         ("force_span", "f8"),
         ("force_ramp", "f8"),
-        ("is_held", "i8"),  # by a spring
-        ("anchor", "c16"),  # its fixed point from P, m
-        ("spring_place", "f8"),
-        ("spring", LAW),
+        ("force_table", "i8"),  # address of its rows, and their number
+        ("force_points", "i8"),
+        ("force_follows", "i8"),  # whether the force turns with the last link
+        ("slide_friction", "f8"),  # N, of the tool's slide
+        ("slide_speed", "f8"),  # m/s, over which that changes its sign
         ("base_is_prescribed", "i8"),  # then there is neither crank nor slider
         ("spin_up_speed", "f8"),
         ("spin_up_time", "f8"),  # s
@@ -83,9 +82,6 @@ CONTEXT = np.dtype(
         ("tangential_force", "f8"),  # N, on the follower
         ("slider_couple", "f8"),  # N m, on the follower: friction acts at the crank tip, which is off the line by the gap
         ("gap", "f8"),
-        ("spring_length", "f8"),
-        ("tension", "f8"),  # N, of the spring
-        ("spring_force", "c16"),  # N, on the follower
         # the drive and the dampings at present, and their work so far
         ("drive_torque", "f8"),
         ("drive_power", "f8"),

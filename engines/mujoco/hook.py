@@ -20,13 +20,12 @@ from quickreturn.engines.mujoco.centre_line import (
 )
 from quickreturn.engines.mujoco.context import CONTEXT, TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
 from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, pointer
-from quickreturn.reference_model import joint, spring
+from quickreturn.reference_model import joint
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
-from quickreturn.reference_model.tip_force import share_of_force
+from quickreturn.reference_model.tip_force import STILL, tool_force
 
-share, base_motion = compiled(share_of_force), compiled(motion_of_base)
+tool_at, base_motion = compiled(tool_force), compiled(motion_of_base)
 joint_force, friction_share = compiled(joint.joint_force), compiled(joint.friction_share)
-spring_tension = compiled(spring.spring_tension)
 
 
 @compiled
@@ -110,19 +109,30 @@ def _hold(model: int, data: int, ctx: Context, rows: tuple[Array, Array], bias: 
 
 
 @compiled
-def force_on_tip(ctx: Context, crank_angle: float) -> complex:
-    """The force on the tip at a crank angle, N, along n1 + i n2."""
-    if ctx.tip_force == 0.0:
-        return 0j
-    return ctx.tip_force * share(crank_angle, ctx.force_begin, ctx.force_span, ctx.force_ramp)
+def force_on_tip(ctx: Context, crank_angle: float, e: Points, rates: Array) -> tuple[complex, float]:
+    """Force of the tool on the tip with the friction of its slide, N, along n1 + i n2; and the power that this dissipates, W."""
+    force, loss = 0j, 0.0
+    if ctx.force_1 != 0.0 or ctx.force_2 != 0.0 or ctx.force_points > 0:
+        table = numbers(ctx.force_table, 9 * ctx.force_points).reshape((ctx.force_points, 9))
+        share, first, second = tool_at(crank_angle, ctx.force_1, ctx.force_2, ctx.force_begin, ctx.force_span, ctx.force_ramp, table)
+        force = complex(first, second) * share
+        if ctx.force_follows:
+            force *= e[ctx.hinges]
+    if ctx.slide_friction > 0.0:
+        velocity = (centre_line_coefficients(ctx.follower_length, ctx.hinges, ctx.link_length, 0) * 1j * rates * e).sum()
+        speed = abs(velocity) + STILL * ctx.slide_speed
+        resistance = ctx.slide_friction * friction_share(speed, ctx.slide_speed) / speed
+        force -= resistance * velocity
+        loss = resistance * dot(velocity, velocity)
+    return force, loss
 
 
 @compiled
-def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: Array) -> float:
-    """Add the force on the tip, at the centre line's end, to `force`; returns its power, W."""
-    pushed = force_on_tip(ctx, crank_angle)
+def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: Array) -> tuple[float, float]:
+    """Add the force on the tip, at the centre line's end, to `force`; returns the power of the tool and that lost by friction, W."""
+    pushed, loss = force_on_tip(ctx, crank_angle, e, rates)
     if pushed == 0.0:
-        return 0.0
+        return 0.0, 0.0
     first = ctx.coordinates - ctx.hinges - 1
     at_tip = centre_line_coefficients(ctx.follower_length, ctx.hinges, ctx.link_length, 0)
     moment = power = 0.0
@@ -131,26 +141,7 @@ def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: 
         moment += part
         force[first + i] += moment
         power += part * rates[i]
-    return power
-
-
-@compiled
-def _pull(ctx: Context, e: Points, rates: Array, force: Array) -> float:
-    """Add the spring's force, at a place of the centre line, to `force`; returns the power that it dissipates, W."""
-    if not ctx.is_held:
-        return 0.0
-    first = ctx.coordinates - ctx.hinges - 1
-    at_place = centre_line_coefficients(ctx.spring_place, ctx.hinges, ctx.link_length, 0)
-    away = ctx.anchor - (at_place * e).sum()
-    ctx.spring_length = abs(away)
-    rate = -dot(away, (at_place * 1j * rates * e).sum()) / ctx.spring_length
-    ctx.tension = spring_tension(ctx.spring_length, rate, ctx.spring)
-    ctx.spring_force = ctx.tension / ctx.spring_length * away
-    moment = 0.0
-    for i in range(ctx.hinges, -1, -1):
-        moment += at_place[i] * dot(1j * e[i], ctx.spring_force)
-        force[first + i] += moment
-    return ctx.spring.damping * rate**2
+    return power + loss, loss
 
 
 @compiled
@@ -179,8 +170,8 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         applied[0] = ctx.crank_torque
     dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
     dissipation += damp_beam(ctx, e, rates, applied) + _power_lost_in_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
-    tool_power = _push_tip(ctx, angle, e, rates, applied)
-    dissipation += _pull(ctx, e, rates, applied)
+    tool_power, slide_loss = _push_tip(ctx, angle, e, rates, applied)
+    dissipation += slide_loss
 
     rubs = ctx.friction > 0.0 or ctx.friction_force > 0.0
     sliding, sliding_speed, sliding_row, crank_sliding, share_at_foot = 0.0, 0.0, row, 0.0, 1.0

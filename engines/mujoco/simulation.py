@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -21,6 +20,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
+from quickreturn.reference_model import tip_force
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
@@ -52,7 +52,7 @@ class ChainSimulation(Simulation):
         self._hinges = hinge_count(scene, settings.links)
         self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
-        self._context = _context(scene, self._hinges, self._data)
+        self._context, self._force_table = _context(scene, self._hinges, self._data)
         self._past = np.zeros((2, self._model.nv))
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
@@ -130,8 +130,7 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != time_loop.GOOD or rows == len(table):
                     break
-        alone, spring = self._scene.crank is None, self._scene.acting_spring is not None
-        recorded = recorded_columns(by_column(table[:rows]), alone=alone, bends=self._hinges > 0, spring=spring)
+        recorded = recorded_columns(by_column(table[:rows]), alone=self._scene.crank is None, bends=self._hinges > 0)
         columns = self._units.columns_in_si(recorded)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
@@ -172,10 +171,11 @@ def _hinge_angles(tangents: Array) -> Array:
     return angles
 
 
-def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]:
-    """The `CONTEXT` of a scene, shape (1,)."""
-    follower, context = scene.follower, np.zeros(1, CONTEXT)
-    values: dict[str, Any] = {
+def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np.void], Array]:
+    """The `CONTEXT` of a scene, shape (1,), and an array to which it has the address."""
+    follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tip_force.constants(scene.tip_body)
+    table = tool.pop("force_table")
+    values: dict[str, complex] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
         "qacc": data.qacc.ctypes.data,
@@ -200,6 +200,12 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         "tip_inertia": scene.tip_body.inertia,
         "tip_offset": scene.tip_body.center_of_mass,
         "gravity": complex(*scene.gravity),
+        **tool,
+        "force_table": table.ctypes.data,
+        "force_points": len(table),
+        "force_follows": scene.tip_body.follows,
+        "slide_friction": scene.tip_body.friction_force,
+        "slide_speed": scene.tip_body.friction_speed,
     }
     if scene.crank is None:
         values |= {"base_is_prescribed": 1, "spin_up_speed": scene.spin_up.speed, "spin_up_time": scene.spin_up.time}
@@ -207,26 +213,19 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> NDArray[np.void]
         values |= _crank_and_slider(scene)
     for name, value in values.items():
         context[name] = value
-    return context
+    return context, table
 
 
-def _crank_and_slider(mechanism: Mechanism) -> dict[str, Any]:
-    """Fields of the `CONTEXT` for crank, slider, spring and the force on the tip."""
+def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
+    """Fields of the `CONTEXT` for crank and slider."""
     crank, slider, drive = mechanism.crank, mechanism.slider, mechanism.crank.drive
-    values: dict[str, Any] = {
+    values: dict[str, complex] = {
         "pivot_distance": mechanism.pivot_distance,
         "crank_length": crank.length,
         "crank_is_free": int(mechanism.crank_is_free),
         "crank_mass": mechanism.crank_mass,
         "crank_moment": mechanism.crank_moment,
     }
-    tip = mechanism.tip_body
-    if tip.is_forced:
-        span = {"force_begin": tip.force_from, "force_span": tip.force_to - tip.force_from, "force_ramp": tip.force_ramp}
-        values |= {"tip_force": complex(*tip.force), **span}
-    if (spring := mechanism.acting_spring) is not None:
-        anchor, place = complex(*spring.anchor) - mechanism.pivot_distance, spring.place_on(mechanism.follower.length)
-        values |= {"is_held": 1, "anchor": anchor, "spring_place": place, "spring": spring.law}
     values |= {"friction": slider.friction, "friction_force": slider.friction_force, "friction_speed": slider.friction_speed}
     if not slider.is_rigid:
         law = asdict(rollers(slider))

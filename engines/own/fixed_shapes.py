@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import SPIN_UP, USUAL
+from quickreturn.engines.base import SPIN_UP, TOOL, USUAL
 from quickreturn.engines.own.rival import Rival, RivalEngine
 from quickreturn.engines.own.staying_shapes import ShapeSettings, compared_shapes, ladder_of, shapes_of
 from quickreturn.engines.settings import setting
@@ -53,7 +53,7 @@ ENGINE: Final = RivalEngine(
         method="pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853",
         default_accuracy=3e-3,
         settings_type=FixedShapesSettings,
-        quantities=(*USUAL, "slider.inertia", SPIN_UP),
+        quantities=(*USUAL, *TOOL, "slider.inertia", SPIN_UP),
         ladder=ladder_of(FixedShapesSettings),
         shapes=shapes_of,
         comparisons=compared_shapes,

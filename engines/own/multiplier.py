@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.engines.base import FRICTION, USUAL
+from quickreturn.engines.base import FRICTION, TOOL, USUAL
 from quickreturn.engines.own.beam_engine import time_over_run_24
 from quickreturn.engines.own.rival import Rival, RivalEngine
 from quickreturn.engines.own.staying_shapes import ShapeSettings, compared_shapes, ladder_of, shapes_of
@@ -43,7 +43,7 @@ ENGINE: Final = RivalEngine(
         method="Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, DOP853",
         default_accuracy=3e-3,
         settings_type=MultiplierSettings,
-        quantities=(*USUAL, *FRICTION, "follower.material_damping"),
+        quantities=(*USUAL, *TOOL, *FRICTION, "follower.material_damping"),
         ladder=ladder_of(MultiplierSettings),
         shapes=shapes_of,
         comparisons=compared_shapes,

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.engines.base import FRICTION, ROLLERS, USUAL, Comparison
+from quickreturn.engines.base import FRICTION, ROLLERS, TOOL, USUAL, Comparison
 from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.own.beam_engine import time_over_run_24
 from quickreturn.engines.own.rival import Rival, RivalEngine
@@ -137,7 +137,7 @@ ENGINE: Final = RivalEngine(
         method="stiff transverse spring and damper at the slider, fixed shapes, exact planar geometry, DOP853",
         default_accuracy=1e-2,
         settings_type=StiffSpringSettings,
-        quantities=(*USUAL, *ROLLERS, *FRICTION, "follower.material_damping"),
+        quantities=(*USUAL, *TOOL, *ROLLERS, *FRICTION, "follower.material_damping"),
         ladder=LADDER,
         shapes=shapes_of,
         comparisons=comparisons,

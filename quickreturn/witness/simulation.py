@@ -1,7 +1,6 @@
 """A running simulation of the quick-return whose equations the computer derived, and its natural frequencies."""
 
 import time
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,9 +16,9 @@ from quickreturn.engines.units import Units
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.layout import BeamTables
-from quickreturn.reference_model.rigid import crank_pace, deflection_scale, stiffness_across
-from quickreturn.reference_model.spring import Spring
-from quickreturn.witness.description import constants, quick_return
+from quickreturn.reference_model.rigid import crank_pace, deflection_scale
+from quickreturn.reference_model.tip import Tip
+from quickreturn.witness.description import ForceRows, constants, quick_return
 from quickreturn.witness.recovery import columns
 
 Array = NDArray[np.float64]
@@ -30,8 +29,6 @@ SMALL: Final = 0.01
 ROUNDING: Final = 3e-14
 #: Rate at which the gap of the loop decays, over the scene's unit of time: 96 1/s in run 24.
 FEEDBACK: Final = 6.0
-#: Length of the spring that stands for another one in small vibrations, over the scene's unit of length.
-FAR: Final = 1e4
 #: Part of the way to the follower's end. If the integration stops beyond it, the slider has left the follower.
 NEARLY: Final = 0.97
 
@@ -56,8 +53,7 @@ class DerivedSimulation(Simulation):
     def model(self) -> Model:
         """The compiled equations with the shapes of this scene."""
         mechanism = self.mechanism
-        spring = mechanism.acting_spring is not None
-        return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free, spring)
+        return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free, mechanism.tip_body)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
@@ -122,15 +118,8 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
     """Natural frequencies (Hz) of the model with the crank held, linearised by differentiation."""
     units = Units.of(mechanism)
     mechanism = units.scene(mechanism)
-    if (spring := mechanism.acting_spring) is not None:  # one without force, so long that it keeps its direction across the follower
-        place = _rigid_place(mechanism, crank_angle)["follower_angle"]
-        anchor = mechanism.pivot_distance + np.exp(1j * place) * complex(spring.place_on(mechanism.follower.length), FAR)
-        stiffness = stiffness_across(mechanism, crank_angle)
-        spring = Spring(stiffness=stiffness, anchor=(anchor.real, anchor.imag), place=spring.place, free_length=FAR)
-        mechanism = replace(mechanism, spring=spring)
-    springs = mechanism.acting_spring is not None
-    still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False, springs)
-    at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "torque"), 0.0)
+    still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False)
+    at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "slide_friction", "torque"), 0.0)
     at = {"crank_angle": crank_angle} | _rigid_place(mechanism, crank_angle)
     return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest)) / units.time
 
@@ -138,12 +127,20 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
 _MODELS: Final[dict[tuple[int, int, bool, bool, bool], Model]] = {}
 
 
-def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool, spring: bool) -> Model:
-    """The equations of a structure, compiled once; the scene's values are inputs, and its shapes go into the table."""
-    key = (modes, tables.gauss_points, rigid, prescribed, spring)
+def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool, tip: Tip | None = None) -> Model:
+    """The equations of a structure, compiled once; the scene's values are inputs, its shapes and a table of forces go into the tables."""
+    forces = None if tip is None else tip.force_table
+    key = (modes, tables.gauss_points, rigid, prescribed, forces is not None)
     if key not in _MODELS:
-        _MODELS[key] = Model(quick_return(tables, modes, rigid=rigid, prescribed=prescribed, spring=spring), feedback=FEEDBACK)
-    _MODELS[key].system.tables[0].put(tables.low, tables.step, tables.coefficients)
+        description = quick_return(tables, modes, rigid=rigid, prescribed=prescribed, tabulated=forces is not None)
+        _MODELS[key] = Model(description, feedback=FEEDBACK)
+    of_shapes, *of_force = _MODELS[key].system.tables
+    of_shapes.put(tables.low, tables.step, tables.coefficients)
+    for rows in of_force:
+        assert tip is not None
+        assert forces is not None
+        assert isinstance(rows, ForceRows)
+        rows.follow(forces, tip.force_scale)
     return _MODELS[key]
 
 

@@ -18,27 +18,27 @@ from quickreturn.reference_model.motion.layout import (
     BeamWorkspace,
 )
 from quickreturn.reference_model.motion.plane import cross, dot, point
-from quickreturn.reference_model.motion.spring import at_spring, load_spring, spring_stiffness
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
 from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import State
-from quickreturn.reference_model.tip_force import share_of_force
+from quickreturn.reference_model.tip_force import STILL, tool_force
 
 Array = NDArray[np.float64]
 
-_share_of_force, _friction_share, joint_force = inner(share_of_force), inner(joint.friction_share), inner(joint.joint_force)
+_tool_force, _friction_share, joint_force = inner(tool_force), inner(joint.friction_share), inner(joint.joint_force)
 
 
 @inner
-def acting_share(p: BeamParameters, crank_angle: float) -> float:
-    """Fraction of the force on the tip that acts (equation 4.9)."""
-    acting = zeros_like(crank_angle)
+def acting_force(p: BeamParameters, crank_angle: float) -> tuple[float, complex]:
+    """Fraction of the force on the tip that acts, and the force in full, N, in its frame (equations 4.9 and 4.11)."""
+    acting = first = second = zeros_like(crank_angle)
     for lane in range(lanes_of(crank_angle)):
-        share = _share_of_force(lane_of(crank_angle, lane), p.force_begin, p.force_span, p.force_ramp)
-        acting = with_lane(acting, lane, share)
-    return acting
+        angle = lane_of(crank_angle, lane)
+        share, one, other = _tool_force(angle, p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)
+        acting, first, second = with_lane(acting, lane, share), with_lane(first, lane, one), with_lane(second, lane, other)
+    return acting, complex(first, second)
 
 
 @inner
@@ -92,8 +92,7 @@ def partial_velocities(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slide
 def bias_accelerations(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """To `bias`: accelerations of points and bodies at constant speeds, less gravity (4.3 and 4.4). Also the force on the tip (4.9)."""
     n, N, f = p.n, t.points, w.facts
-    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else acting_share(p, y.q[0])
-    f.tip_force = acting * f.frame.conjugate() * complex(p.force_1, p.force_2)
+    _push_tip(p, t, w, y)
     f.gravity = f.frame.conjugate() * complex(p.gravity_1, p.gravity_2)
     g1, g2 = f.gravity.real, f.gravity.imag
     q2_0, s_0 = f.q2_bias, f.s_bias if t.moves else 0.0
@@ -113,6 +112,31 @@ def bias_accelerations(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: St
         slider += w.angle_at_slider_ss[i] * f.s_rate**2 * y.eta[i]
     w.bias[bodies + SLIDER_TURN] = slider
     w.bias[bodies + CRANK_TURN] = 0.0
+
+
+@inlined
+def _push_tip(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
+    """To the facts: force on the tip with the friction of the tool's slide, and the power that this dissipates (equations 4.9 to 4.12)."""
+    f = w.facts
+    f.tip_force, f.slide_loss = 0j, 0.0
+    if p.force_1 != 0.0 or p.force_2 != 0.0 or len(p.force_table) > 0:
+        acting, force = acting_force(p, y.q[0])
+        if p.force_follows == 0:
+            f.tip_force = acting * f.frame.conjugate() * force
+        else:
+            f.tip_force = acting * point(w.e, t.tip, t.points) * force
+    if p.slide_friction > 0.0:
+        velocity = _tip_velocity(t, w)
+        speed = math.sqrt(dot(velocity, velocity)) + STILL * p.slide_speed
+        resistance = p.slide_friction * friction_share(speed, p.slide_speed) / speed
+        f.tip_force -= resistance * velocity
+        f.slide_loss = resistance * dot(velocity, velocity)
+
+
+@inlined
+def _tip_velocity(t: BeamTables, w: BeamWorkspace) -> complex:
+    """Velocity of x = L, m/s."""
+    return point(w.relative, t.tip, t.points) + 1j * w.facts.q2_rate * point(w.z, t.tip, t.points)
 
 
 @inner
@@ -138,8 +162,6 @@ def assemble(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> No
     end = t.tip
     w.force[end] -= f.tip_force.real
     w.force[N + end] -= f.tip_force.imag
-    if p.is_held > 0:
-        load_spring(t, w)
     strain_energy_by_s = 0.0
     for i in range(n):
         strain_energy_by_s += 0.5 * w.squares_s[i] * y.eta[i] ** 2
@@ -235,23 +257,12 @@ def highest_frequency(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> flo
     square = 0.0
     for k in range(n):
         square = max(square, w.squares[k] / (1.0 + p.added_inertia[k]))
-    if p.is_held > 0:
-        square += _square_of_spring(p, t, w)
     if p.first == 1:
         return math.sqrt(square)
     coupling = 0.0
     for k in range(1, n + 1):
         coupling += w.M[k, 0] ** 2 / (w.M[k, k] * w.M[0, 0])
     return math.sqrt(square / max(1.0 - coupling, 1e-6))
-
-
-@inner
-def _square_of_spring(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
-    """What the spring's present stiffness adds at most to the square of the highest frequency, rad^2/s^2."""
-    square = 0.0
-    for k in range(1, p.n + 1):
-        square += dot(w.facts.spring_line, at_spring(w, w.V[k], t.points)) ** 2 / w.M[k, k]
-    return spring_stiffness(w.facts.spring_length, p.spring) * square
 
 
 @inner
@@ -265,9 +276,7 @@ def dissipation(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) ->
     if p.bending_damping > 0.0:
         for j in range(N):
             power += p.EI * p.bending_damping * w.dx[j] * w.curvature_rate[j] ** 2
-    power += w.facts.friction * w.facts.s_rate
-    if p.is_held > 0:
-        power += p.spring.damping * w.facts.spring_rate**2
+    power += w.facts.friction * w.facts.s_rate + w.facts.slide_loss
     if p.constraint == ROLLERS:
         power += _loss_of_rollers(p, w.facts.gap, w.facts.gap_rate)
     return power
@@ -296,17 +305,14 @@ def moment_about_pivot(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> fl
     moment = p.base_inertia * w.a[bodies + BASE_TURN] + pivot_torque(p, w) + p.tip_inertia * w.a[bodies + TIP_TURN]
     for j in range(N):
         moment += w.mass[j] * (w.z[j] * w.a[N + j] - w.z[N + j] * w.a[j])
-    if p.is_held > 0:
-        moment -= cross(f.spring_place, f.spring_force)
     tip, acceleration = point(w.z, end, N), complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
     return moment - cross(tip, f.tip_force) + p.tip_mass * cross(tip + f.tip_arm, acceleration)
 
 
 @inner
 def power_of_tool(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
-    """Power of the force on the tip, W (equation 4.9)."""
-    N, f = t.points, w.facts
-    return dot(f.tip_force, point(w.relative, t.tip, N) + 1j * f.q2_rate * point(w.z, t.tip, N))
+    """Power of the force on the tip without the friction of the tool's slide, W (equation 4.9)."""
+    return dot(w.facts.tip_force, _tip_velocity(t, w)) + w.facts.slide_loss
 
 
 @inner

@@ -7,7 +7,6 @@ from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, ShapeRow
 from quickreturn.reference_model.native.memory import Vector
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
-from quickreturn.reference_model.spring import Spring
 
 
 def parameters(
@@ -31,7 +30,6 @@ def parameters(
     """
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
-    spring = scene.acting_spring or Spring(anchor=(0.0, 0.0))
     return BeamParameters(
         **constants(scene),
         constraint=kind,
@@ -41,6 +39,9 @@ def parameters(
         EI=scene.follower.bending_stiffness,
         base_friction=scene.base.friction_torque,
         base_friction_rate=scene.base.friction_rate,
+        force_follows=int(scene.tip_body.follows),
+        slide_friction=scene.tip_body.friction_force,
+        slide_speed=scene.tip_body.friction_speed,
         plus=rollers.plus,
         minus=rollers.minus,
         plus_from=rollers.plus_from,
@@ -54,11 +55,6 @@ def parameters(
         stabilization=constraint.stabilization,
         bending_damping=constraint.bending_damping + scene.follower.material_damping if shapes else 0.0,
         feedback=pace(scene, shapes),
-        is_held=int(spring.acts),
-        anchor_1=spring.anchor[0],
-        anchor_2=spring.anchor[1],
-        spring_place=spring.place_on(scene.follower.length),
-        spring=spring.law,
         added_inertia=np.zeros(shapes) if slowed_to is None else added_inertia(tables, shapes, slowed_to),
         reach=reach,
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,

@@ -16,11 +16,11 @@ from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.memory import Cube, Matrix, Vector
 from quickreturn.reference_model.native.pointers import reader, tuple_type
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED
-from quickreturn.reference_model.tip_force import share_of_force
+from quickreturn.reference_model.tip_force import tool_force
 
 Array = NDArray[Any]
 
-share = inner(share_of_force)
+tool_at = inner(tool_force)
 
 #: Entries of a signal: value, derivative by l at fixed amplitudes, rate, and second rate (equation 4.1).
 VALUE, BY_L, RATE, ACCELERATION = range(4)
@@ -48,6 +48,7 @@ class MovingBoundariesParameters(NamedTuple):
     force_begin: float  # rad, of the crank
     force_span: float
     force_ramp: float
+    force_table: Matrix  # without rows: a table is not modelled
     gravity_1: float
     gravity_2: float
     low: float  # m, range of l in the table
@@ -146,8 +147,8 @@ def kernel(parameters: int, workspace: int, state: int, rate: int) -> int:
     turn_rate = (l_by_q1 * q1_rate * q1_rate - 2.0 * l_rate * turn) / distance
     cosine, sine = math.cos(theta), math.sin(theta)
     g1, g2 = cosine * p.gravity_1 + sine * p.gravity_2, cosine * p.gravity_2 - sine * p.gravity_1
-    acting = share(q1, p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
-    f1, f2 = acting * (cosine * p.force_1 + sine * p.force_2), acting * (cosine * p.force_2 - sine * p.force_1)
+    acting, h1, h2 = tool_at(q1, p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)
+    f1, f2 = acting * (cosine * h1 + sine * h2), acting * (cosine * h2 - sine * h1)
 
     # accelerations of the amplitudes (equations 3.5 and 3.6, by the energies of equations 3.1 to 3.4)
     interpolate(p, rows, distance)

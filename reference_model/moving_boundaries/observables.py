@@ -50,9 +50,9 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
     across, slope = across_base + base[:, None] * shown, slope + base[:, None]
 
     # forces of the slider and of the bearings (equations 6.3 and 6.4)
-    total, tool = follower.mass + tip.mass, tip_force(tip, q1)
+    total, tool = follower.mass + tip.mass, tip_force(tip, q1, line.follower_angle)
     of_slider = facts[:, FORCE] * (1j - slope[:, 0]) * unit
-    at_pivot = unit * _acceleration(line, mass) - of_slider - total * gravity - (tool[0] + 1j * tool[1])
+    at_pivot = unit * _acceleration(line, mass) - of_slider - total * gravity - tool
     at_crank = of_slider - mechanism.crank_moment * q1_rate**2 * crank - mechanism.crank_mass * gravity
     height = total * mechanism.pivot_distance + unit * mass[:, 0] + mechanism.crank_moment * crank
     columns = {

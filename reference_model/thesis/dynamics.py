@@ -13,9 +13,9 @@ from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
-from quickreturn.reference_model.tip_force import share_of_force
+from quickreturn.reference_model.tip_force import tool_force
 
-share = inner(share_of_force)
+tool = inner(tool_force)
 
 
 @inner
@@ -139,9 +139,9 @@ def _add_tip(
 def _push_tip(p: ThesisParameters, q1: float, q2: float, w: ThesisWorkspace) -> None:
     """To `tool`: generalised forces of the force on the tip, at x = L (equation 4.14)."""
     n, end = p.n, len(p.tables.edges) - 1
-    acting = 0.0 if p.force_1 == 0.0 and p.force_2 == 0.0 else share(q1, p.force_begin, p.force_span, p.force_ramp)
-    F1 = acting * (math.cos(q2) * p.force_1 + math.sin(q2) * p.force_2)
-    F2 = acting * (math.cos(q2) * p.force_2 - math.sin(q2) * p.force_1)
+    acting, h1, h2 = tool(q1, p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)
+    F1 = acting * (math.cos(q2) * h1 + math.sin(q2) * h2)
+    F2 = acting * (math.cos(q2) * h2 - math.sin(q2) * h1)
     w.tool[0] = 0.0
     w.tool[1] = (p.L - w.F_edges[end]) * F2 - w.end[1] * F1
     for i in range(n):

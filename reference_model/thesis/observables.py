@@ -13,9 +13,9 @@ from quickreturn.reference_model.thesis.dynamics import gravity_in_b
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
 from quickreturn.reference_model.thesis.tables import find_cell
-from quickreturn.reference_model.tip_force import share_of_force
+from quickreturn.reference_model.tip_force import tool_force
 
-share = inner(share_of_force)
+tool = inner(tool_force)
 
 
 @inlined
@@ -102,9 +102,9 @@ def bearing_forces(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWork
     p1, p2 = p1 - F1, p2 - F2
     mass, turning, square = p.rhoA * p.L + p.tip_mass, p.crank_moment * w.acceleration[0], p.crank_moment * y.u[0] ** 2
     c1, c2 = F1 - turning * place.a2 - square * place.a1, F2 + turning * place.a1 - square * place.a2
-    acting = share(y.q[0], p.force_begin, p.force_span, p.force_ramp) if p.force_1 != 0.0 or p.force_2 != 0.0 else 0.0
-    row.pivot_force_x = cosine * p1 - sine * p2 - mass * p.gravity_1 - acting * p.force_1
-    row.pivot_force_y = sine * p1 + cosine * p2 - mass * p.gravity_2 - acting * p.force_2
+    acting, h1, h2 = tool(y.q[0], p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)
+    row.pivot_force_x = cosine * p1 - sine * p2 - mass * p.gravity_1 - acting * h1
+    row.pivot_force_y = sine * p1 + cosine * p2 - mass * p.gravity_2 - acting * h2
     row.crank_force_x = cosine * c1 - sine * c2 - p.crank_mass * p.gravity_1
     row.crank_force_y = sine * c1 + cosine * c2 - p.crank_mass * p.gravity_2
 

@@ -45,6 +45,7 @@ class ThesisParameters(NamedTuple):
     force_begin: float  # rad, of the crank
     force_span: float  # rad
     force_ramp: float  # rad
+    force_table: Matrix  # without rows: a table is not modelled
     slider_inertia: float  # kg m^2
     gravity_1: float  # m/s^2
     gravity_2: float  # m/s^2

@@ -25,8 +25,9 @@ from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.cases.text.written import as_toml
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
+from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 from tests.verification.random_scenes import sensible_machines
 

@@ -4,7 +4,8 @@ import dataclasses
 from typing import Any
 
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, SpinUp, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, SpinUp, TorqueDrive
+from quickreturn.reference_model.tip import Tip
 
 INCH = 0.0254  # m
 POUND_FORCE = 4.4482216152605  # N

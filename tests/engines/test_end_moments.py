@@ -13,7 +13,8 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Base, Tip
+from quickreturn.reference_model.mechanism import Base
+from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 
 #: Bodies at both ends that bend the arm there nearly as much as at the slider: in run 24 they ask for a thousandth of that.

@@ -14,8 +14,9 @@ from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, Tip
+from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 
 ENGINE = MovingBoundariesEngine()

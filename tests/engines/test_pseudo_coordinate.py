@@ -15,10 +15,11 @@ from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import join
-from quickreturn.reference_model.mechanism import PrescribedSpeed, Tip
+from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.thesis.model import ThesisModel
+from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24, violent
 
 THESIS, FIXED = ThesisEngine(), fixed_shapes.ENGINE

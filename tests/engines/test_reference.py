@@ -18,10 +18,11 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import OPTIONAL, REQUIRED, Trajectory, join
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Tip
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.tip import Tip
 from tests.engines.energy import imbalance
 from tests.engines.scenes import INCH, POUND_FORCE, run_24, violent
 

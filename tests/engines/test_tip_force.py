@@ -13,7 +13,7 @@ from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.columns import BENDING, ENDS
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed
-from quickreturn.reference_model.tip_force import share_of_force
+from quickreturn.reference_model.tip_force import tool_force
 from tests.engines.energy import from_nowhere
 from tests.engines.scenes import run_24
 from tests.engines.test_follower_alone import SCENE as ALONE
@@ -93,7 +93,7 @@ def test_engines_agree_about_a_force_within_what_they_claim(name: str, accuracy:
 def test_the_force_comes_and_goes_twice_continuously_differentiable() -> None:
     begin, span, ramp, h = 6.0, 1.2, 0.3, 1e-4
     angles = begin + np.arange(-0.2, span + 0.2, h)
-    values = np.array([share_of_force(angle - 4.0 * np.pi, begin, span, ramp) for angle in angles])
+    values = np.array([tool_force(angle - 4.0 * np.pi, 1.0, 0.0, begin, span, ramp, np.zeros((0, 9)))[0] for angle in angles])
     assert values.min() == 0.0
     assert values.max() == 1.0
     assert values[np.searchsorted(angles, begin + 0.5 * ramp)] == pytest.approx(0.5, abs=1e-3)

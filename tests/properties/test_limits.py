@@ -15,7 +15,8 @@ from quickreturn.engines.own import multiplier, stiff_spring
 from quickreturn.engines.own.multiplier import MultiplierSettings
 from quickreturn.engines.own.stiff_spring import StiffSpringSettings
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.mechanism import Base, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Mechanism, TorqueDrive
+from quickreturn.reference_model.tip import Tip
 from tests.properties.law import for_all
 from tests.properties.runs import (
     EXUDYN,

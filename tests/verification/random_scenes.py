@@ -9,7 +9,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.random import Generator
@@ -21,10 +21,11 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace, static_deflection
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.tip import Tip
 
 OUTPUT_STEP: Final = 1e-3  # s
 LARGEST_SLIDER_POSITION: Final = 0.98  # of the follower's length
@@ -279,7 +280,7 @@ def _with_everything(generator: Generator) -> Mechanism:
     tip = machine.tip or Tip(mass=arm * uniform(0.1, 1.0), inertia=arm * (length * uniform(0.01, 0.08)) ** 2)
     if uniform() < 0.5:
         force, direction = stiffness * length * between(1e-4, 1e-2), uniform(0.0, 2.0 * math.pi)
-        acting = {"force_from": math.pi - 1.5, "force_to": math.pi + 1.0, "force_ramp": 0.3}
+        acting: dict[str, Any] = {"force_from": math.pi - 1.5, "force_to": math.pi + 1.0, "force_ramp": 0.3}
         tip = dataclasses.replace(tip, force=(force * math.cos(direction), force * math.sin(direction)), **acting)
     weight, direction = 9.81 if uniform() < 0.6 else 0.0, uniform(0.0, 2.0 * math.pi)
     return dataclasses.replace(

@@ -14,7 +14,7 @@ from tests.cases.scene_texts import IN_SI, SCENE, changed, numbers
 
 def test_a_scene_in_inches_and_in_si_is_the_same() -> None:
     inches, metric = parse_case(SCENE, "scene.toml"), parse_case(IN_SI, "scene.toml")
-    assert len(numbers(metric)) == 47  # every quantity of the file: none was dropped or put in another's place
+    assert len(numbers(metric)) == 52  # every quantity of the file: none was dropped or put in another's place
     # 1e-15: both texts are rounded once to a double, the metric one after 16 or more digits
     assert numbers(inches) == pytest.approx(numbers(metric), rel=1e-15, abs=0.0)
 

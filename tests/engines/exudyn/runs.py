@@ -12,7 +12,8 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, Tip
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 
 

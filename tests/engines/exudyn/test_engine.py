@@ -14,7 +14,8 @@ from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import REQUIRED, Trajectory, join
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.tip import Tip
 from tests.engines.energy import imbalance
 from tests.engines.exudyn.runs import arm, bent_start, errors_of, simulate
 from tests.engines.scenes import INCH, run_24

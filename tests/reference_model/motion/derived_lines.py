@@ -23,7 +23,7 @@ def follower_alone(scene: FollowerAlone, tables: BeamTables, shapes: int) -> tup
     system.loop("place", s - tables.low, gives=[s])
     system.output("strain_energy", arm.strain, "J")
     absent = ("crank_angle", "crank_speed", "slider_force", "slider_moment", "crank_torque")
-    vectors = ("slider_on_follower", "tool", "foot", "crank_force")
+    vectors = ("slider_on_follower", "tool", "slide", "foot", "crank_force")
     for name in (*absent, *(f"{name}_{k}" for name in vectors for k in (0, 1))):
         system.output(name, 0.0, "1")
     return system, arm

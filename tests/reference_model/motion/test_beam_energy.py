@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 from tests.reference_model.motion.beam_runs import balance, follower_energy, run, with_fine_tables
 from tests.reference_model.thesis.thesis_runs import period, undriven

@@ -12,7 +12,7 @@ from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, b
 from quickreturn.reference_model.compiled_state import state_of
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, TorqueDrive
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
@@ -29,6 +29,7 @@ from quickreturn.reference_model.thesis.parameters import (
     state_size,
     workspace_at,
 )
+from quickreturn.reference_model.tip import Tip
 from tests.reference_model.motion.random_states import random_case
 from tests.reference_model.thesis.derived_thesis import of_shapes, one_cubic
 

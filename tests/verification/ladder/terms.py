@@ -30,7 +30,8 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import StartState, reconstruct
-from quickreturn.reference_model.mechanism import Mechanism, Tip, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.tip import Tip
 from tests.verification.row import Row, smoothed
 
 Array = NDArray[np.float64]

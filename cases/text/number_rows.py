@@ -1,0 +1,116 @@
+"""Rows of numbers below one line of headings, each a name with its unit in brackets, and messages that name the place of a mistake."""
+
+import csv
+import io
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.cases.errors import CaseError, as_written, shortened
+from quickreturn.cases.units import DIMENSIONS, PURE_UNITS, QuantityError, in_si, plain_number, unit_size
+
+Array = NDArray[np.float64]
+
+#: SI unit -> units that pint does not know, or knows as something else -> the same as `in_si` reads it.
+_OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
+    "1": {"-": "1", "": "1", "%": "percent", "µε": "microstrain", "με": "microstrain"} | {unit: unit for unit in PURE_UNITS},
+    "m/s^2": {"g": "g0"},
+}
+#: Characters in a text that is not a number -> advice.
+_HINTS: Final = {
+    ";": "semicolons separate it: use commas, and decimal points",
+    ",": "the decimal sign is a point",
+    "D": "write e for D",
+}
+_HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
+
+
+def headings_in(source: str, place: str, line: str) -> list[str]:
+    """The headings that a line holds."""
+    for sign, word in ((";", "semicolons"), ("\t", "tabulators")):
+        if sign in line:
+            accepted = "separate columns by commas, decimals by points"
+            raise CaseError(source, place, as_written(line), f"has {word} between its columns", accepted)
+    return next(csv.reader([line], skipinitialspace=True))
+
+
+def name_and_unit(source: str, place: str, heading: str, example: str) -> tuple[str, str | None]:
+    """The name and the unit in a heading; None for no unit. CaseError: it is a number."""
+    match = _HEADING.fullmatch(heading)
+    name, unit = (match[1], match[2]) if match else (heading, None)
+    if plain_number(name.strip()) is not None:
+        raise CaseError(source, place, as_written(heading), "is a number where a heading is due", f'begin with one such as "{example}"')
+    return name, unit if unit is None else unit.strip()
+
+
+def unit_factor(source: str, place: str, si_unit: str, unit: str) -> float:
+    """The SI value of a unit in a heading, for a column whose SI unit is `si_unit`. CaseError: no such unit."""
+    others = _OTHER_UNITS.get(si_unit, {})
+    if unit in others:
+        return in_si(others[unit])
+    try:
+        return unit_size(unit, DIMENSIONS[si_unit])
+    except QuantityError as wrong:
+        raise CaseError(source, place, as_written(unit), wrong.problem, wrong.accepted) from None
+
+
+def numbers_in(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str) -> Array:
+    """The numbers in the lines from `first` on, shape (rows, columns). CaseError: the first mistake; the column `rising` must rise."""
+    if not any(line.strip() for line in lines[first:]):
+        raise CaseError(source, None, None, "has no rows below its heading", "a whole turn of the crank is needed")
+    try:
+        values = np.loadtxt(io.StringIO("\n".join(lines[first:])), delimiter=",", ndmin=2, comments=None, quotechar='"')
+    except ValueError:
+        values = None
+    if (
+        values is None
+        or values.shape[1] != len(names)
+        or not np.all(np.isfinite(values))
+        or late_row(values[:, names.index(rising)]) is not None
+    ):
+        raise _bad_row(source, names, lines, first, rising)
+    return values
+
+
+def late_row(values: Array) -> int | None:
+    """Index of the first row whose value is not larger than that of the row before; None if there is none."""
+    late = np.flatnonzero(np.diff(values) <= 0.0)
+    return int(late[0]) + 1 if late.size else None
+
+
+def does_not_rise(source: str, place: str, value: float) -> CaseError:
+    """The mistake of a value that is not larger than that of the row before."""
+    return CaseError(source, place, f"{value:.12g}", "does not rise", "sort the rows and drop doubles")
+
+
+def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str) -> CaseError:
+    """The mistake in the first row that is not one finite number for each column, or does not rise."""
+    before = -math.inf
+    for number, line in enumerate(lines[first:], first + 1):
+        if not line.strip():
+            continue
+        place, row = f"line {number}", f'"{shortened(line)}"'
+        cells = next(csv.reader([line], skipinitialspace=True))
+        if not any(re.match(r"\s*[+-]?\.?[0-9]", cell) for cell in cells):
+            accepted = "after the one line of headings, with units in their brackets, come rows of numbers alone"
+            return CaseError(source, place, row, "is no row of numbers", accepted)
+        for name, cell in zip(names, cells, strict=False):
+            value = plain_number(cell.strip())
+            if value is None or not np.isfinite(value):
+                hint = next((f" ({told})" for sign, told in _HINTS.items() if sign in cell.upper() and any(map(str.isdigit, cell))), "")
+                problem = f"is no plain number{hint}" if cell.strip() else "is empty"
+                accepted = "leave out rows that lack a number, or columns that were not recorded"
+                return CaseError(source, f"{place}, {name}", as_written(cell), problem, accepted)
+            if name == rising:
+                if not value > before:
+                    return does_not_rise(source, f"{place}, {name}", value)
+                before = value
+        if len(cells) != len(names):
+            problem = f"has {len(cells)} numbers, the heading {len(names)} columns"
+            accepted = f"give one number for each column{'; decimals need a point, not a comma' if len(cells) > len(names) else ''}"
+            return CaseError(source, place, row, problem, accepted)
+    return CaseError(source, None, None, "cannot be read as rows of numbers", "give one plain number for each column")
