@@ -32,6 +32,8 @@ from quickreturn.solution import simulate as simulate
 from quickreturn.studies.advice import Advice as Advice
 from quickreturn.studies.advice import advise as advise
 from quickreturn.studies.calibration import calibrate as calibrate
+from quickreturn.studies.explanation import Explanation as Explanation
+from quickreturn.studies.explanation import explain as explain
 from quickreturn.studies.resonance_curves import Resonance as Resonance
 from quickreturn.studies.resonance_curves import resonance as resonance
 from quickreturn.studies.sweeping import case_at as case_at

@@ -1,4 +1,4 @@
-"""`quickreturn advise`: which method for a machine, by the recorded map of classes."""
+"""`quickreturn advise` and `explain`: which method for a machine, by the recorded map of classes; what happens in a turn of it."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -8,7 +8,9 @@ import click
 
 import quickreturn as qr
 from quickreturn.accuracy import HIGHEST, LOWEST
-from quickreturn.commands import options
+from quickreturn.commands import console, options
+from quickreturn.commands.console import ExitCode
+from quickreturn.computing import Computing
 from quickreturn.reports.output import print_json
 
 #: What the document says of an engine.
@@ -35,3 +37,34 @@ def advise(cases: Sequence[str], tag: str | None, accuracy: float, assignments: 
         print_json(documents[0] if len(documents) == 1 else documents)
     else:
         click.echo("\n\n".join(map(str, found)))
+
+
+@click.command(name="explain")
+@options.case
+@options.single("--engine", metavar="E", default="reference", show_default=True, help="Engine, see `quickreturn engines`.")
+@options.accuracy
+@options.assignments
+@options.of_workshop
+@options.json
+@options.computing
+def explain(case: str, engine: str, accuracy: float | None, assignments: Sequence[str], as_json: bool, computing: Computing) -> int:
+    """Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers.
+
+    Each sentence is read off the settled motion that `run` stores; none has a number whose claimed error is as large as itself. The JSON
+    document is a list of objects with topic, sentence and numbers in SI. Exit code 3: the engine has no settled turn, or misses its
+    accuracy.
+    """
+    from quickreturn.studies.explanation import explanation
+
+    overrides, settings = options.read_assignments(assignments)
+    loaded = options.load(case, overrides)
+    options.refuse_missing([engine])
+    found = explanation(loaded, engine, settings, accuracy, computing)
+    if as_json:
+        print_json(found.statements)
+    else:
+        click.echo(repr(found))
+    if found.run.ending.delivered:
+        return ExitCode.GOOD
+    console.tell(f"{loaded.name}: engine {engine} {found.run.status}: {found.run.remark}")
+    return ExitCode.ENGINE_TROUBLE

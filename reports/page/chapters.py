@@ -16,11 +16,13 @@ from quickreturn.reports.chapters.recorded import recorded
 from quickreturn.reports.chapters.resonance import resonance
 from quickreturn.reports.chapters.runs import runs
 from quickreturn.reports.chapters.strength import strength
+from quickreturn.reports.chapters.turn import turn
 from quickreturn.reports.page.chapter import Chapter, MakeChapter
 from quickreturn.reports.page.content import Content
 
 #: All chapters but those of a subject (`Content.placed`): first the user's own machine, and the next steps.
 CHAPTERS: Final[tuple[MakeChapter, ...]] = (
+    turn,
     strength,
     resonance,
     run_by_run,

@@ -70,6 +70,7 @@ COMMANDS = (
     ("compare", "FILE", "motion.csv", "--engine", "reference", "--output", "compared.svg"),
     ("calibrate", "FILE", "motion.csv", "--free", "follower.thickness"),
     ("advise", "FILE"),
+    ("explain", "FILE"),
     ("plot", "FILE", "--engine", "reference", "--column", "crank_speed", "--column", "tip_deflection",
      "--output", "plot.svg"),
     ("report", "FILE", "--engine", "reference", "--output", "page"),
