@@ -14,6 +14,7 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Units
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reports.results.drive import drive_of, drive_sentences
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
 
@@ -39,6 +40,9 @@ def parts_of(result: CaseResult) -> list[Cell]:
     verdict = [f"  {line}" for line in _verdict(whole)]
     loads = [f"  {line}" for line in _load_lines(leading_loads(result))]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
+    drive = drive_of(result)
+    told = (f"{sentence[0].lower()}{sentence[1:-1]}".replace(TIED, " ") for sentence in drive_sentences(drive))
+    loads += [f"  {drive.lead}: {sentence}" for sentence in told]
     return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _heads(result.case.units)), *remarks, *loads, *verdict]
 
 

@@ -79,8 +79,8 @@ def energy(sign: float, turn: Turn) -> float:
     return float(mean @ steps)
 
 
-def energy_of_turn(turn: Turn) -> float:
-    """Energy that the RMS of the power makes in a turn, J: the size of what goes to and fro."""
+def to_and_fro(turn: Turn) -> float:
+    """Energy that the RMS of the power makes in a turn, J."""
     return rms_power(turn) * float(np.ptp(turn["time"]))
 
 
@@ -108,23 +108,16 @@ def equivalent_load(force: str, exponent: float, turn: Turn) -> float:
     """Constant force that fatigues a bearing as its force in the turn does, N; nan for one that does not turn."""
     parts, angles = BEARINGS[force]
     size = np.sqrt(sum(turn[name] ** 2 for name in parts)) ** exponent
-    turned = np.abs(np.diff(_between(angles, turn)))
+    angle, *others = (turn[name] for name in angles)
+    turned = np.abs(np.diff(angle - sum(others)))
     total = float(turned.sum())
     return float((size[:-1] + size[1:]) @ turned / (2.0 * total)) ** (1.0 / exponent) if total > 0.0 else math.nan
 
 
-def swept_angle(force: str, turn: Turn) -> float:
-    """Angle that a bearing turns in a turn of the crank, to and fro added, rad."""
-    angle, time = _between(BEARINGS[force][1], turn), turn["time"]
-    curve = CubicSpline(time, angle)
-    places = np.sort(np.append(time, curve.turning_points()))
-    return float(np.abs(np.diff(curve(places))).sum())
-
-
-def _between(angles: tuple[str, ...], turn: Turn) -> Array:
-    """Angle between the rings of a bearing, rad."""
-    first, *others = (turn[name] for name in angles)
-    return first - sum(others)
+def pivot_angle(turn: Turn) -> float:
+    """Angle that the bearing P turns in a turn of the crank, to and fro added, rad."""
+    time, curve = turn["time"], CubicSpline(turn["time"], turn["follower_angle"])
+    return float(np.abs(np.diff(curve(np.sort(np.append(time, curve.turning_points()))))).sum())
 
 
 def _mean(over: Array, values: Array) -> float:

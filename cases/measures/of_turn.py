@@ -91,26 +91,21 @@ def variation_of_speed(turn: Turn) -> float:
 _TORQUE: Final = ("time", "crank_torque")
 _POWER: Final = ("time", *drive.POWER)
 _OVER_ANGLE: Final = ("time", "crank_angle", "crank_torque")
-_RIGID: Final = partial(Witness, test="tests/cases/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work")
-_VIRTUAL_WORK: Final = _RIGID("the virtual work of a rigid machine by quadrature", 1e-5)
+_WORK: Final = Witness(
+    "the virtual work of a rigid machine by quadrature",
+    1e-5,
+    "tests/cases/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work",
+)
 
 
 def harmonic_parts(order: int) -> tuple[OfTurn, OfTurn]:
     """The parts of a harmonic of the torque in phase with the cosine and the sine of so many times the crank angle."""
-    cosine, sine = (
-        OfTurn(
-            f"torque.harmonic_{order}.{name}",
-            "N m",
-            f"part of harmonic {order} of the drive's torque with the {words} of {order} times the crank angle",
-            _OVER_ANGLE,
-            partial(drive.harmonic, order, wave),
-            _VIRTUAL_WORK,
-            scale=drive.rms_torque,
-            prescribed=True,
-        )
-        for name, words, wave in (("cos", "cosine", np.cos), ("sin", "sine", np.sin))
-    )
-    return cosine, sine
+
+    def part(name: str, words: str, wave: Callable[[Array], Array]) -> OfTurn:
+        meaning, of = f"part of harmonic {order} of the drive's torque in phase with the {words}", partial(drive.harmonic, order, wave)
+        return OfTurn(f"torque.harmonic_{order}.{name}", "N m", meaning, _OVER_ANGLE, of, _WORK, scale=drive.rms_torque, prescribed=True)
+
+    return part("cos", "cosine", np.cos), part("sin", "sine", np.sin)
 
 
 def _of_bearings() -> Iterator[OfTurn]:
@@ -150,46 +145,32 @@ OF_TURN: Final = (
         size=True,
         in_tables=TableColumn("max − min", ".1f", "%", "crank speed", "crank_speed_variation"),
     ),
-    OfTurn("mean.crank_torque", "N m", "mean torque of the drive", _TORQUE, drive.mean_torque, _VIRTUAL_WORK, scale=drive.rms_torque),
+    OfTurn("mean.crank_torque", "N m", "mean torque of the drive", _TORQUE, drive.mean_torque, _WORK, scale=drive.rms_torque),
     OfTurn("mean.drive_power", "W", "mean power of the drive", _POWER, drive.mean_power, PLAIN(2e-5), scale=drive.rms_power),
     OfTurn("rms.drive_power", "W", "root mean square of the power of the drive", _POWER, drive.rms_power, PLAIN(2e-5), size=True),
+    OfTurn("turn.driven_energy", "J", "energy that the drive gives", _POWER, partial(drive.energy, 1.0), _WORK, scale=drive.to_and_fro),
     OfTurn(
-        "turn.driven_energy",
-        "J",
-        "energy that the drive gives in a turn while its power is positive",
-        _POWER,
-        partial(drive.energy, 1.0),
-        _VIRTUAL_WORK,
-        scale=drive.energy_of_turn,
-    ),
-    OfTurn(
-        "turn.returned_energy",
-        "J",
-        "energy that the machine gives back to the drive in a turn, while its power is negative",
-        _POWER,
-        partial(drive.energy, -1.0),
-        _VIRTUAL_WORK,
-        scale=drive.energy_of_turn,
+        "turn.returned_energy", "J", "energy that the drive takes back", _POWER, partial(drive.energy, -1.0), _WORK, scale=drive.to_and_fro
     ),
     *(part for order in range(1, drive.HARMONICS + 1) for part in harmonic_parts(order)),
     OfTurn(
         "flywheel.energy",
         "J",
-        "range of the drive's torque about its mean, integrated over the crank angle",
+        "range of the integral of the drive's torque about its mean over the crank angle",
         _OVER_ANGLE,
         drive.energy_fluctuation,
-        _VIRTUAL_WORK,
+        _WORK,
         size=True,
-        scale=drive.energy_of_turn,
+        scale=drive.to_and_fro,
         prescribed=True,
     ),
     *_of_bearings(),
     OfTurn(
         "turn.pivot_angle",
         "rad",
-        "angle that the bearing P turns in a turn of the crank, to and fro added",
+        "angle that the bearing P turns in a turn",
         ("time", "follower_angle"),
-        partial(drive.swept_angle, "pivot_force"),
+        drive.pivot_angle,
         PLAIN(2e-5),
         size=True,
     ),

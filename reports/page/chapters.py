@@ -6,6 +6,7 @@ from quickreturn.reports.chapters.accuracy import accuracy
 from quickreturn.reports.chapters.agreement import agreement
 from quickreturn.reports.chapters.as_built import as_built
 from quickreturn.reports.chapters.classes import classes
+from quickreturn.reports.chapters.drive import drive
 from quickreturn.reports.chapters.each import run_by_run
 from quickreturn.reports.chapters.files import files
 from quickreturn.reports.chapters.hard import hard_scenes
@@ -24,6 +25,7 @@ from quickreturn.reports.page.content import Content
 CHAPTERS: Final[tuple[MakeChapter, ...]] = (
     turn,
     strength,
+    drive,
     resonance,
     run_by_run,
     runs,

@@ -21,6 +21,7 @@ class Series:
         bars: spread of each point: low and high on the horizontal axis, low and high on the vertical one; or nothing.
         marked: whether each point has a mark.
         labels: text at each mark; or nothing.
+        columns: whether each point is a bar from zero, beside those of other series.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Series:
     bars: Sequence[Sequence[float]] = ()
     marked: bool = True
     labels: Sequence[str] = ()
+    columns: bool = False
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class Plot:
         limit: a value that is marked by a line across the rows, and its meaning.
         regions: areas behind the points: their corners as pairs of values.
         here: a value on the horizontal axis that is marked by a line, and its meaning.
+        alike: whether a unit is equally long on both axes.
     """
 
     file: str
@@ -63,6 +66,7 @@ class Plot:
     limit: tuple[float, str] | None = None
     regions: Sequence[Sequence[tuple[float, float]]] = ()
     here: tuple[float, str] | None = None
+    alike: bool = False
 
     @property
     def document(self) -> dict[str, Any]:

@@ -58,9 +58,10 @@ function strokeOf(name) {
 /** A legend: every name with its line and mark. */
 function keyOf(entries) {
   const list = textOf("ul", "", "key");
-  for (const { name, of, line, hollow = false, marked = true, broad = false } of entries) {
+  for (const { name, of, line, hollow = false, marked = true, broad = false, columns = false } of entries) {
     const item = textOf("li", ""), sample = svg("svg", { width: 40, height: 14, "aria-hidden": "true" });
     if (broad) sample.append(svg("line", { x1: 4, x2: 36, y1: 7, y2: 7, stroke: colour("line"), "stroke-width": 12, "stroke-linecap": "round" }));
+    else if (columns) sample.append(svg("rect", { x: 14, y: 1, width: 12, height: 12, fill: lookOf(of).colour }));
     else if (line) sample.append(svg("line", { x1: 0, x2: 40, y1: 7, y2: 7, ...strokeOf(of), "stroke-dashoffset": 0 }));
     if (marked && !broad) sample.append(mark(of, 20, 7, 5, hollow));
     item.dataset.of = of;
