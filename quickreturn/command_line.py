@@ -234,7 +234,9 @@ def _interrupted(store: "Store | None") -> int:
         return _told("interrupted; nothing is kept, the same command begins anew", ExitCode.INTERRUPTED)
     count, folder = store.written, store.folder
     kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
-    told = f"interrupted; {kept} {'is' if count == 1 else 'are'} kept in {folder}; the same command goes on from there"
+    if pieces := 0 if count else store.pieces:
+        kept = f"no result was finished; {pieces} piece{'s' * (pieces > 1)} of what was begun"
+    told = f"interrupted; {kept} {'is' if count == 1 or pieces == 1 else 'are'} kept in {folder}; the same command goes on from there"
     return _told(told, ExitCode.INTERRUPTED)
 
 

@@ -64,6 +64,7 @@ class Store:
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER).expanduser()
         self.notices: list[str] = []  # sentences on damaged entries and on results that could not be written, so far
         self.written = self.lost = 0  # numbers of results that were written, and that could not be
+        self.in_pieces: set[str] = set()  # keys of jobs whose pieces other processes store
         self._tell = tell
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -119,6 +120,11 @@ class Store:
         except OSError as error:
             self.lost += 1
             self._note(f"store folder {self.folder}: results cannot be written ({words_of(error)}); they are computed anew next time")
+
+    @property
+    def pieces(self) -> int:
+        """Number of stored pieces of the jobs in `in_pieces`, of this call and earlier ones."""
+        return sum(1 for key in self.in_pieces for _ in self.folder.glob(f"{key}-*.result"))
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.result"

@@ -16,6 +16,10 @@ from quickreturn.reference_model.witnesses import Witness, Witnesses
 #: Number of crank angles in half a turn over which frequencies are averaged; the other half mirrors it. The mean of a smooth periodic
 #: function over so many even angles is exact to round-off in all scenes of the library but those whose crank nearly reaches P.
 ANGLES: Final = 25
+#: Distance of a ratio of frequencies from a whole number above which it lies between two, and below which it is close to one. At the peaks
+#: of run 24's machine the first mode is 0.01 to 0.14 from a multiple of the crank's speed.
+BETWEEN: Final = 0.25
+CLOSE: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,19 @@ def resonance(mechanism: Mechanism) -> Resonance | None:
         return None
     frequencies = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
     return Resonance(float(np.trapezoid(frequencies) / (ANGLES - 1)), float(frequencies.min()), pace / (2.0 * math.pi))
+
+
+def driven(mechanism: Mechanism) -> tuple[int, int]:
+    """The harmonic of the crank's speed that drives a mode most, and the mode's number, for a scene at a peak of its resonance curve.
+
+    That is the multiple of the speed nearest to the mean frequency of the first mode, unless the speed lies between two such multiples and
+    close to one of the second mode.
+    """
+    modes = [frozen_crank_modes(mechanism, angle, 2).frequencies for angle in np.linspace(0.0, math.pi, ANGLES)]
+    ratios = np.asarray(np.trapezoid(modes, axis=0)) / (ANGLES - 1) / (crank_pace(mechanism) / (2.0 * math.pi))
+    first, second = np.abs(ratios - np.round(ratios))
+    mode = 1 if second > CLOSE or first < BETWEEN else 2
+    return max(1, round(float(ratios[mode - 1]))), mode
 
 
 def shift_of_motion(mechanism: Mechanism) -> float:

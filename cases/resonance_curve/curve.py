@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 #: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
 MULTIPLIER_TOLERANCE: Final = 1e-3
 
+#: Modes that a harmonic of the crank's speed may drive, in words.
+MODES: Final = ("first", "second")
+
 _OF_CURVES: Final = "tests/quickreturn/studies/test_resonance.py"
 #: Difference over the range of the parameter.
 _FOLDS: Final = Witness(
@@ -61,9 +64,15 @@ class ResonancePeak:
     value: float  # of the varied quantity, SI
     height: float  # of the measure
     at: int  # number of the point on the curve
-    order: int  # multiple of the crank's speed that is nearest to the mean first bending frequency there
+    order: int  # multiple of the crank's speed that drives a mode there: it is nearest to the mean frequency with the crank held
+    mode: int = 1  # number of this mode
 
     witnesses: ClassVar[Witnesses] = dict.fromkeys(("value", "height"), _MARCHES)
+
+    @property
+    def name(self) -> str:
+        """The harmonic and the mode: "7 x crank = first mode"."""
+        return f"{self.order} x crank = {MODES[self.mode - 1]} mode"
 
 
 @dataclass(frozen=True)
@@ -102,6 +111,12 @@ class ResonanceCurve:
     def kind_after(self, at: int) -> str:
         """How the motion is unstable between a point and the next one, "" if it is stable."""
         return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
+
+    @property
+    def unstable_ranges(self) -> list[tuple[float, float, str]]:
+        """Least and greatest value of each unstable stretch, SI, and how the motion is unstable there."""
+        parts = [part for part, unstable in self.stretches() if unstable]
+        return [(float(self.values[part].min()), float(self.values[part].max()), self.kind_after(part.start)) for part in parts]
 
     def stretches(self) -> Iterator[tuple[slice, bool]]:
         """Stretches of the curve, and whether they are unstable; special points belong to both adjacent stretches."""

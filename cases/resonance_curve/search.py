@@ -14,7 +14,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
-from quickreturn.cases.loads.resonance import resonance
+from quickreturn.cases.loads.resonance import driven
 from quickreturn.cases.measures.catalogue import ARGUMENT, MEASURES, Measure, SettledMotion
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonanceCurve, ResonancePeak, SpecialPoint
@@ -106,7 +106,8 @@ def job(
     scene_at = checked_scenes(case, varied, speed, measures)
     arguments = (case, varied, speed, tuple(measures), accuracy, claims)
     # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the range show it
-    inputs = (scene_at(varied.low), scene_at(varied.high), *arguments[1:])
+    # and a curve says whether the speed is prescribed in place of the case's own drive
+    inputs = (scene_at(varied.low), scene_at(varied.high), case.mechanism.crank_is_free, *arguments[1:])
     return Job(f"{case.name} reference", resonance_curve, arguments, "resonance curve", ("reference",), inputs, pieces=True)
 
 
@@ -282,5 +283,4 @@ def _maxima(points: Sequence[BranchPoint], heights: Array, scene_at: Callable[[f
         value, height = (np.polyfit(along - along[1], numbers, 2) for numbers in (np.array([p.parameter for p in points[near]]), log[near]))
         top = float(np.clip(-height[1] / (2.0 * height[0]), along[0] - along[1], along[2] - along[1]))
         parameter = float(np.polyval(value, top))
-        nearest = resonance(scene_at(parameter))
-        yield ResonancePeak(parameter, math.exp(float(np.polyval(height, top))), at, nearest.harmonic if nearest else 0)
+        yield ResonancePeak(parameter, math.exp(float(np.polyval(height, top))), at, *driven(scene_at(parameter)))

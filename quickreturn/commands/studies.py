@@ -206,8 +206,10 @@ def resonance(
     """Follow the periodic motion of CASE over the crank's speed or another key.
 
     The curve passes through folds, where two motions meet. Its table has stable and unstable motions, the largest Floquet multiplier,
-    special points (fold, period doubling, torus, slider left), peaks with the order of the harmonic that drives them, and the error claim
-    of every point. A machine with a driving torque is held at the prescribed speed.
+    special points (fold, period doubling, torus, slider left), peaks with the harmonic that drives them (7 x crank = first mode), and the
+    error claim of every point. A machine with a driving torque is held at the prescribed speed. The answer says how many motions the
+    machine has at its own speed, which are stable, and how far the nearest peak and the nearest change of stability are. Pieces of the
+    curve are stored at once: an interrupted command goes on where it was.
 
     Exit code 3: no periodic motion was found in the range.
     """

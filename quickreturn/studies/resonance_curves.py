@@ -15,8 +15,10 @@ from quickreturn.cases.keys import PATHS, si_value
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve
 from quickreturn.cases.resonance_curve.range import SPEED, range_of
 from quickreturn.cases.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
+from quickreturn.cases.shown import Unit
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.dataset import dataset_file, table_file
+from quickreturn.reports.results.around import Around
 from quickreturn.studies.sweeping import ERROR
 
 if TYPE_CHECKING:
@@ -31,10 +33,12 @@ class Resonance(Displayed):
     Attributes:
         case: name of the case.
         curve: points, special points and peaks, as `reference` computed them.
+        around: the case's own place on the curve: its motions there, and what is nearest.
     """
 
     def __init__(self, case: Case, curve: ResonanceCurve) -> None:
         self.case, self.curve, self._units = case.name, curve, case.units
+        self.around = Around(case, curve, unit=Unit(curve.range.unit, curve.range.size))
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -51,8 +55,9 @@ class Resonance(Displayed):
         table = pd.DataFrame(columns)
         table["stability"] = [str(curve.stability(at)) for at in range(len(table))]
         table["special"] = [special.get(at, "") for at in range(len(table))]
-        orders = {each.at: each.order for each in curve.peaks}
-        table["peak_order"] = pd.array([orders.get(at) for at in range(len(table))], dtype="Int64")
+        peaks = {each.at: each for each in curve.peaks}
+        table["peak_order"] = pd.array([peaks[at].order if at in peaks else None for at in range(len(table))], dtype="Int64")
+        table["peak_harmonic"] = [peaks[at].name if at in peaks else "" for at in range(len(table))]
         table.attrs["units"] = {name: self._unit(str(name)) for name in table.columns}
         return table
 
@@ -63,26 +68,27 @@ class Resonance(Displayed):
 
     @property
     def peaks(self) -> "pd.DataFrame":
-        """Peaks of the first measure: value of the varied quantity (SI), height, order of the harmonic."""
-        return _table(self.curve.peaks, "value", "height", "order")
+        """Peaks of the first measure: value of the varied quantity (SI), height, order of the harmonic, mode, and both in words."""
+        return _table(self.curve.peaks, "value", "height", "order", "mode").assign(harmonic=[each.name for each in self.curve.peaks])
 
     def plot(self, mark: float | None = None) -> "Drawing":
         """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks.
 
         Args:
-            mark: value of the varied quantity (SI) at which the machine runs; None: no mark.
+            mark: value of the varied quantity (SI) at which the machine runs; None: the case's own, if the curve has a motion there.
         """
         from quickreturn.reports.drawing.resonance import resonance_figure
 
-        return resonance_figure(self.curve, self.case, self._units, mark)
+        own = self.around.own if self.around.motions else None
+        return resonance_figure(self.curve, self.case, self._units, own if mark is None else mark)
 
     def document(self) -> dict[str, Any]:
-        """The JSON document: special points, peaks, and the points by column."""
+        """The JSON document: the case's own place, special points, peaks, and the points by column."""
         frame = self.frame
         about = {"key": self.curve.range.key, "units": frame.attrs["units"], "settings": self.curve.settings}
         special, peaks = (table.to_dict(orient="records") for table in (self.special, self.peaks))
         columns = {str(name): frame[name].astype(object).where(frame[name].notna(), None).tolist() for name in frame.columns}
-        return {**about, "special": special, "peaks": peaks, "points": columns}
+        return {**about, "own": self.around.document, "special": special, "peaks": peaks, "points": columns}
 
     def written(self, ending: str) -> bytes:
         """The table as the content of a file: .csv, .parquet (units in the headings) or .nc."""
@@ -119,9 +125,10 @@ class Resonance(Displayed):
             error = curve.errors[first][each.at]
             height = of_height.text(each.height) + ("" if math.isnan(error) else f" +- {error / of_height.size:.2g}")
             claim = f"+- {self._of_range(curve.value_errors[each.at], '.2g')}"
-            rows.append((f"peak of order {each.order}", f"{self._of_range(each.value)} {unit}", claim, height))
+            rows.append((f"peak: {each.name}", f"{self._of_range(each.value)} {unit}", claim, height))
         if rows:
             yield Rows(rows)
+        yield from self.around.lines
 
     def _of_range(self, value: float | None, digits: str = ".6g") -> str:
         """A value in the unit in which the range was given."""

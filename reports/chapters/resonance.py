@@ -4,15 +4,13 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from quickreturn.cases.resonance_curve.search import NEAR
-from quickreturn.cases.shown import Unit
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
 from quickreturn.reports.results.around import Around
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Column, ColumnList, Table
-from quickreturn.reports.words import in_words, listed, number, percent, size
+from quickreturn.reports.words import number, size
 
 _SPEED: Final = Column("speed", "crank speed", "rad/s", ".5g")
 _HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s^2", ".4g")
@@ -26,7 +24,7 @@ def resonance(content: Content) -> Chapter | None:
     if not content.around:
         return None
     facts = {
-        "cases": [(each, sentences(each), plot(each)) if each.curve else (each, "", None) for each in content.around],
+        "cases": [(each, " ".join(each.sentences), plot(each)) if each.curve else (each, "", None) for each in content.around],
         "table": resonances(content.around),
         "curve": resonance_curve(content.around),
     }
@@ -36,58 +34,8 @@ def resonance(content: Content) -> Chapter | None:
 def finding(cases: Sequence[Around]) -> str:
     """The speed of the first machine, and its distance from the nearest peak and the nearest change of stability."""
     first = cases[0]
-    text = (
-        f"your machine runs at {speed_text(first, first.pace)}; {nearest(first)}" if first.curve else f"no resonance curve: {first.reason}"
-    )
+    text = f"your machine runs at {first.shown(first.own)}; {first.nearest}" if first.curve else f"no resonance curve: {first.reason}"
     return f"{first.case.name}: {text}" if len(cases) > 1 else text
-
-
-def nearest(around: Around) -> str:
-    """The peak and the special point nearest to the machine's speed, as a clause each."""
-    peak, change, within = around.peak, around.change, f"within {percent(NEAR, '.0f')}"
-    of_peak = (
-        f"nearest peak at {speed_text(around, peak.value)} (order {peak.order}), {_way(around, peak.value)}"
-        if peak
-        else f"no peak {within}"
-    )
-    of_change = f"{change.kind} at {speed_text(around, change.value)}, {_way(around, change.value)}" if change else ""
-    return f"{of_peak}; {of_change or f'no fold and no loss of stability {within}'}"
-
-
-def speed_text(around: Around, speed: float) -> str:
-    """A speed of the crank, rad/s, as text in the machine's units."""
-    return _in(around.case.units.of("rad/s"), speed, ".5g")
-
-
-def _in(unit: Unit, value: float, form: str) -> str:
-    return f"{number(value / unit.size, form)} {unit.sign}"
-
-
-def _way(around: Around, value: float) -> str:
-    """How much faster or slower than the machine a speed is."""
-    return f"{size(around.faster(value))} {'faster' if around.faster(value) > 0.0 else 'slower'}"
-
-
-def sentences(around: Around) -> str:
-    """The machine's speed, its motions at this speed, and what is nearest, for a machine that has a curve."""
-    drive = ", its mean speed, which is prescribed here in place of its drive" if around.solved_curve.prescribed else ""
-    motions = motion_sentences(around.motions, around.case.units.of("m/s^2"))
-    return f"Your machine runs at {speed_text(around, around.pace)}{drive}. {motions} {nearest(around).capitalize()}."
-
-
-def motion_sentences(motions: Sequence[tuple[float, str]], unit: Unit) -> str:
-    """The periodic motions at the machine's speed; each of `motions` is its tip acceleration, SI, and its kind of instability or ""."""
-    if len(motions) > 1:
-        texts = [f"{_in(unit, height, '.3g')} ({f'unstable: {kind}' if kind else 'stable'})" for height, kind in motions]
-        return (
-            f"At that speed it has {in_words(len(motions))} periodic motions, with largest tip accelerations in a turn of about"
-            f" {listed(texts)}. Its history decides which of the stable ones it follows."
-        )
-    return "".join(
-        f"There its largest tip acceleration in a turn is about {_in(unit, height, '.3g')}"
-        + (f", but that motion is unstable ({kind}): the machine would leave it." if kind else ".")
-        for height, kind in motions
-    )
 
 
 def plot(around: Around) -> Plot:
@@ -121,13 +69,14 @@ def plot(around: Around) -> Plot:
                 labels=[f"{row['order']}×" if row["order"] else "" for row in of_kind],
             )
         )
-    here = (around.pace / speed_unit.size, "your machine runs here")
+    here = (around.own / speed_unit.size, "your machine runs here")
     labels = f"crank speed [{speed_unit.sign}]", f"largest tip acceleration in a turn [{height_unit.sign}]"
     return Plot("resonance_curve.csv", *labels, series, "y", here=here)
 
 
 def _told(around: Around, speed: float, height: float, about: str) -> str:
-    return f"{speed_text(around, speed)}, {_in(around.case.units.of('m/s^2'), height, '.4g')}; {about}"
+    unit = around.case.units.of("m/s^2")
+    return f"{around.shown(speed)}, {number(height / unit.size, '.4g')} {unit.sign}; {about}"
 
 
 def _about(around: Around, row: dict[str, Any]) -> str:
@@ -158,7 +107,7 @@ def resonances(cases: Sequence[Around]) -> Table:
 def remarkable(around: Around) -> Iterator[dict[str, Any]]:
     """The machine, peaks and special points of one curve, as rows of `resonances` from the slowest to the fastest."""
     curve = around.solved_curve
-    rows = [_row(around, OWN, around.pace, height, kind) for height, kind in around.motions]
+    rows = [_row(around, OWN, around.own, height, kind) for height, kind in around.motions]
     rows += [_row(around, PEAK, point.value, point.height, curve.kinds[point.at], point.order) for point in curve.peaks]
     for point in curve.special:
         order = around.order_at(point.value) if point.kind == "fold" else None

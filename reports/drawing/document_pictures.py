@@ -59,7 +59,7 @@ def curve(case: Case, workshop: Workshop) -> Figure:
     """The resonance curve of a case over `CURVE`."""
     (outcome,) = workshop.outcomes([job(case, range_of(SPEED, CURVE, "range"), claims=False)], "resonance curve")
     assert outcome.value is not None
-    figure = new_figure(3.0)
+    figure = new_figure(4.2)
     resonance.draw(figure, outcome.value, case.name, case.units)
     return figure
 

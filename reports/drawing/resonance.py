@@ -1,18 +1,24 @@
 """Draws a resonance curve: stable parts as lines, unstable ones dashed, special points as marks, peaks with their orders."""
 
+from typing import Final
+
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve
 from quickreturn.cases.resonance_curve.search import OF_CURVE
 from quickreturn.cases.shown import Units
 from quickreturn.reports.drawing.curves import PANEL, WIDE
-from quickreturn.reports.drawing.style import FONT_SIZE, MARKERS, SMALL, Drawing, logarithmic, look, new_figure, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, GREY, MARKERS, POINTS_PER_INCH, SMALL, Drawing, logarithmic, look, new_figure, tidy
 from quickreturn.reports.line_styles import looks
+
+LINE: Final = 1.3  # font sizes from one line of text to the next
+MARGIN: Final = 0.9  # in, of a figure's width that axes do not have
 
 
 def resonance_figure(curve: ResonanceCurve, case: str, units: Units, mark: float | None = None) -> Drawing:
     """A figure of the curve, as `draw` draws it."""
-    figure = new_figure(0.9 + 1.4 * PANEL * len(curve.measures), WIDE)
+    figure = new_figure(2.2 + 1.4 * PANEL * len(curve.measures), WIDE)
     draw(figure, curve, case, units, mark)
     return figure
 
@@ -39,14 +45,40 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, units: Units, mark: f
         for kind in dict.fromkeys(point.kind for point in curve.special):
             places, style = [point.at for point in curve.special if point.kind == kind], looks([kind])[kind]
             axes.plot(shown[places], heights[places], MARKERS[style.marker], markersize=4.0, color=style.light, label=kind, zorder=3.0)
-        for peak in curve.peaks if name == next(iter(curve.measures)) else ():
-            place = (peak.value / curve.range.size, peak.height / unit.size)
-            axes.annotate(f"{peak.order}×", place, (0, 3), textcoords="offset points", ha="center", fontsize=FONT_SIZE)
         if mark is not None:
             axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
         logarithmic(axes)
         axes.margins(y=0.1)
         tidy(axes, f"{name} [{unit.sign}]")
+        if name == next(iter(curve.measures)):
+            _name_peaks(axes, curve, unit.size, figure.get_figwidth() - MARGIN)
     panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
     panels[0].legend(fontsize=SMALL, frameon=False)
-    figure.suptitle(f"{case}; at peaks the multiple of the crank's speed", fontsize=FONT_SIZE)
+    figure.suptitle(case, fontsize=FONT_SIZE)
+
+
+def _name_peaks(axes: Axes, curve: ResonanceCurve, size: float, width: float) -> None:
+    """Write the harmonic and the mode of each peak above the axes, at least `width` in wide, upright and apart, with a line to the peak."""
+    peaks = sorted(curve.peaks, key=lambda peak: peak.value)
+    low, high = axes.get_xlim()
+    axes.set_xlim(low, high)
+    places = [(peak.value / curve.range.size - low) / (high - low) for peak in peaks]
+    apart = LINE * FONT_SIZE / POINTS_PER_INCH / width
+    for at in range(1, len(places)):
+        places[at] = max(places[at], places[at - 1] + apart)
+    if places and places[-1] > 1.0:
+        places[-1] = 1.0
+        for at in reversed(range(len(places) - 1)):
+            places[at] = min(places[at], places[at + 1] - apart)
+    for peak, place in zip(peaks, places, strict=True):
+        axes.annotate(
+            peak.name.replace(" x ", " × "),
+            (peak.value / curve.range.size, peak.height / size),
+            (place, 1.02),
+            textcoords="axes fraction",
+            ha="center",
+            va="bottom",
+            rotation=90,
+            fontsize=SMALL,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.5, "color": GREY, "relpos": (0.5, 0.0), "shrinkB": 1.0},
+        )

@@ -1,9 +1,10 @@
-"""The resonance curve around the speed of the user's own machine: the machine's place on it, or why there is no curve."""
+"""A machine's own place on its resonance curve, or why there is no curve."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,31 +13,42 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.keys import PATHS
 from quickreturn.cases.loads import resonance
+from quickreturn.cases.measures.catalogue import MEASURES, Measure
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
-from quickreturn.cases.resonance_curve.search import OF_CURVE, job_around
+from quickreturn.cases.resonance_curve.range import SPEED
+from quickreturn.cases.resonance_curve.search import job_around
+from quickreturn.cases.runs.stability import UNSTABLE
+from quickreturn.cases.shown import Unit, Units
+from quickreturn.cases.uncertainty.parameters import Parameter
 from quickreturn.engines.base import Refusal
 from quickreturn.reference_model.rigid import mean_crank_speed
+from quickreturn.reports.words import MINUS, TIED, in_words, listed, number, size
 
 
 @dataclass(frozen=True)
 class Around:
-    """A machine and its curve over speeds around its own.
+    """A machine and its curve.
 
     Attributes:
         case: the machine.
-        curve: the curve over the crank's speed; None if there is none.
+        curve: the curve, over its speed or another quantity; None if there is none.
         reason: why there is no curve (a clause).
+        unit: unit of what varies; None: that of the case.
     """
 
     case: Case
     curve: ResonanceCurve | None
     reason: str = ""
+    unit: Unit | None = None
 
     @cached_property
-    def pace(self) -> float:
-        """The machine's own speed, rad/s, negative if it turns clockwise: its mean speed if a torque drives it."""
-        return mean_crank_speed(self.case.mechanism)
+    def own(self) -> float:
+        """The machine's own value of what varies, SI; its speed is negative if it turns clockwise, and the mean if a torque drives it."""
+        key = SPEED if self.curve is None else self.curve.range.key
+        scene = self.case.mechanism
+        return mean_crank_speed(scene) if key == SPEED else Parameter.of_key(key, self.case.name).of(scene)
 
     @property
     def heights(self) -> NDArray[np.float64]:
@@ -51,56 +63,105 @@ class Around:
 
     @cached_property
     def motions(self) -> list[tuple[float, str]]:
-        """The motions at the machine's speed: first measure (SI, by splines over the arclength), and kind of instability or ""."""
+        """The motions at the machine's own value: first measure (SI, by splines over the arclength), and kind of instability or ""."""
         curve = self.solved_curve
-        arclengths = CubicSpline(curve.arclength, curve.values).solve(self.pace, extrapolate=False)
+        arclengths = CubicSpline(curve.arclength, curve.values).solve(self.own, extrapolate=False)
         heights = np.exp(CubicSpline(curve.arclength, np.log(self.heights))(arclengths))
         before = np.searchsorted(curve.arclength, arclengths, "right") - 1
         return [(float(height), curve.kind_after(int(at))) for height, at in zip(heights, before, strict=True)]
 
     @property
     def peak(self) -> ResonancePeak | None:
-        """The peak nearest to the machine's speed."""
-        return min(self.solved_curve.peaks, key=lambda point: abs(point.value - self.pace), default=None)
+        """The peak nearest to the machine's own value."""
+        return min(self.solved_curve.peaks, key=lambda point: abs(point.value - self.own), default=None)
 
     @property
     def change(self) -> SpecialPoint | None:
-        """The special point nearest to the machine's speed."""
-        return min(self.solved_curve.special, key=lambda point: abs(point.value - self.pace), default=None)
+        """The special point nearest to the machine's own value."""
+        return min(self.solved_curve.special, key=lambda point: abs(point.value - self.own), default=None)
 
     def faster(self, value: float) -> float:
-        """Relative difference of another speed from the machine's own; negative if the other one is slower."""
-        return value / self.pace - 1.0
+        """Relative difference of another value from the machine's own; negative if the other one is slower."""
+        return value / self.own - 1.0 if self.own else math.inf
 
     def order_at(self, speed: float) -> int | None:
         """The multiple of a crank speed (rad/s) that is nearest to the first mode."""
         first = resonance(self.case.mechanism)
         return None if first is None else replace(first, crank=abs(speed) / (2.0 * math.pi)).harmonic
 
+    def shown(self, value: float) -> str:
+        """A value of what varies: "236 rpm"."""
+        return f"{number(value / self._unit.size, '.5g')} {self._unit.sign}"
+
+    @property
+    def _unit(self) -> Unit:
+        return self.unit or self.case.units.of(PATHS[self.solved_curve.range.key].unit)
+
+    def way(self, value: float) -> str:
+        """How far another value is from the machine's own, in its unit and as a part: "2.5 rpm or 1.1 % faster"."""
+        words = ("faster", "slower") if self.solved_curve.range.key == SPEED else ("more", "less")
+        part = f" or {size(self.faster(value))}" if self.own else ""
+        far = number(abs(value - self.own) / self._unit.size, ".3g")
+        return f"{far} {self._unit.sign}{part} {words[self.faster(value) < 0.0]}"
+
+    @property
+    def nearest(self) -> str:
+        """The peak and the special point nearest to the machine's own value, as a clause each."""
+        curve, peak, change = self.solved_curve, self.peak, self.change
+        low, high = sorted((curve.range.low, curve.range.high), key=abs)
+        within = f"between {self.shown(low)} and {self.shown(high)}"
+        of_peak = f"nearest peak at {self.shown(peak.value)} ({peak.name}), {self.way(peak.value)}" if peak else f"no peak {within}"
+        of_change = f"{change.kind} at {self.shown(change.value)}, {self.way(change.value)}" if change else ""
+        return f"{of_peak}; {of_change or f'no fold and no loss of stability {within}'}"
+
+    @property
+    def sentences(self) -> list[str]:
+        """The machine's own value, the motions there, the unstable range around it, and what is nearest."""
+        curve = self.solved_curve
+        drive = ", its mean speed, which is prescribed here in place of its drive" if curve.prescribed and curve.range.key == SPEED else ""
+        own = (
+            f"Your machine runs at {self.shown(self.own)}{drive}"
+            if curve.range.key == SPEED
+            else f"Your machine has {self.shown(self.own)}"
+        )
+        first = next(iter(curve.measures))
+        told = [f"{own}.", motion_sentences(self.motions, MEASURES[first], self.case.units)]
+        for low, high, kind in curve.unstable_ranges:
+            if low <= self.own <= high:
+                ends = " to ".join(map(self.shown, sorted((low, high), key=abs)))
+                told.append(f"Motions that are unstable ({kind}) reach from {ends}, and your machine lies within that range.")
+        return [*told, f"{self.nearest[0].upper()}{self.nearest[1:]}."]
+
     @property
     def lines(self) -> list[str]:
-        """The machine's own motion, and the nearest peak and special point, as lines for a terminal."""
-        curve, name = self.solved_curve, next(iter(self.solved_curve.measures))
-        units = self.case.units
-        speed, height_unit = units.of("rad/s"), units.of(OF_CURVE[name].unit)
-        low, high = sorted((curve.range.low, curve.range.high))
-        drive = ", its mean speed, prescribed here in place of its drive" if curve.prescribed else ""
-        lines = [f"the machine runs at {speed.text(self.pace, '.5g')}{drive}"]
-        lines += [
-            f"there {name} is about {height_unit.text(height, '.3g')}, {f'unstable: {kind}' if kind else 'stable'}"
-            for height, kind in self.motions
-        ]
-        nearest = {
-            "peak": [(f"order {each.order}, {height_unit.text(each.height, '.3g')}", each.value) for each in [self.peak] if each],
-            "change of stability": [(each.kind, each.value) for each in [self.change] if each],
-        }
-        for what, places in nearest.items():
-            lines += [] if places else [f"no {what} between {low / speed.size:.4g} and {speed.text(high)}"]
-            for words, value in places:
-                direction = "faster" if self.faster(value) > 0.0 else "slower"
-                share = f"{100.0 * abs(self.faster(value)):.2g} % {direction}"
-                lines.append(f"nearest {what}: {words}, at {speed.text(value, '.5g')}, {share}")
-        return lines
+        """The sentences as lines for a terminal, in plain characters."""
+        return [sentence.replace(TIED, " ").replace(MINUS, "-").replace("²", "^2") for sentence in self.sentences]
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The machine on its curve for JSON, SI."""
+        motions = [{"height": height, "stability": UNSTABLE.format(kind) if kind else "stable"} for height, kind in self.motions]
+        places = {"nearest_peak": self.peak, "nearest_change": self.change}
+        far = {name: {"distance": each.value - self.own, "relative": self.faster(each.value)} for name, each in places.items() if each}
+        return {"value": self.own, "motions": motions, **far, "sentences": self.lines}
+
+
+def motion_sentences(motions: Sequence[tuple[float, str]], measure: Measure, units: Units) -> str:
+    """How many motions a machine has, and which are stable; each of `motions` is its measure, SI, and its kind of instability or ""."""
+    about, unit = measure.meaning.replace("_", " "), units.of(measure.unit)
+    # splines between points miss by some percent
+    heights = [f"{number(height / unit.size, '.2g')} {unit.sign}" for height, _ in motions]
+    if not motions:
+        return "The curve has no motion there."
+    if len(motions) > 1:
+        texts = [f"{height} ({UNSTABLE.format(kind) if kind else 'stable'})" for height, (_, kind) in zip(heights, motions, strict=True)]
+        stable = sum(not kind for _, kind in motions)
+        history = " Its history decides which of the stable ones it follows." if stable > 1 else ""
+        told = f"There it has {in_words(len(motions))} periodic motions, {in_words(stable)} of them stable"
+        return f"{told}, with a {about} of about {listed(texts)}.{history}"
+    kind = motions[0][1]
+    stability = f"which is unstable ({kind}): the machine would leave it" if kind else "which is stable"
+    return f"There it has one periodic motion on this curve, with a {about} of about {heights[0]}, {stability}."
 
 
 def jobs_around(cases: Sequence[Case]) -> dict[str, Job[ResonanceCurve] | str]:

@@ -1,27 +1,35 @@
 """`quickreturn resonance` and `qr.resonance`: tables, pictures, and answers to mistakes."""
 
+import dataclasses
 import io
+import itertools
 import json
 import math
+import os
+import signal
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.text import Text
 
 import quickreturn as qr
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.jobs.records import encoded
-from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE
+from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonancePeak
 from quickreturn.cases.resonance_curve.range import range_of
 from quickreturn.cases.resonance_curve.search import checked_scenes, job, job_around
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Array, Image
 from quickreturn.reports.drawing.style import picture
 from quickreturn.reports.results.around import Around
+from quickreturn.studies.resonance_curves import Resonance
 from tests.quickreturn.conftest import Call
+from tests.quickreturn.program import descendants, running, started, wait_until
 
 RPM = math.pi / 30.0
 #: About the fold of run 24's machine in one mode, which `accuracy=0.05` makes of it.
@@ -165,17 +173,132 @@ def test_the_curve_around_a_crank_that_turns_clockwise_is_over_negative_speeds()
     case = qr.case("thesis-24", {"crank.prescribed_speed": "-100 rpm"})
     varied = job_around(case).arguments[1]
     assert (varied.low / RPM, varied.high / RPM) == pytest.approx((-115.0, -85.0))
-    assert Around(case, None).pace / RPM == pytest.approx(-100.0)
+    assert Around(case, None).own / RPM == pytest.approx(-100.0)
 
 
 def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -> None:
     fold = found.special["value"].item()
     pace = 0.998 * fold
-    lines = Around(qr.case("thesis-24", {"crank.prescribed_speed": f"{pace / RPM!r} rpm"}), found.curve).lines
-    assert lines[0].startswith(f"the machine runs at {pace / RPM:.5g} rpm, its mean speed")
-    assert {line.rpartition(", ")[2] for line in lines[1:3]} == {"stable", "unstable: fold"}
-    assert lines[3].startswith("no peak between 237.5 and 241 rpm")
-    assert lines[4] == f"nearest change of stability: fold, at {fold / RPM:.5g} rpm, 0.2 % faster"
+    own = Around(qr.case("thesis-24", {"crank.prescribed_speed": f"{pace / RPM!r} rpm"}), found.curve)
+    runs, motions, unstable, nearest = own.lines
+    assert runs.startswith(f"Your machine runs at {pace / RPM:.5g} rpm, its mean speed")
+    assert motions.startswith("There it has two periodic motions, one of them stable, ")
+    assert "(stable)" in motions
+    assert "(unstable: fold)" in motions
+    assert unstable.startswith("Motions that are unstable (fold) reach from ")
+    assert unstable.endswith(f" to {fold / RPM:.5g} rpm, and your machine lies within that range.")
+    apart = f"{(fold - pace) / RPM:.3g} rpm or 0.2 % faster"
+    assert nearest == f"No peak between 237.5 rpm and 241 rpm; fold at {fold / RPM:.5g} rpm, {apart}."
+    document = own.document
+    assert [motion["stability"] for motion in document["motions"]].count("stable") == 1
+    assert document["nearest_change"]["distance"] == pytest.approx(fold - pace)
+
+
+def test_a_machine_beyond_its_curve_has_no_motion_on_it(found: qr.Resonance) -> None:
+    """Run 24 turns at 158.7 rpm, its torque over its damping."""
+    runs, motions, nearest = found.around.lines
+    assert runs.startswith("Your machine runs at 158.69 rpm")
+    assert motions == "The curve has no motion there."
+    assert "faster" in nearest
+    assert found.document()["own"]["motions"] == []
+    assert len(found.plot().axes[0].lines) == len(found.plot(mark=239.0 * RPM).axes[0].lines) - 1
+
+
+#: Changes of run 24, a range of speeds, and how many motions it then has at its own speed, and how many stable ones.
+OWN = {
+    "stable": ("226 rpm", "224 rpm .. 229 rpm", 1, 1),
+    "between the folds": ("236 rpm", "231 rpm .. 240 rpm", 3, 2),
+    "period doubling": ("370 rpm", "363 rpm .. 375 rpm", 1, 0),
+}
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("where", OWN)
+def test_the_machines_own_speed_has_the_motions_that_a_search_of_that_speed_alone_finds(where: str, call: Call) -> None:
+    """From a sweep of a few speeds up and down, which searches each motion by itself; the fold of the unstable branch is left out there."""
+    speed, range_, count, stable = OWN[where]
+    drive = ("--set", f"crank.prescribed_speed={speed}")
+    answer = call("resonance", "thesis-24", *drive, "--speed", range_, "--no-claims", "--json")
+    own = json.loads(answer.output)["own"]
+    assert own["value"] / RPM == pytest.approx(float(speed.split()[0]))
+    kinds = [motion["stability"] for motion in own["motions"]]
+    assert (len(kinds), kinds.count("stable")) == (count, stable)
+    assert own["sentences"][0] == f"Your machine runs at {speed}."
+    low, high = (float(end.split()[0]) for end in range_.split(" .. "))
+    around = f"{low + 1.0} rpm; {speed}; {high - 1.0} rpm"
+    swept = qr.sweep("thesis-24", {"crank.prescribed_speed": around}, claims=False, path="both", quiet=True).isel(
+        {"crank.prescribed_speed": 1}
+    )
+    settled = sorted(
+        {
+            f"{float(height):.3g}"
+            for height, status in zip(swept["peak.tip_acceleration"], swept["status"], strict=True)
+            if status == "settled"
+        }
+    )
+    assert set(settled) <= {f"{motion['height']:.3g}" for motion in own["motions"] if motion["stability"] == "stable"}
+    assert bool(settled) is (stable > 0)
+    if where == "between the folds":
+        assert any("(fold) reach from 232.7" in sentence for sentence in own["sentences"])
+        assert own["nearest_change"]["distance"] / RPM == pytest.approx(2.48, abs=0.05)
+
+
+@pytest.mark.verify
+def test_peaks_are_named_by_the_frequencies_of_the_modes(call: Call) -> None:
+    """The multiple of the peak's speed that its name tells is the mean over the turn of the first frequency with the crank held."""
+    answer = call("resonance", "thesis-24", "--speed", "105 rpm .. 172 rpm", "--no-claims", "--json", "--output", "curve.csv")
+    peaks = json.loads(answer.output)["peaks"]
+    angles = np.linspace(0.0, 360.0, 37)[:-1].tolist()
+    mean = float(qr.modes("thesis-24", "exudyn", angles, count=1).to_numpy()[:, -1].mean())
+    assert [peak["harmonic"] for peak in peaks] == [f"{order} x crank = first mode" for order in (9, 8, 7, 6)]
+    for peak in peaks:
+        assert peak["order"] * peak["value"] / (2.0 * math.pi) == pytest.approx(mean, rel=0.02)
+    named = pd.read_csv("curve.csv")["peak_harmonic"].dropna()
+    assert sorted(named) == sorted(peak["harmonic"] for peak in peaks)
+
+
+def test_the_names_of_peaks_do_not_overlap(found: qr.Resonance) -> None:
+    places = np.array([237.52, 237.53, 237.54, 238.0, 238.75, 238.76]) * RPM
+    peaks = tuple(ResonancePeak(value, 500.0, 3, order) for order, value in enumerate(places, 4))
+    figure = Resonance(qr.case("thesis-24"), dataclasses.replace(found.curve, peaks=peaks)).plot()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    boxes = sorted((Text.get_window_extent(text) for text in axes.texts), key=lambda box: box.x0)  # without the lines
+    assert [text.get_text() for text in axes.texts] == [f"{order} × crank = first mode" for order in range(4, 10)]
+    assert all(one.x1 <= other.x0 for one, other in itertools.pairwise(boxes))
+    assert boxes[0].x0 > 0.0
+    assert boxes[-1].x1 < figure.bbox.x1
+    assert max(box.y1 for box in boxes) < figure.bbox.y1
+
+
+@pytest.mark.verify
+def test_a_killed_curve_goes_on_with_the_missing_pieces(call: Call, tmp_path: Path) -> None:
+    asked = ("resonance", "thesis-24", "--speed", "150 rpm .. 165 rpm", "--accuracy", "0.05", "--no-claims")
+    pieces: Callable[[], dict[str, int]] = lambda: {  # noqa: E731
+        file.name: file.stat().st_mtime_ns for file in (tmp_path / ".quickreturn").glob("*-*.result")
+    }
+    for number in (signal.SIGKILL, signal.SIGINT):
+        program = started(*asked, folder=tmp_path, process_group=0)
+        first = len(pieces())
+        wait_until(lambda: len(pieces()) > first, program)  # noqa: B023
+        below = descendants(program.pid)
+        os.kill(program.pid, number)
+        _, errors = program.communicate()
+        wait_until(lambda: not any(map(running, below)))  # noqa: B023
+    kept = pieces()
+    assert f"no result was finished; {len(kept)} pieces of what was begun are kept in .quickreturn" in errors
+    answer = call(*asked, "--json")
+    assert answer.code == 0, answer.errors
+    after = pieces()
+    assert len(after) > len(kept) >= 2
+    assert {name: after[name] for name in kept} == kept
+
+
+def test_a_curve_is_stored_for_the_machines_own_drive() -> None:
+    """The speed of one is prescribed in place of its torque, that of the other by itself: the two curves say so."""
+    varied = range_of("crank.prescribed_speed", "150 rpm .. 165 rpm", "range")
+    of_torque, of_speed = (qr.case("thesis-24", more) for more in ({}, {"crank.prescribed_speed": "150 rpm"}))
+    assert key_of(job(of_torque, varied)) != key_of(job(of_speed, varied))
 
 
 def test_a_rigid_machine_has_no_curve(call: Call) -> None:

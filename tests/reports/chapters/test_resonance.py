@@ -13,17 +13,20 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, Watch
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.resonance_curve.search import job_around
-from quickreturn.cases.shown import Unit
+from quickreturn.cases.measures.catalogue import MEASURES
+from quickreturn.cases.resonance_curve.search import USUAL, job_around
+from quickreturn.cases.shown import METRIC
 from quickreturn.engines.base import EngineFailure
-from quickreturn.reports.chapters.resonance import finding, motion_sentences, plot
+from quickreturn.reports.chapters.resonance import finding, plot
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
-from quickreturn.reports.results.around import Around, curves_around
+from quickreturn.reports.results.around import Around, curves_around, motion_sentences
 from tests.reports.made_up_resonance import FOLD, OWN, PEAK, RPM, height, made_up_around, speed
 from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.reported_results import reported_result
+
+ACCELERATION = (MEASURES[USUAL], METRIC)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +43,7 @@ def test_the_machine_has_every_motion_at_its_speed(around: Around) -> None:
     assert heights == pytest.approx([height(-OWN), height(0.0), height(OWN)], rel=1e-5)  # splines of points 1/30 apart
     assert kinds == ("", "fold", "")
     assert around.peak == around.solved_curve.peaks[0]
-    assert around.change == min(around.solved_curve.special, key=lambda each: abs(each.value - around.pace))
+    assert around.change == min(around.solved_curve.special, key=lambda each: abs(each.value - around.own))
 
 
 def test_stable_and_unstable_parts_meet_at_the_folds_and_nowhere_else(around: Around) -> None:
@@ -48,7 +51,7 @@ def test_stable_and_unstable_parts_meet_at_the_folds_and_nowhere_else(around: Ar
     assert (stable.name, unstable.name) == ("stable", "unstable")
     parts = " ".join("-" if each is None else "." for each in stable.x).replace(" ", "").split("-")
     assert [bool(each) for each in parts] == [True, True, False]  # a gap between, and one behind
-    pace = around.pace / RPM
+    pace = around.own / RPM
     ends = [stable.x[len(parts[0]) - 1], stable.x[len(parts[0]) + 1]]
     assert ends == pytest.approx([pace * speed(-FOLD), pace * speed(FOLD)])
     assert [unstable.x[0], unstable.x[-2]] == pytest.approx(ends)
@@ -61,9 +64,9 @@ def test_folds_and_peaks_carry_the_order_of_the_harmonic(around: Around) -> None
     marks = {series.name: series for series in drawn.series[2:]}
     assert list(marks) == ["peak", "fold", "your machine"]
     assert marks["peak"].labels == ["8×"]
-    assert set(marks["fold"].labels) == {f"{around.order_at(around.pace)}×"}  # within 2 % of the machine's own speed
+    assert set(marks["fold"].labels) == {f"{around.order_at(around.own)}×"}  # within 2 % of the machine's own speed
     assert sorted(marks["your machine"].y) == pytest.approx(sorted(height for height, _ in around.motions))
-    assert drawn.here == (pytest.approx(around.pace / RPM), "your machine runs here")
+    assert drawn.here == (pytest.approx(around.own / RPM), "your machine runs here")
     assert "driven by 8 times the crank’s speed" in marks["peak"].text[0]
 
 
@@ -81,8 +84,11 @@ def test_the_tables_have_what_is_drawn(around: Around, tmp_path: Path) -> None:
 
 def test_the_chapter_tells_the_motions_apart(around: Around) -> None:
     told = text_of(own_page(around))
-    assert "At that speed it has three periodic motions" in told
-    assert f"{height(0.0):.3g} m/s² (unstable: fold)" in told
+    assert "There it has three periodic motions, two of them stable" in told
+    folds = [f"{120.0 * speed(u):.5g} rpm" for u in (FOLD, -FOLD)]
+    assert f"Motions that are unstable (fold) reach from {' to '.join(folds)}, and your machine lies within that range." in told
+    assert plain(" ".join(around.lines)) in told.replace("−", "-").replace("²", "^2"), "the sentences of the command"
+    assert f"{float(f'{height(0.0):.2g}'):g} m/s² (unstable: fold)" in told
     assert "Its history decides which of the stable ones it follows." in told
     assert "its mean speed, which is prescribed here in place of its drive" in told
     assert "the resonance curve around it" in told  # on the first screen
@@ -91,15 +97,17 @@ def test_the_chapter_tells_the_motions_apart(around: Around) -> None:
 def test_the_heading_gives_the_distances_from_the_nearest_peak_and_fold(around: Around) -> None:
     # 120 rpm; the peak at u = PEAK, and the fold that lies 2 % above: 1 + WIDTH (8 u^3 - 3 u) / 5 at -FOLD
     peak, fold = (f"{120.0 * speed(u):.5g} rpm" for u in (PEAK, -FOLD))
-    distances = [f"{100.0 * (speed(u) - 1.0):.1f} % faster" for u in (PEAK, -FOLD)]
-    told = f"your machine runs at 120 rpm; nearest peak at {peak} (order 8), {distances[0]}; fold at {fold}, {distances[1]}"
+    distances = [f"{120.0 * (speed(u) - 1.0):.3g} rpm or {100.0 * (speed(u) - 1.0):.1f} % faster" for u in (PEAK, -FOLD)]
+    named = "8 x crank = first mode"
+    told = f"your machine runs at 120 rpm; nearest peak at {peak} ({named}), {distances[0]}; fold at {fold}, {distances[1]}"
     assert plain(finding([around])) == told == finding_of(own_page(around), "resonance")
     assert plain(finding([around, around])) == f"example: {told}"
 
 
 def test_a_machine_near_nothing_and_one_without_a_curve_say_so(around: Around) -> None:
     bare = Around(around.case, dataclasses.replace(around.solved_curve, peaks=(), special=()))
-    nothing = "your machine runs at 120 rpm; no peak within 15 %; no fold and no loss of stability within 15 %"
+    within = "between 102 rpm and 138 rpm"
+    nothing = f"your machine runs at 120 rpm; no peak {within}; no fold and no loss of stability {within}"
     assert plain(finding([bare])) == nothing
     none = Around(around.case, None, "the crank stands still")
     assert finding([none]) == "no resonance curve: the crank stands still"
@@ -107,13 +115,18 @@ def test_a_machine_near_nothing_and_one_without_a_curve_say_so(around: Around) -
 
 
 def test_one_motion_is_told_with_its_stability_and_several_are_listed() -> None:
-    assert motion_sentences([(12.34, "")], Unit("m/s^2")) == "There its largest tip acceleration in a turn is about 12.3 m/s²."
-    unstable = motion_sentences([(12.34, "torus")], Unit("m/s^2"))
-    assert unstable.endswith("12.3 m/s², but that motion is unstable (torus): the machine would leave it.")
-    several = motion_sentences([(10.0, ""), (20.0, "fold"), (30.0, "")], Unit("m/s^2"))
+    about = "a largest magnitude of tip acceleration in a turn of about"
+    one = f"There it has one periodic motion on this curve, with {about} 12 m/s²"
+    assert motion_sentences([(12.34, "")], *ACCELERATION) == f"{one}, which is stable."
+    assert motion_sentences([(12.34, "torus")], *ACCELERATION) == f"{one}, which is unstable (torus): the machine would leave it."
     listed = "10 m/s² (stable), 20 m/s² (unstable: fold) and 30 m/s² (stable)"
-    assert several.startswith(f"At that speed it has three periodic motions, with largest tip accelerations in a turn of about {listed}.")
-    assert motion_sentences([], Unit("m/s^2")) == ""
+    several = motion_sentences([(10.0, ""), (20.0, "fold"), (30.0, "")], *ACCELERATION)
+    history = "Its history decides which of the stable ones it follows."
+    assert several == f"There it has three periodic motions, two of them stable, with {about} {listed}. {history}"
+    two = motion_sentences([(10.0, ""), (20.0, "fold")], *ACCELERATION)
+    assert two.startswith("There it has two periodic motions, one of them stable, ")
+    assert history not in two
+    assert motion_sentences([], *ACCELERATION) == "The curve has no motion there."
 
 
 class Failing:

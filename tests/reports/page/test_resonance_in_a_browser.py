@@ -75,7 +75,7 @@ def test_arrow_keys_go_along_the_curve_and_to_other_series(opened: Open) -> None
     found.focus()
     page.keyboard.press("ArrowRight")
     first = told.inner_text()
-    pace = AROUND.pace / RPM
+    pace = AROUND.own / RPM
     assert first.startswith(f"stable: {pace * speed(-1.0):.5g} rpm, {height(-1.0):.4g} m/s²")
     page.keyboard.press("ArrowRight")
     assert told.inner_text() != first
