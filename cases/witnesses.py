@@ -6,6 +6,7 @@
 from collections.abc import Iterator
 from typing import Any, Final
 
+from quickreturn.cases.loads.fatigue import Fatigue
 from quickreturn.cases.loads.resonance import Resonance
 from quickreturn.cases.loads.stress import ArmStress, Factor
 from quickreturn.cases.measures.catalogue import MEASURES
@@ -23,6 +24,7 @@ from quickreturn.reference_model.witnesses import Witness
 RESULTS: Final[dict[type[Any], str]] = {
     ChannelMeasures: "half cycle",
     ArmStress: "stress along the arm",
+    Fatigue: "fatigue",
     Factor: "safety factor",
     Resonance: "distance to resonance",
     PeriodicOrbit: "periodic orbit",

@@ -13,7 +13,7 @@ from quickreturn.engines.base import Comparison, EngineFailure
 from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.columns import BEARINGS, BENDING
+from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING
 
 R = TypeVar("R")
 Q = TypeVar("Q")
@@ -23,7 +23,7 @@ TIP: Final = "tip"
 #: Columns with an error estimate of their own.
 ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
 #: Loads on parts and drive, which also have an error estimate where the engine gives them.
-LOADS: Final = (*BENDING, *BEARINGS, "crank_torque", "base_torque")
+LOADS: Final = (*BENDING, *AXIAL, *BEARINGS, "crank_torque", "base_torque")
 
 #: Smallest factor that successive differences are credited with: the estimate is at most 1.4 times the difference from the coarser run.
 #: Two runs with equal but unrelated errors differ by more than either error; in 17 scenes the errors of unresolved motions were at most

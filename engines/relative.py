@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BENDING, ENDS
+from quickreturn.reference_model.columns import AXIAL, BENDING, ENDS
 
 
 def rms(values: NDArray[np.float64]) -> float:
@@ -17,9 +17,11 @@ def rms(values: NDArray[np.float64]) -> float:
 def scale(name: str, columns: Mapping[str, NDArray[np.float64]]) -> float:
     """Size that the error of a column is relative to, in its unit: its RMS.
 
-    A moment at an end is tiny where the body there is light: its scale is the largest RMS of the moments along the arm.
+    A moment at an end is tiny where the body there is light: its scale is the largest RMS of the moments along the arm; likewise for the
+    normal forces in the arm.
     """
-    return max(rms(columns[each]) for each in BENDING if each in columns) if name in ENDS else rms(columns[name])
+    family = BENDING if name in ENDS else AXIAL if name in AXIAL else (name,)
+    return max(rms(columns[each]) for each in family if each in columns)
 
 
 def relative_error(values: NDArray[np.float64], truth: NDArray[np.float64]) -> float:

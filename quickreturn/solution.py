@@ -29,7 +29,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.columns import BEARINGS, BENDING, COLUMNS, MOMENTS
+from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, COLUMNS, MOMENTS
 from quickreturn.reference_model.native import cache_folder
 from quickreturn.reports.output import check_writable, write_file
 from quickreturn.reports.results.loads import stress_text
@@ -206,7 +206,7 @@ class Solution(Displayed):
                 relative, size, words = result.error_estimate, self.case.scene.follower.length, "tip's place"
             about = "; ".join(filter(None, (asked, remark))) if column == "tip_deflection" else ""
             rows.append((words, _digits(relative), "" if relative is None else unit.text(relative * size, ".1e"), about))
-        for words, columns in (("moments", BENDING), ("bearings", BEARINGS)):
+        for words, columns in (("moments", BENDING), ("normal forces", AXIAL), ("bearings", BEARINGS)):
             if estimates := [estimate for column in columns if (estimate := result.error_estimates.get(column)) is not None]:
                 rows.append((words, _digits(max(estimates)), "", "at most"))
         return name, Rows(rows, ("of", "relative", "RMS", ""))

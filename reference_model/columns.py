@@ -8,6 +8,9 @@ Bending moments have the sign of the strains. Where a slider with rotary inertia
 them from the accelerations that it integrates, so that they do not depend on the spacing of rows. A rigid follower has moments too, those
 that Newton and Euler require of it, but an engine that knows moments by curvature alone leaves the columns out for it.
 
+Normal forces in the arm are positive where they pull. Like the moments they are those of the loads outboard: inertia, weight, damping, tip
+body, tool and slider. They jump at a slider that rubs, or has rotary inertia on a bent arm.
+
 Bearing forces are those that the ground exerts on the body. The torque of the drive, the bearings' friction and the damping of the beam
 against its base are couples or internal forces: no bearing force contains them, except by the motion that they cause. The base block has
 no mass here, only an inertia, so that its own weight is not in the force at P.
@@ -136,6 +139,10 @@ COLUMNS: Final = MappingProxyType(
         "moment_inboard": Observable("N m", "the same on its inboard side", _ENGINES(3e-4), of_slider=True),
         "moment_base": Observable("N m", "bending moment at the base, x = 0", _HEAVY_ENDS),
         "moment_tip": Observable("N m", "bending moment at the flexible end, x = L", _HEAVY_ENDS),
+        "axial_base": Observable("N", "normal force in the arm at the base, x = 0, positive where it pulls", _ENGINES(1.5e-3)),
+        "axial_inboard": Observable("N", "the same at the slider, on its inboard side", _ENGINES(1.5e-3), of_slider=True),
+        "axial_slider": Observable("N", "the same on its outboard side", _ENGINES(1.5e-3), of_slider=True),
+        "axial_tip": Observable("N", "the same at the flexible end, x = L", _ENGINES(1.5e-3)),
         "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1", _ENGINES(2e-3)),
         "pivot_force_y": Observable("N", "the same along n2", _ENGINES(6e-3)),
         "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", _ENGINES(5e-5), of_slider=True),
@@ -149,6 +156,8 @@ MOMENTS: Final = tuple(f"moment_{name.removeprefix('shape_')}" for name in SHAPE
 ENDS: Final = ("moment_base", "moment_tip")
 #: All bending moments: what an engine leaves out for a rigid follower if it knows moments by curvature alone.
 BENDING: Final = (*MOMENTS, "moment_slider", "moment_inboard", *ENDS)
+#: Normal forces in the arm.
+AXIAL: Final = ("axial_base", "axial_inboard", "axial_slider", "axial_tip")
 BEARINGS: Final = ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")
 
 #: Columns that the compiled models record.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from quickreturn.reference_model.errors import ImpossibleMechanism
-from quickreturn.reference_model.quantities import quantity
+from quickreturn.reference_model.quantities import ANY_COUNT, quantity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,16 +145,39 @@ class Follower:
     fatigue_strength: float | None = quantity(
         "Pa", "stress amplitude, fully reversed, that the material bears for ever", sign="positive", default=None, moves=False
     )
+    tensile_strength: float | None = quantity(
+        "Pa", "ultimate strength of the material, by which the mean stress counts", sign="positive", default=None, moves=False
+    )
+    notch_places: tuple[float, ...] | None = quantity(
+        "m", "arc lengths from P of holes, edges and clamps", sign="not negative", count=ANY_COUNT, default=None, moves=False
+    )
+    notch_factors: tuple[float, ...] | None = quantity(
+        "1", "fatigue notch factor at each of them, on the stress amplitude", sign="positive", count=ANY_COUNT, default=None, moves=False
+    )
 
     def __post_init__(self) -> None:
         section_of(**{name: getattr(self, name) for name in DIMENSIONS})
-        for place in self.strain_gauges:
-            if place > self.length:
+        for key, what, places in (
+            ("strain_gauges", "strain gauge", self.strain_gauges),
+            ("notch_places", "notch", self.notch_places or ()),
+        ):
+            for place in places:
+                if place > self.length:
+                    problem, accepted = f"leaves the {what} at {place:.6g} m outside the follower", f"its length is {self.length:.6g} m"
+                    raise ImpossibleMechanism(f"follower.{key}", problem, accepted, ("follower.length",))
+        places, factors = self.notch_places or (), self.notch_factors or ()
+        if len(places) != len(factors):
+            problem = f"has {len(factors)} values, and follower.notch_places {len(places)}"
+            raise ImpossibleMechanism("follower.notch_factors", problem, "give one factor for each place", ("follower.notch_places",))
+        if any(factor < 1.0 for factor in factors):
+            problem = f"has {min(factors):.6g} in it, and no notch makes the stress amplitude smaller"
+            raise ImpossibleMechanism("follower.notch_factors", problem, "factors of 1 or more are accepted")
+        for key in ("yield_strength", "fatigue_strength"):
+            strength = getattr(self, key)
+            if strength is not None and self.tensile_strength is not None and strength > self.tensile_strength:
+                problem = f"cannot be: {strength:.6g} Pa is more than follower.tensile_strength ({self.tensile_strength:.6g} Pa)"
                 raise ImpossibleMechanism(
-                    "follower.strain_gauges",
-                    f"leaves the strain gauge at {place:.6g} m outside the follower",
-                    f"its length is {self.length:.6g} m",
-                    ("follower.length",),
+                    f"follower.{key}", problem, "give less, or a larger tensile_strength", ("follower.tensile_strength",)
                 )
 
     @property

@@ -7,18 +7,20 @@ from typing import Any, Final, Literal
 Sign = Literal["any", "not negative", "positive"]
 
 _KEY: Final = "quantity"
+#: Length of a list that may have any.
+ANY_COUNT: Final = 0
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with a unit, a list of `count` of them, or a table."""
+    """A number with a unit, a list of them, or a table."""
 
     unit: str  # SI unit, as written in a case file
     meaning: str  # in words
     sign: Sign  # which signs make sense
     key: str  # name in a case file, where it is not that of the field
     optional: bool  # whether a case file may leave it out
-    count: int | None  # length of the list; None for a single number
+    count: int | None  # length of the list, `ANY_COUNT` for any; None for a single number
     infinity: bool  # whether it may be infinite, for a rigid part
     moves: bool  # whether the motion depends on it
     named: bool  # whether a model may lack it: an engine has it only if its `quantities` name it

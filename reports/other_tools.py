@@ -11,7 +11,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.keys import SECTIONS
 from quickreturn.cases.measures.time_scale import TURN, time_scale
 from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
-from quickreturn.reference_model.columns import BENDING, COLUMNS
+from quickreturn.reference_model.columns import AXIAL, BENDING, COLUMNS
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
@@ -24,7 +24,7 @@ WIDTH: Final = 110
 #: Size, in SI units, below which a number of the start is zero except for rounding.
 ROUNDING: Final = 1e-12
 #: Columns that another tool need not record: they do not describe a closed mechanism, or their convention depends on the engine.
-_NOT_ASKED: Final = (*LEFT_OUT, *BENDING, "base_torque", "axial_stretch", "gravity_energy", "dissipated_energy", "drive_work")
+_NOT_ASKED: Final = (*LEFT_OUT, *BENDING, *AXIAL, "base_torque", "axial_stretch", "gravity_energy", "dissipated_energy", "drive_work")
 
 
 def for_other_tools(case: Case, given: str) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.loads.axial import axial_stress
 from quickreturn.cases.loads.peak import ErrorAt, of_column, of_vector
 from quickreturn.cases.loads.resonance import Resonance, resonance, shift_of_motion
 from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
@@ -32,8 +33,9 @@ class Loads:
     modulus: float  # of the arm's material, Pa; infinite for a rigid one
     # of each quantity in `UNITS`: forces in the bearings P and O and at the slider, the drive's torque, the tip's deflection
     peaks: Mapping[str, Number | None]
+    axial_stress: Number | None  # largest magnitude of the stress by the normal force alone, along the arm, Pa
     yield_factor: Factor | None  # yield strength over the largest stress
-    fatigue_factor: Factor | None  # fatigue strength over the stress amplitude
+    fatigue_factor: Factor | None  # fatigue strength over the equivalent amplitude (`fatigue`)
 
     @property
     def strain(self) -> Number | None:
@@ -55,8 +57,9 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Load
         stress,
         follower.elastic_modulus,
         peaks,
+        axial_stress(scene, columns, claim),
         None if stress is None else safety(follower.yield_strength, stress.largest),
-        None if stress is None else safety(follower.fatigue_strength, stress.amplitude),
+        None if stress is None else safety(follower.fatigue_strength, stress.fatigue.equivalent),
     )
 
 

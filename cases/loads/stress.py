@@ -1,25 +1,28 @@
-"""The largest bending stress along the whole arm, and its ratio to the strength of the material.
+"""The largest stress along the whole arm, and its ratio to the strength of the material.
 
-The stress at the surface is M c / I, with I the second moment of the section and c the distance of its surface from the axis of bending;
-the strain is the stress over the modulus from stiffness and section. It is the stress of bending alone: the pull along the arm is left out.
+The stress at a surface is that of bending and of the normal force, M c / I + N / A, with I the second moment of the section, c the distance
+of its surface from the axis of bending, A its area; at the opposite surface the first part has the other sign. The strain is the stress
+over the modulus from stiffness and section. The stress of an engine that does not give the normal force is that of bending alone.
 
-For fatigue the stress amplitude counts, half the range of stress at a place of the surface in a cycle. It is compared with the strength
-under fully reversed stress, without the mean stress: the usual correction for it (Goodman's) needs the ultimate strength (Budynas and
-Nisbett, Shigley's Mechanical Engineering Design, 10th edition, sections 6-7 and 6-11).
+For fatigue the stress amplitude counts, half the range of stress at a place of the surface in a cycle, and what `fatigue` makes of it.
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.loads.arm import ALONG, KnownMoments, between, interpolated, known_moments, left_out, missing
+from quickreturn.cases.loads.axial import axial_forces, is_known
+from quickreturn.cases.loads.fatigue import Fatigue, counted_ranges, equivalent_amplitude, goodman_ratio
 from quickreturn.cases.loads.peak import ErrorAt, peak_of
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.number import Number
+from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.witnesses import Witness, Witnesses
@@ -69,18 +72,20 @@ class Factor:
 
 @dataclass(frozen=True)
 class ArmStress:
-    """Bending stress at the surface of the arm, Pa."""
+    """Stress at the surface of the arm, Pa."""
 
     largest: Number  # magnitude
+    axial: float | None  # part of the largest stress that the normal force has, negative where it presses; None where it is not known
     # half the range in a cycle, at the place where that is largest; its crank angle is that of the extreme farther from 0
     amplitude: Number
     mean: float  # mean of the extremes at that place
+    fatigue: Fatigue  # at the place where it is worst
     places: Array  # arc lengths from P, m, shape (places,)
-    lowest: Array  # least stress at each place over the rows, shape (places,); positive where W'' > 0
+    lowest: Array  # least stress at each place over the rows, shape (places,), at the surface that is longer where W'' > 0
     highest: Array  # greatest stress, likewise
 
     witnesses: ClassVar[Witnesses] = dict.fromkeys(
-        ("mean", "places", "lowest", "highest"),
+        ("axial", "mean", "places", "lowest", "highest"),
         Witness("the closed form of a rigid arm", 0.02, "tests/cases/test_loads.py::test_largest_stress_and_amplitude_of_a_rigid_arm"),
     )
 
@@ -94,17 +99,33 @@ def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Ar
     """Stress along the arm; None where the engine does not give the moments (`arm.missing`).
 
     Args:
-        scene: gives section and bodies.
+        scene: gives section, bodies, notches and strengths.
         columns: of a cycle or a trajectory.
         claim: error of a column at a crank angle, by the engine's own estimate.
     """
     if missing(scene, columns):
         return None
-    known, unit = known_moments(scene, columns), 1.0 / section_modulus(scene.follower)
-    field = _Field.of(known, max(1, columns["time"].size // SEARCHED))
-    largest, (amplitude, mean) = _largest(field, columns, claim), _amplitude(field, columns, claim)
-    low, high = field.moments.min(axis=0), field.moments.max(axis=0)
-    return ArmStress(largest.times(unit), amplitude.times(unit), unit * mean, known.places, unit * low, unit * high)
+    known, follower = known_moments(scene, columns), scene.follower
+    arm = _Arm(scene, columns, known, claim, is_known(scene, columns))
+    field, ratio = arm.field(known.places), goodman_ratio(follower)
+    fields = [(field, np.ones(field.places.size))]
+    widest = worst = _worst(arm, fields, 0.0)
+    if follower.notch_places:
+        fields.append((arm.field(np.array(follower.notch_places)), np.array(follower.notch_factors)))
+    if ratio > 0.0 or len(fields) > 1:
+        worst = _worst(arm, fields, ratio)
+    largest, axial = _largest(arm, field)
+    surface = field.at_surface(1.0)
+    return ArmStress(
+        largest=largest,
+        axial=axial if arm.has_axial else None,
+        amplitude=widest.equivalent,
+        mean=widest.mean,
+        fatigue=worst,
+        places=known.places,
+        lowest=surface.min(axis=0),
+        highest=surface.max(axis=0),
+    )
 
 
 def safety(strength: float | None, stress: Number) -> Factor | None:
@@ -120,65 +141,132 @@ def safety(strength: float | None, stress: Number) -> Factor | None:
 
 @dataclass(frozen=True)
 class _Field:
-    """The moment along the arm in some of the rows."""
+    """Stress along the arm in some of the rows, Pa, shape (some rows, places) each."""
 
-    known: KnownMoments  # the known moments in all rows
-    moments: Array  # moments in some rows at `known.places`, N m, shape (some rows, places)
-    open: Array  # interpolation error of each of them, N m, likewise
+    places: Array  # arc lengths, m, shape (places,)
+    bending: Array  # at the surface that is longer where W'' > 0
+    axial: Array
+    open: Array  # interpolation error of both
 
-    @classmethod
-    def of(cls, known: KnownMoments, step: int) -> "_Field":
-        """The field in every `step`-th row."""
-        fewer = known.every(step)
-        return cls(known, interpolated(known.places, fewer), between(known.places, left_out(fewer), fewer))
+    def at_surface(self, side: float) -> Array:
+        """The stress at that surface, or at the opposite one for a `side` of -1."""
+        return np.asarray(side * self.bending + self.axial)
 
-    def series(self, at: int) -> Array:
-        """The moment at a place in all rows, N m, shape (rows,)."""
-        return interpolated(self.known.places[[at]], self.known)[:, 0]
-
-    def beyond(self, row: int, at: int) -> float:
-        """Largest excess of the moment between places over that at a place, N m: of the parabola through it and its neighbours."""
-        before, middle, after = self.moments[row, np.clip(at, 1, self.moments.shape[1] - 2) + np.arange(-1, 2)]
+    def beyond(self, side: float, row: int, at: int) -> float:
+        """Largest excess of the stress between places over that at a place: of the parabola through it and its neighbours."""
+        before, middle, after = self.at_surface(side)[row, np.clip(at, 1, self.places.size - 2) + np.arange(-1, 2)]
         return float(abs(before - 2.0 * middle + after)) / 8.0
 
 
-def _largest(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> Number:
-    """The largest moment: at the slider, where the moment has its corner, or at one of the places."""
-    sizes, known = np.abs(field.moments), field.known
-    row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
-    peak, beyond = _peak_at(field, at, columns, claim), field.beyond(row, at)
-    if known.at_slider is not None:
-        at_slider = peak_of(known.at_slider, columns, lambda angle: claim("moment_slider", angle))
-        if at_slider.value >= peak.value:
-            place = float(np.interp(at_slider.time, columns["time"], known.slider))
-            peak, beyond = replace(at_slider, place=place), 0.0
-    return replace(peak, measurement=peak.measurement + beyond + float((sizes + field.open).max() - sizes.max()))
-
-
-def _amplitude(field: _Field, columns: Mapping[str, Array], claim: ErrorAt) -> tuple[Number, float]:
-    """Half the range of the moment where that is largest, and the mean of its extremes there."""
-    time, at = columns["time"], int(np.ptp(field.moments, axis=0).argmax())
-    low, high = extremes(time, field.series(at), time[0], time[-1])
-    larger, beyond = _peak_at(field, at, columns, claim), field.beyond(int(np.abs(field.moments[:, at]).argmax()), at)
-    left_open = (low.uncertainty + high.uncertainty) / 2.0 + float(field.open[:, at].max()) + beyond
-    return replace(larger, value=(high.value - low.value) / 2.0, measurement=left_open), (high.value + low.value) / 2.0
-
-
-def _peak_at(field: _Field, at: int, columns: Mapping[str, Array], claim: ErrorAt) -> Number:
-    place = float(field.known.places[at])
-    return peak_of(field.series(at), columns, _Nearest(place / field.known.spacing, claim, columns), place)
-
-
 @dataclass(frozen=True)
-class _Nearest:
-    """An engine's claim for the moment at a place: the larger of its claims at the nearest given places."""
+class _Arm:
+    """What is known of the arm in all rows."""
 
-    twelfth: float  # number of twelfths of the length from P to the place
-    claim: ErrorAt  # of a column
-    given: Collection[str]  # columns of the engine; the moment at an end without one is zero
+    scene: Scene
+    columns: Mapping[str, Array]
+    known: KnownMoments
+    claim: ErrorAt
+    has_axial: bool  # whether the normal force is known
 
-    def __call__(self, angle: float) -> float | None:
-        numbers = {math.floor(self.twelfth), math.ceil(self.twelfth)}
-        errors = [self.claim(ALONG[number], angle) for number in numbers if ALONG[number] in self.given]
-        claimed = [error for error in errors if error is not None]
-        return max(claimed, default=0.0) if len(claimed) == len(errors) else None
+    @cached_property
+    def units(self) -> tuple[float, float]:
+        """Stress over moment, 1/m^3, and over normal force, 1/m^2."""
+        return 1.0 / section_modulus(self.scene.follower), 1.0 / self.scene.follower.section.area()
+
+    def field(self, places: Array, every_row: bool = False) -> _Field:
+        """The stress at some places in some rows, or in all of them."""
+        step = 1 if every_row else max(1, self.known.slider.size // SEARCHED)
+        known, (of_moment, of_force) = self.known.every(step), self.units
+        moments, open_moments = interpolated(places, known), between(places, left_out(known), known)
+        rows = {name: values[::step] for name, values in self.columns.items()}
+        forces, open_forces = axial_forces(self.scene, rows, known, places)
+        return _Field(places, of_moment * moments, of_force * forces, of_moment * open_moments + of_force * open_forces)
+
+    def series(self, place: float, side: float) -> Array:
+        """The stress at a place of a surface in all rows, Pa, shape (rows,)."""
+        return self.field(np.array([place]), every_row=True).at_surface(side)[:, 0]
+
+    def at_slider(self) -> Iterator[tuple[Array, Array]]:
+        """Stress by bending and by the normal force on either side of the slider, Pa, shape (rows,) each; nothing where there is none."""
+        known, (of_moment, of_force) = self.known, self.units
+        if np.isfinite(known.slider).all():
+            for moment, name in ((known.outboard, "axial_slider"), (known.inboard, "axial_inboard")):
+                yield of_moment * moment, of_force * (self.columns[name] if self.has_axial else np.zeros(moment.size))
+
+    def peak(self, place: float, side: float) -> Number:
+        """Peak of the magnitude at a place of a surface.
+
+        The claim is that for the moments at the nearest given places; a moment at an end without a column is zero.
+        """
+        twelfth = place / self.known.spacing
+        given = [ALONG[number] for number in {math.floor(twelfth), math.ceil(twelfth)} if ALONG[number] in self.columns]
+        return peak_of(self.series(place, side), self.columns, self.claimed(given), place)
+
+    def claimed(self, moments: Collection[str]) -> Callable[[float], float | None]:
+        """Crank angle -> claim for a stress, Pa: the largest for the moments of these columns, and the largest for normal forces."""
+        forces = [name for name in AXIAL if name in self.columns] if self.has_axial else []
+
+        def at(angle: float) -> float | None:
+            total = 0.0
+            for unit, names in zip(self.units, (moments, forces), strict=True):
+                errors = [error for name in names if (error := self.claim(name, angle)) is not None]
+                if len(errors) < len(names):
+                    return None
+                total += unit * max(errors, default=0.0)
+            return total
+
+        return at
+
+
+def _side(bending: float, axial: float) -> float:
+    """The surface, see `_Field.at_surface`, at which both stresses have one sign."""
+    return -1.0 if bending * axial < 0.0 else 1.0
+
+
+def _largest(arm: _Arm, field: _Field) -> tuple[Number, float]:
+    """The largest stress, at the slider, where the moment has its corner, or at one of the places; and the part of the normal force."""
+    sizes = np.abs(field.bending) + np.abs(field.axial)
+    row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
+    axial = float(field.axial[row, at])
+    side = _side(float(field.bending[row, at]), axial)
+    peak, beyond = arm.peak(float(field.places[at]), side), field.beyond(side, row, at)
+    for bending, along in arm.at_slider():
+        row = int((np.abs(bending) + np.abs(along)).argmax())
+        at_slider = peak_of(_side(float(bending[row]), float(along[row])) * bending + along, arm.columns, arm.claimed(["moment_slider"]))
+        if at_slider.value >= peak.value:
+            place = float(np.interp(at_slider.time, arm.columns["time"], arm.known.slider))
+            peak, beyond, axial = replace(at_slider, place=place), 0.0, float(along[row])
+    return replace(peak, measurement=peak.measurement + beyond + float((sizes + field.open).max() - sizes.max())), axial
+
+
+def _worst(arm: _Arm, fields: Sequence[tuple[_Field, Array]], ratio: float) -> Fatigue:
+    """Fatigue at the place of the surface where the equivalent amplitude is largest.
+
+    Args:
+        arm: gives the stress in all rows.
+        fields: stress at places, with the notch factor at each, shape (places,); the places of the first one are even.
+        ratio: see `equivalent_amplitude`.
+    """
+    found = list[tuple[float, _Field, float, int, float]]()
+    for field, factors in fields:
+        for side in (1.0, -1.0):
+            low, high = field.at_surface(side).min(axis=0), field.at_surface(side).max(axis=0)
+            equivalent = equivalent_amplitude(factors * (high - low) / 2.0, (high + low) / 2.0, ratio)
+            at = int(equivalent.argmax())
+            found.append((float(equivalent[at]), field, side, at, float(factors[at])))
+    _, field, side, at, factor = max(found, key=lambda each: each[0])
+    place, time = float(field.places[at]), arm.columns["time"]
+    series = arm.series(place, side)
+    low, high = extremes(time, series, time[0], time[-1])
+    amplitude, mean = (high.value - low.value) / 2.0, (high.value + low.value) / 2.0
+    left_open = (low.uncertainty + high.uncertainty) / 2.0 + float(field.open[:, at].max())
+    if field is fields[0][0]:
+        left_open += field.beyond(side, int(np.abs(field.at_surface(side)[:, at]).argmax()), at)
+    error = replace(arm.peak(place, side), measurement=left_open).times(factor + (ratio if mean > 0.0 else 0.0))
+    return Fatigue(
+        equivalent=replace(error, value=float(equivalent_amplitude(factor * amplitude, mean, ratio))),
+        notch_factor=factor,
+        amplitude=amplitude,
+        mean=mean,
+        ranges=counted_ranges(series),
+    )

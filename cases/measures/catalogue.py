@@ -15,10 +15,10 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.errors import Argument, CaseError, as_written
-from quickreturn.cases.loads import Claimed, drive
+from quickreturn.cases.loads import Claimed, Factor, Loads, drive, loads_of
 from quickreturn.cases.loads.drive import Turn
 from quickreturn.cases.loads.peak import of_vector
-from quickreturn.cases.loads.stress import ArmStress, arm_stress
+from quickreturn.cases.loads.stress import ArmStress
 from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.number import NO_NUMBER, Number
@@ -27,7 +27,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import NUMBER, TIME
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
 from quickreturn.engines.accurate import Result
-from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.columns import AXIAL, COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.witnesses import Witness
 
@@ -39,6 +39,11 @@ _GAUGES: Final = partial(
 )
 _MARCHES: Final = partial(
     Witness, "the decay of disturbances in `mujoco`", test=f"{_TESTS}disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier"
+)
+
+#: Stress at the place that is worst for fatigue, and safety factors.
+_BY_HAND: Final = Witness(
+    "Goodman's line by hand on a rigid arm", 2e-3, "tests/cases/test_fatigue.py::test_the_factor_is_that_of_goodmans_line"
 )
 
 #: Meaning of the measure `multiplier`.
@@ -68,9 +73,9 @@ class SettledMotion:
         return Claimed(self.run)
 
     @cached_property
-    def stress(self) -> ArmStress | None:
-        """Bending stress along the arm."""
-        return arm_stress(self.mechanism, self.run.cycle, self.claim)
+    def loads(self) -> Loads:
+        """Loads on the parts, with the stress along the arm."""
+        return loads_of(self.mechanism, self.run.cycle, self.claim)
 
     def extremes(self, column: str) -> tuple[Number, Number]:
         """Least and greatest value of a column that the engine gives."""
@@ -98,6 +103,7 @@ class Measure:
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
     multipliers: bool = False  # whether it needs the multiplier of the whole model, which takes some more turns
     size: bool = False  # whether it is a size: an error as large as `SAYS_NOTHING` of it leaves nothing of the number
+    of_material: bool = False  # whether it depends on strengths or notches, which move nothing
     in_tables: TableColumn | None = None  # how the tables of a run show it; None: not at all
 
     def says_nothing(self, value: float, error: float) -> str:
@@ -149,9 +155,18 @@ def _bearing(name: str, motion: SettledMotion) -> Number:
     return of_vector(name, motion.run.cycle, motion.claim) or NO_NUMBER
 
 
-def _stress(what: str, motion: SettledMotion) -> Number:
-    number: Number = getattr(motion.stress, what, NO_NUMBER)
-    return number
+def _stress(number: Callable[[ArmStress], Number], motion: SettledMotion) -> Number:
+    return NO_NUMBER if motion.loads.stress is None else number(motion.loads.stress)
+
+
+def _axial_stress(motion: SettledMotion) -> Number:
+    return motion.loads.axial_stress or NO_NUMBER
+
+
+def _factor(name: str, motion: SettledMotion) -> Number:
+    """A safety factor, with the error to the farther end of its interval; `NO_NUMBER` where the strength is not given."""
+    factor: Factor | None = getattr(motion.loads, name)
+    return NO_NUMBER if factor is None else Number(factor.value, None if factor.highest is None else factor.highest - factor.value)
 
 
 def _rms(column: str, motion: SettledMotion) -> Number:
@@ -264,11 +279,28 @@ def _declared() -> Iterator[Measure]:
             (f"{name}_x", f"{name}_y"),
             size=True,
         )
-    for name, what, meaning in (
-        ("peak", "largest", "largest bending stress along the arm"),
-        ("amplitude", "amplitude", "half the range of the stress in a turn, where that is largest"),
-    ):
-        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, what), _GAUGES(5e-4), tuple(COLUMNS), size=True)
+    stresses: tuple[tuple[str, str, Callable[[ArmStress], Number]], ...] = (
+        ("peak", "largest stress along the arm, by bending and the normal force", lambda stress: stress.largest),
+        ("amplitude", "half the range of the stress in a turn, where that is largest", lambda stress: stress.amplitude),
+    )
+    for name, meaning, of in stresses:
+        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, of), _GAUGES(5e-4), tuple(COLUMNS), size=True)
+    meaning = "largest magnitude of the stress along the arm by the normal force alone"
+    yield Measure("peak.axial_stress", "Pa", meaning, _axial_stress, PLAIN(5e-4), AXIAL, size=True)
+    of_fatigue: tuple[tuple[str, str, str, Callable[[SettledMotion], Number]], ...] = (
+        (
+            *("equivalent.stress", "Pa", "amplitude of the fully reversed stress that is as bad as the worst cycle, with notches and mean"),
+            partial(_stress, lambda stress: stress.fatigue.equivalent),
+        ),
+        (
+            *("cycles.stress", "1", "cycles of stress in a turn where it is worst for fatigue, by rainflow counting"),
+            partial(_stress, lambda stress: Number(float(len(stress.fatigue.ranges)), 0.0)),
+        ),
+        ("factor.yielding", "1", "yield strength over the largest stress", partial(_factor, "yield_factor")),
+        ("factor.fatigue", "1", "fatigue strength over the equivalent stress", partial(_factor, "fatigue_factor")),
+    )
+    for name, unit, meaning, taken in of_fatigue:
+        yield Measure(name, unit, meaning, taken, _BY_HAND, tuple(COLUMNS), of_material=True)
     for half in HALVES:
         meaning = f"frequency of the first mode, {half}-return, over all channels"
         in_tables = TableColumn(f"f₁ {half}", ".2f", in_terminal=".3f")

@@ -13,6 +13,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import Argument, CaseError, as_written, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.keys import PATHS, Written, si_value, text_of, unit_given
+from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.cases.text.copies import in_words
@@ -20,7 +21,7 @@ from quickreturn.cases.text.reading import changes_of
 from quickreturn.engines.registry import engine, engine_names
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.scene_values import Changes, Value
+from quickreturn.reference_model.scene_values import Changes, Value, what_moves_nothing
 
 #: Key of an axis whose values are engines.
 ENGINE: Final = "engine"
@@ -187,6 +188,7 @@ def job(case: Case, changes: Sequence[Changes], asked: MeasureRequest) -> Job[Ro
     """`measured_row` as a job, whose row is stored as a whole."""
     changed = tuple(map(dict, changes))
     first = ", ".join(f"{key} = {in_words(text_of(key, value))}" for key, value in changed[0].items())
+    material = what_moves_nothing(case.scene) if any(measure(name).of_material for name in asked.measures) else {}
     own = type(engine(asked.engine)).__module__.startswith("quickreturn.engines.own.")
     return Job(
         name=f"{asked.engine}, {len(changed)} points from {first}",
@@ -195,7 +197,7 @@ def job(case: Case, changes: Sequence[Changes], asked: MeasureRequest) -> Job[Ro
         kind="row of a study",
         engines=tuple(dict.fromkeys(("reference", asked.engine))),
         # files of equal scenes may answer a change differently, such as that of a thickness with a material: the ends of the row show it
-        inputs=(case.scene, [list(each.items()) for each in changed], scenes_of(case, (changed[0], changed[-1])), asked),
+        inputs=(case.scene, material, [list(each.items()) for each in changed], scenes_of(case, (changed[0], changed[-1])), asked),
         points=len(changed),
         brief=own,  # a foreign library gets a process of its own
     )

@@ -135,8 +135,9 @@ def _accepted(source: str, path: str, value: Any, folder: str) -> Any:
         if wanted.in_file:
             accepted = 'write the path of a CSV file, such as "cutting.csv"'
     else:
-        fits = isinstance(value, list) and len(value) == wanted.count and all(isinstance(item, str) for item in value)
-        problem, accepted = f"is not a list of {wanted.count} strings", f"write one such as [{', '.join([example] * wanted.count)}]"
+        fits = isinstance(value, list) and len(value) == (wanted.count or len(value)) and all(isinstance(item, str) for item in value)
+        problem = f"is not a list of {wanted.count or ''} strings".replace("  ", " ")
+        accepted = f"write one such as [{', '.join([example] * (wanted.count or 2))}]"
     if not fits:
         raise CaseError(source, path, as_written(value), problem, accepted)
     return read_force_table(value, source, path, folder) if wanted.in_file else value

@@ -62,6 +62,17 @@ class Cable:
             weights[[i, -1 - i]] = factor * interval
         return weights
 
+    @property
+    def to_nodes(self) -> Array:
+        """Weights of the nodes (columns) in the integrals from x = 0 to each node (rows), m: of fourth order, like `quadrature`."""
+        h, count = self.element_length, self.elements + 1
+        weights = np.zeros((count, count))
+        for k in range(self.elements):
+            first = min(max(k - 1, 0), count - 4)
+            parts = {1: (9, 19, -5, 1), 0: (-1, 13, 13, -1), -1: (1, -5, 19, 9)}[first - (k - 1)]
+            weights[k + 1 :, first : first + 4] += np.array(parts) * h / 24.0
+        return weights
+
     def evaluate(self, q: Array, x: Array, nu: int = 0) -> Array:
         """The `nu`-th derivative (0 to 2) of the centre line at one arc length per row; the second jumps at nodes.
 

@@ -85,7 +85,7 @@ class CableModel(Model):
         line: Kinematics,
         frame: Kinematics,
         kink: Kink | None = None,
-        pushed: Array | float = 0.0,
+        forces: tuple[Array | float, Array | float] = (0.0, 0.0),
         held: Array | float = 0.0,
     ) -> dict[str, Array]:
         """Place, bend and acceleration of the follower, and the force that holds its base.
@@ -95,7 +95,7 @@ class CableModel(Model):
             line: see the class.
             frame: see the class.
             kink: at the slider.
-            pushed: force (N) of slider and tool on the follower, shape (rows, 2).
+            forces: of slider and tool on the follower, N, shape (rows, 2) each.
             held: torque (N m) that turns the base as prescribed, shape (rows,).
         """
         cable, follower, (q, rates, accelerations) = self._cable, self.assembly.scene.follower, line
@@ -118,7 +118,8 @@ class CableModel(Model):
             **({} if kink is None else {"moment_inboard": cable.bending_stiffness * moments[-1]}),  # no moment acts at the slider
             "moment_base": self._moment_at_base(line, frame, held),
             "moment_tip": self._moment_at_tip(line),
-            **bearing_columns("pivot", self._pivot_force(record, line, frame, pushed)),
+            **self._axial_columns(line, frame, kink, *forces),
+            **bearing_columns("pivot", self._pivot_force(record, line, frame, forces[0] + forces[1])),
         }
 
     def _moment_at_base(self, line: Kinematics, frame: Kinematics, held: Array | float) -> Array:
@@ -134,6 +135,28 @@ class CableModel(Model):
         along, _, turning = direction(*(values[:, -1, 2:] for values in line))
         across = dot(turned(along), line[2][:, -1, :2] - gravity) + tip.center_of_mass * turning
         return np.asarray(-tip.inertia * turning - tip.mass * tip.center_of_mass * across)
+
+    def _axial_columns(
+        self, line: Kinematics, frame: Kinematics, kink: Kink | None, slider: Array | float, tool: Array | float
+    ) -> dict[str, Array]:
+        """The columns of normal forces, N, (rows,): loads outboard along the tangent, by the tangents alone like `_momentum_rate`."""
+        scene, cable, tip, gravity = self.assembly.scene, self._cable, self.assembly.scene.tip_body, np.array(self.assembly.scene.gravity)
+        turning, h, rows = self._turning(line), cable.element_length, np.arange(len(line[0]))
+        swing = np.einsum("kn,rnc->rkc", cable.to_nodes, turning)
+        load = cable.mass_per_length * (gravity - swing) - scene.follower.damping * self._relative(line, frame)[1]
+        inboard = np.einsum("kn,rnc->rkc", cable.to_nodes, load)
+        end = tool - tip.mass * (swing[:, -1] + tip.center_of_mass * turning[:, -1] - gravity)
+        (at_tip, _, _), whole = direction(*(values[:, -1, 2:] for values in line)), inboard[:, -1] + end
+        columns = {"axial_base": dot(frame[0], whole + slider), "axial_tip": dot(at_tip, end)}
+        if kink is not None:
+            k = np.clip((kink.place / h).astype(int), 0, cable.elements - 1)
+            u = (kink.place - k * h)[:, None]
+            passed = inboard[rows, k] + u * load[rows, k] + u**2 / (2.0 * h) * (load[rows, k + 1] - load[rows, k])
+            slope = cable.evaluate(line[0], kink.place, 1)
+            along = slope / np.linalg.norm(slope, axis=1)[:, None]
+            columns["axial_slider"] = dot(along, whole - passed)
+            columns["axial_inboard"] = columns["axial_slider"] + dot(along, slider * np.ones_like(along))
+        return columns
 
     def _relative(self, line: Kinematics, frame: Kinematics) -> tuple[Array, Array]:
         """Places of the nodes from P (m) and their velocities relative to the base (m/s), shape (rows, nodes, 2) each."""
@@ -156,13 +179,16 @@ class CableModel(Model):
         With r(x) = ∫ e dξ, e the unit tangent, ∫ ρA r dx = ∫ ρA (L - ξ) e dξ.
         """
         scene, cable, tip = self.assembly.scene, self._cable, self.assembly.scene.tip_body
-        nodes = [values[:, :, 2:].reshape(-1, 2) for values in line]
-        tangent, rate, acceleration = direction(*nodes)
-        turning = (acceleration[:, None] * turned(tangent) - (rate**2)[:, None] * tangent).reshape(*line[0].shape[:2], 2)
         weights = cable.quadrature() * (cable.mass_per_length * (cable.length - cable.nodes) + tip.mass)
         weights[-1] += tip.mass * tip.center_of_mass
         weight = (cable.mass_per_length * cable.length + tip.mass) * np.array(scene.gravity)
-        return np.einsum("n,rnc->rc", weights, turning) - weight
+        return np.einsum("n,rnc->rc", weights, self._turning(line)) - weight
+
+    def _turning(self, line: Kinematics) -> Array:
+        """Second rate of the unit tangent at the nodes, 1/s^2, shape (rows, nodes, 2)."""
+        tangent, rate, acceleration = direction(*(values[:, :, 2:].reshape(-1, 2) for values in line))
+        turning = acceleration[:, None] * turned(tangent) - (rate**2)[:, None] * tangent
+        return np.asarray(turning.reshape(*line[0].shape[:2], 2))
 
     def _stored(self, line: Kinematics, frame: Kinematics, turning: Array | float = 0.0, moment: Array | float = 0.0) -> dict[str, Array]:
         """Energies, with the crank's inertia times the square of its rate (J) and its first moment of mass (kg m, (rows, 2))."""
@@ -268,7 +294,7 @@ class FlexibleModel(CableModel):
             stored["strain_energy"] = stored["strain_energy"] + JointLaw(mechanism.slider).energy(dot(slider_normal, apart))
         tangent, turn, _ = direction(*(values[:, -1, 2:] for values in line))
         tip_motion = TipMotion(rates[:, -1, :2], accelerations[:, -1, :2], np.arctan2(tangent[:, 1], tangent[:, 0]), turn)
-        pushed = slider_force[:, None] * slider_normal + force_on_tip(mechanism.tip_body, angle, tip_motion)
+        pushed = slider_force[:, None] * slider_normal
         crank_damping = getattr(mechanism.crank.drive, "damping", 0.0)
         power, power_rate = self._damped(line, frame, crank_damping * speed**2, crank_damping * speed * acceleration)
         return {
@@ -277,7 +303,7 @@ class FlexibleModel(CableModel):
             "crank_speed": speed,
             "follower_angle": np.unwrap(np.arctan2(b1[:, 1], b1[:, 0]) % (2.0 * np.pi)),
             "slider_position": s,
-            **self._follower_columns(record, line, frame, kink, pushed),
+            **self._follower_columns(record, line, frame, kink, (pushed, force_on_tip(mechanism.tip_body, angle, tip_motion))),
             "slider_force": slider_force,
             **crank_bearing_columns(self.assembly, record, self._crank_index),
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, tip_motion),

@@ -114,6 +114,39 @@ def _follower_inertia(ctx: Context, e: Points, rates: Array, accelerations: Arra
 
 
 @compiled
+def _axial_forces(
+    ctx: Context, angle: float, base: complex, e: Points, rates: Array, accelerations: Array
+) -> tuple[float, float, float, float]:
+    """Normal force in the arm at the base, inboard and outboard of the slider, and at the flexible end, N.
+
+    Args:
+        ctx: the simulation, with its slider's place and forces.
+        angle: of the crank.
+        base: direction of the base's tangent.
+        e: directions of the links.
+        rates: of their angles, rad/s.
+        accelerations: of their angles, rad/s^2.
+    """
+    n, h, s, begin = ctx.hinges, ctx.link_length, ctx.slider_position, 0.0
+    at_hinge = velocity = turning = total = outboard = 0j
+    for i in range(n + 1):
+        length = h if 0 < i < n else (0.5 * h if n else ctx.follower_length)
+        turning, swing = (1j * accelerations[i] - rates[i] ** 2) * e[i], 1j * (rates[i] - rates[0]) * e[i]
+        mass, damping = ctx.mass_per_length * (at_hinge - ctx.gravity), ctx.beam_damping * velocity
+        square = 0.5 * (ctx.mass_per_length * turning + ctx.beam_damping * swing)
+        inner = min(max(s - begin, 0.0), length)
+        total -= length * (mass + damping) + length**2 * square
+        outboard -= (length - inner) * (mass + damping) + (length**2 - inner**2) * square
+        begin, at_hinge, velocity = begin + length, at_hinge + length * turning, velocity + length * swing
+    tip = -ctx.tip_mass * (at_hinge + ctx.tip_offset * turning - ctx.gravity) + force_on_tip(ctx, angle, e, rates)[0]
+    slope = (centre_line_coefficients(s, n, h, 1) * e).sum()
+    along = slope / abs(slope)
+    slider = complex(ctx.tangential_force, ctx.slider_force) * along
+    beyond = dot(along, outboard + tip)
+    return dot(base, total + tip + slider), beyond + ctx.tangential_force, beyond, dot(e[n], tip)
+
+
+@compiled
 def _bearing_forces(
     ctx: Context, motion: tuple[float, float, float], e: Points, rates: Array, accelerations: Array
 ) -> tuple[complex, complex]:
@@ -164,7 +197,8 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     row.crank_angle, row.crank_speed = angle, crank_speed
     row.follower_angle, row.slider_position = base_angle, ctx.slider_position
     row.tip_x, row.tip_y = ctx.pivot_distance + tip.real, tip.imag
-    across = 1j * complex(math.cos(base_angle), math.sin(base_angle))
+    along = complex(math.cos(base_angle), math.sin(base_angle))
+    across = 1j * along
     row.tip_deflection = dot(across, tip) if hinges else 0.0  # not the round-off of a rigid one
     for place in range(1, PLACES + 1):
         x = place * ctx.follower_length / (PLACES + 1)
@@ -175,6 +209,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     row.moment_inboard = row.moment_slider + ctx.slider_couple
     row.moment_base = _moment_at_base(ctx, e, rates, accelerations)
     row.moment_tip = _moment_at_tip(ctx, e[hinges], accelerations[hinges], tip_acceleration)
+    row.axial_base, row.axial_inboard, row.axial_slider, row.axial_tip = _axial_forces(ctx, angle, along, e, rates, accelerations)
     row.tip_acceleration = dot(1j * e[hinges], tip_acceleration)
     for gauge in range(3):
         curvature = _moment(ctx, smooth, gauges[gauge])

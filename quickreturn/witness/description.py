@@ -221,7 +221,7 @@ def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: BeamTables, sh
         ("lengths", column(*beam.lengths), "m"), ("place_x", place_x, "m"), ("place_y", place_y, "m"),
         ("drift_x", c * drift_x - n * drift_y, "m/s"), ("drift_y", n * drift_x + c * drift_y, "m/s"),
         ("acceleration_x", _acceleration(system, place_x), "m/s^2"), ("acceleration_y", _acceleration(system, place_y), "m/s^2"),
-        ("bending_rate", system.rate(bent), "rad/(m*s)"),
+        ("bending_rate", system.rate(bent), "rad/(m*s)"), ("tangent", column(q2, slope, turn), "rad"),
     )  # fmt: skip
     cell = int(tables.slider_cell[0])
     return Follower(beam, end, turn, strain, cell, beam.slider(cell, s - now, curvature), slope, curvature)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BENDING, PLACES, SHAPE
+from quickreturn.reference_model.columns import AXIAL, BENDING, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
@@ -81,11 +81,13 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     end_force = body + tool
     end_moment = _cross(center, body) + _cross(tip, tool) - scene.tip_body.inertia * shown["tip_turning"]
     moments, at_slider, at_tip_body = [np.empty(0)] * cells, np.empty(0), end_moment - _cross(tip, end_force)
+    at_base, at_foot, at_end = np.exp(1j * along("tangent")).T
+    pulled_at_tip, pulled = _dot(at_end, end_force), np.empty(0)
     for k in reversed(range(cells)):
         span, f, z = spans[k], force[:, parts[k]], place[:, parts[k]]
         turning = _cross(z, f)
         if k == slider_cell:
-            at_slider = end_moment - _cross(foot, end_force)
+            at_slider, pulled = end_moment - _cross(foot, end_force), _dot(at_foot, end_force)
             end_force, end_moment = end_force + on_follower, end_moment + _cross(foot, on_follower) + shown["slider_moment"]
         inboard_force, inboard_moment = span.integral(f, np.append(gauss, 1.0)), span.integral(turning, np.append(gauss, 1.0))
         outboard = (end_force + inboard_force[:, -1])[:, None] - inboard_force[:, :-1]
@@ -139,7 +141,8 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     table |= dict(zip(SHAPE, _along(spans, [each.imag for each in lines], twelfths).T, strict=True))
     # what is outboard of the base is everything
     of_moments = np.column_stack([_along(spans, moments, twelfths), at_slider, at_slider + shown["slider_moment"], end_moment, at_tip_body])
-    return table | dict(zip(BENDING, of_moments.T, strict=True))
+    of_forces = _dot(at_base, end_force), pulled + _dot(at_foot, on_follower), pulled, pulled_at_tip
+    return table | dict(zip(BENDING, of_moments.T, strict=True)) | dict(zip(AXIAL, of_forces, strict=True))
 
 
 def _along(spans: list[_Span], values: list[Array], x: Array) -> Array:
@@ -148,6 +151,11 @@ def _along(spans: list[_Span], values: list[Array], x: Array) -> Array:
     for span, each in zip(spans[1:], values[1:], strict=True):
         field = np.where(x > span.begin * (1.0 + 1e-12), span.at(each, x), field)
     return np.asarray(field)
+
+
+def _dot(a: Vectors, b: Vectors) -> Array:
+    """Part of the vectors b along the unit vectors a."""
+    return (np.conj(a) * b).real
 
 
 def _cross(a: Any, b: Any) -> Any:

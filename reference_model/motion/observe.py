@@ -98,7 +98,10 @@ def _bearing_forces(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State
 
 @inner
 def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int, row: Any) -> None:
-    """To `moment`: moment of the outboard forces at the points, N m (equations 6.5 and 6.6). To the row: at slider, base and tip."""
+    """To `moment`: moment of the outboard forces at the points, N m (equations 6.5 and 6.6).
+
+    To the row: at slider, base and tip, and there the part of the outboard forces along the tangent (equation 6.13).
+    """
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
     force, moment = w.load, w.load_moment
@@ -117,7 +120,12 @@ def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_p
     for j in range(N):
         w.moment[j] = about_pivot - w.inboard_moment[j] - cross(point(w.z, j, N), outboard - point(w.inboard_force, j, N))
     row.moment_base = about_pivot  # at the ends: equation 6.12
+    row.axial_base, row.axial_tip = outboard.real, dot(point(w.e, end, N), of_body + f.tip_force)
+    along = point(w.e, slider_point, N)
+    row.axial_slider = row.axial_inboard = dot(along, outboard - point(w.inboard_force, slider_point, N))
     if p.constraint != BASE:
+        row.axial_base += f.slider_force.real
+        row.axial_inboard += dot(along, f.slider_force)
         row.moment_base += cross(point(w.z, slider_point, N), f.slider_force) + f.slider_moment
         # at the slider the moment jumps by the slider's moment, and the outboard side counts
         for j in range(slider_point):

@@ -12,7 +12,7 @@ from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.thesis.dynamics import gravity_in_b
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
-from quickreturn.reference_model.thesis.tables import find_cell
+from quickreturn.reference_model.thesis.tables import POINTS, find_cell
 from quickreturn.reference_model.tip_force import tool_force
 
 tool = inner(tool_force)
@@ -48,6 +48,7 @@ def observe(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, 
             curvature += curvature_of_shape(p, i, p.gauges[gauge]) * y.eta[i]
         row.strains[gauge] = p.extreme_fibre * curvature
     end_moments(p, place, k, w, y.eta_rate, row)
+    axial_forces(p, place, k, w, y, force, row)
     row.moment_slider = p.EI * place.curvature
     row.moment_inboard = row.moment_slider - p.slider_inertia * _turning_of_slider(p, k, w)
     for point in range(PLACES):
@@ -148,19 +149,53 @@ def end_moments(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspa
 @inner
 def _rate_of_momentum(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64]) -> tuple[float, float]:
     """Rate of momentum of beam and tip body in frame B, N: integrals of (4.3) and (4.8), with the accelerations and without gravity."""
-    t, n, q2_acceleration = p.tables, p.n, w.acceleration[1]
+    t = p.tables
     total_1 = total_2 = 0.0
     for point in range(len(t.x)):
-        x, W = t.x[point] - w.F[point], w.W[point]
-        a1 = -w.H[point] - 2.0 * k.q2_rate * w.W_rate[point] - k.q2_rate**2 * x - q2_acceleration * W
-        a2 = -2.0 * k.q2_rate * w.F_rate[point] - k.q2_rate**2 * W + q2_acceleration * x
-        for i in range(n):
-            a1 -= w.f[point, i] * w.acceleration[i + 2]
-            a2 += t.phi[point, i] * w.acceleration[i + 2]
+        a1, a2 = _acceleration(p, k, w, point)
         total_1 += p.rhoA * t.weights[point] * a1
         total_2 += p.rhoA * t.weights[point] * a2
     _, _, a1, a2, _ = _tip_body(p, k, w, eta_rate)
     return total_1 + p.tip_mass * a1, total_2 + p.tip_mass * a2
+
+
+@inlined
+def _acceleration(p: ThesisParameters, k: Contact, w: ThesisWorkspace, point: int) -> tuple[float, float]:
+    """Acceleration of a point of the beam in frame B, m/s^2 (equation 4.3, with the accelerations and without gravity)."""
+    x, W = p.tables.x[point] - w.F[point], w.W[point]
+    a1 = -w.H[point] - 2.0 * k.q2_rate * w.W_rate[point] - k.q2_rate**2 * x - w.acceleration[1] * W
+    a2 = -2.0 * k.q2_rate * w.F_rate[point] - k.q2_rate**2 * W + w.acceleration[1] * x
+    for i in range(p.n):
+        a1 -= w.f[point, i] * w.acceleration[i + 2]
+        a2 += p.tables.phi[point, i] * w.acceleration[i + 2]
+    return a1, a2
+
+
+@inner
+def axial_forces(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, y: State, force: float, row: Any) -> None:
+    """To the row: normal forces in the arm, the part of the outboard forces along the tangent (equation 6.14)."""
+    t, cell = p.tables, find_cell(p.tables.edges, place.s)
+    gravity_1, gravity_2 = gravity_in_b(p, place.q2)
+    beam_1 = beam_2 = outboard_1 = outboard_2 = 0.0
+    for point in range(len(t.x)):
+        a1, a2 = _acceleration(p, k, w, point)
+        load_1 = p.rhoA * (gravity_1 - a1) + p.beam_damping * w.F_rate[point]
+        load_2 = p.rhoA * (gravity_2 - a2) - p.beam_damping * w.W_rate[point]
+        beyond = t.weights[point]
+        if point < (cell + 1) * POINTS:
+            beyond -= w.weights[0, point - cell * POINTS] if point >= cell * POINTS else t.weights[point]
+        beam_1, beam_2 = beam_1 + t.weights[point] * load_1, beam_2 + t.weights[point] * load_2
+        outboard_1, outboard_2 = outboard_1 + beyond * load_1, outboard_2 + beyond * load_2
+    _, _, a1, a2, _ = _tip_body(p, k, w, y.eta_rate)
+    acting, h1, h2 = tool(y.q[0], p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)
+    cosine, sine = math.cos(place.q2), math.sin(place.q2)
+    tip_1 = p.tip_mass * (gravity_1 - a1) + acting * (cosine * h1 + sine * h2)
+    tip_2 = p.tip_mass * (gravity_2 - a2) + acting * (cosine * h2 - sine * h1)
+    F1, F2 = _slider_on_follower(p, place, k, w, force)
+    angle = tangent_angle(w.end[0], p.exact_geometry)[0]
+    row.axial_base, row.axial_tip = beam_1 + tip_1 + F1, math.cos(angle) * tip_1 + math.sin(angle) * tip_2
+    row.axial_slider = (place.t1 * (outboard_1 + tip_1) + place.slope * (outboard_2 + tip_2)) / k.normal
+    row.axial_inboard = row.axial_slider + (place.t1 * F1 + place.slope * F2) / k.normal
 
 
 @inner

@@ -1,14 +1,19 @@
 """Will it hold? The loads on the parts of the user's own machine, by each engine."""
 
 from collections.abc import Sequence
+from typing import Final
 
 from quickreturn.cases.loads import Loads
+from quickreturn.cases.shown import Units
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.loads import NAMES, STRAIN, CaseLoads, Load, from_p, numbers_of_case
+from quickreturn.reports.results.loads import NAMES, STRAIN, CaseLoads, Load, axial_words, from_p, numbers_of_case
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.words import degrees, number, off_by, quantity, size, span
+from quickreturn.reports.words import counted, degrees, listed, number, off_by, quantity, size, span
+
+#: Number of ranges of counted cycles that are given.
+SHOWN: Final = 3
 
 
 def strength(content: Content) -> Chapter | None:
@@ -20,6 +25,7 @@ def strength(content: Content) -> Chapter | None:
         {
             "title": case.case.title,
             "stress": stress_sentences(case),
+            "fatigue": fatigue_sentences(case),
             "lacking": lacking(case.loads[case.lead]),
             "mode": mode_sentences(case),
         }
@@ -52,13 +58,38 @@ def stress_sentences(case: CaseLoads) -> str:
     stress, amplitude, mean = loads.stress.largest, loads.stress.amplitude, loads.stress.mean
     assert stress.crank_angle is not None
     strain = f" (a surface strain of {quantity(loads.strain.value, STRAIN)})" if loads.strain.value else ""
-    at_most, half_range, middle = (quantity(each, units.of("Pa")) for each in (stress.value, amplitude.value, mean))
-    about = "zero" if abs(mean) < 0.005 * amplitude.value else f"a mean of {middle}"
+    axial = axial_words(loads.stress.axial, units)
+    alone = "; the engine gives no normal force, so that this is bending alone" if not axial else f", {axial}"
+    at_most, half_range = (quantity(each, units.of("Pa")) for each in (stress.value, amplitude.value))
     return (
-        f"{case.verdict} By {case.lead}, bending stresses the arm most {from_p(stress, units)}, with"
-        f" {at_most} when the crank stands at {degrees(stress.crank_angle)}{strain}. The range of stress in a turn is widest"
-        f" {from_p(amplitude, units)}: an amplitude of {half_range} about {about}."
+        f"{case.verdict} By {case.lead}, the arm is stressed most {from_p(stress, units)}, with {at_most} when the crank stands at"
+        f" {degrees(stress.crank_angle)}{strain}{alone}. The range of stress in a turn is widest {from_p(amplitude, units)}: an amplitude"
+        f" of {half_range} about {_about(mean, amplitude.value, units)}."
     )
+
+
+def _about(mean: float, amplitude: float, units: Units) -> str:
+    return "zero" if abs(mean) < 0.005 * amplitude else f"a mean of {quantity(mean, units.of('Pa'))}"
+
+
+def fatigue_sentences(case: CaseLoads) -> str:
+    """What counts for fatigue, by the leading engine: the place, its notch, the mean stress, and the cycles of stress in a turn."""
+    follower, stress, units = case.case.mechanism.follower, case.loads[case.lead].stress, case.case.units
+    assert stress is not None
+    fatigue, unit = stress.fatigue, units.of("Pa")
+    place, cycles = from_p(fatigue.equivalent, units), len(fatigue.ranges)
+    notch = f", where the notch factor is {fatigue.notch_factor:.3g}" if fatigue.notch_factor > 1.0 else ""
+    nominal = f"an amplitude of {quantity(fatigue.amplitude, unit)} about {_about(fatigue.mean, fatigue.amplitude, units)}"
+    told = f"For fatigue the arm is worst {place}{notch}: {nominal}"
+    if fatigue.equivalent.value > 1.0001 * fatigue.amplitude:
+        told += f" is as bad as a fully reversed one of {quantity(fatigue.equivalent.value, unit)}"
+    ranges = [quantity(each, unit) for each in fatigue.ranges[:SHOWN]]
+    if cycles > SHOWN:
+        ranges.append(f"{cycles - SHOWN} smaller ones")
+    told += f". A turn has {counted(cycles, 'cycle')} of stress there, with ranges of {listed(ranges)}."
+    if follower.fatigue_strength is not None and follower.tensile_strength is None:
+        told += " The mean stress does not count: that takes tensile_strength."
+    return told
 
 
 def lacking(loads: Loads) -> tuple[str, list[str]]:
@@ -99,8 +130,10 @@ def strength_table(cases: Sequence[CaseLoads]) -> Table:
     table = Table(
         "strength",
         """Loads on the parts in a steady cycle, as each engine computes them: largest value, its error, and its place. Stress: at the
-        surface of the arm by bending alone; amplitude: half of the range of stress at a place in a cycle, with its mean; safety: strength
-        over stress. The first mode is that of the arm with the crank held.""",
+        surface of the arm by bending and the normal force, which is positive where it pulls; amplitude: half of the range of stress at a
+        place in a cycle, with its mean; equivalent amplitude: of the fully reversed stress that is as bad, with notch factor and mean;
+        safety: yield strength over the largest stress, fatigue strength over the equivalent amplitude. The first mode is that of the arm
+        with the crank held.""",
         columns,
     )
     for case in cases:

@@ -12,7 +12,7 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.cases.shown import Unit
 from quickreturn.reports.page.answer import Answer, Cubic, Fastest
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.results.loads import CaseLoads, from_p
+from quickreturn.reports.results.loads import CaseLoads, axial_words, from_p
 from quickreturn.reports.words import (
     case_label,
     counted,
@@ -198,7 +198,9 @@ def machine_figures(case: CaseLoads) -> list[Figure]:
     """The large numbers: stress, safety, forces, and the first mode over the crank's frequency."""
     loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
     stress = _largest(loads)
-    shown = [(quantity(stress.value, units.of("Pa")), f"largest stress in the arm, by bending{_error(stress)}"), safety_figure(case)]
+    assert loads.stress is not None
+    parts = axial_words(loads.stress.axial, units) or "by bending alone"
+    shown = [(quantity(stress.value, units.of("Pa")), f"largest stress in the arm, {parts}{_error(stress)}"), safety_figure(case)]
     for key, what in _LOADS.items():
         peak = loads.peaks[key]
         if peak and peak.value:

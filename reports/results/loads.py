@@ -21,9 +21,14 @@ if TYPE_CHECKING:
 #: Number -> its name in the page.
 NAMES: Final = {
     "stress": "largest stress",
+    "stress_axial_part": "part of the normal force in it",
     "strain": "the same as strain",
+    "axial_stress": "largest stress by the normal force alone",
     "stress_amplitude": "stress amplitude",
     "stress_mean": "mean stress there",
+    "equivalent_amplitude": "equivalent amplitude for fatigue",
+    "notch_factor": "notch factor there",
+    "stress_cycles": "cycles of stress in a turn there",
     "yield_factor": "safety against yielding",
     "fatigue_factor": "safety against fatigue",
     "crank_torque": "torque of the drive",
@@ -152,6 +157,13 @@ def from_p(peak: Number, units: Units) -> str:
     return f"{number(peak.place / units.of('m').size, units.form('m', '.0f'))} {units.of('m').sign} from P"
 
 
+def axial_words(axial: float | None, units: Units) -> str:
+    """How much of a largest stress the normal force has (a clause); "" where it is not known."""
+    if axial is None:
+        return ""
+    return f"{quantity(abs(axial), units.of('Pa'))} of it by the normal force, which {'pulls' if axial > 0.0 else 'presses'}"
+
+
 def stress_text(loads: Loads, case: Case) -> str:
     """The largest stress in a case and where it is, and whether the arm holds, in a line. There must be a stress."""
     assert loads.stress is not None
@@ -162,6 +174,8 @@ def stress_text(loads: Loads, case: Case) -> str:
     if largest_stress.crank_angle is not None:
         where.append(f"crank at {degrees(largest_stress.crank_angle)}")
     error = "" if math.isnan(largest_stress.error) else f" ({off_by(largest_stress.error, largest_stress.value)})"
+    axial = axial_words(loads.stress.axial, units)
+    where = [axial, *where] if axial else where
     text = f"largest stress {quantity(largest_stress.value, units.of('Pa'))}{error}, {', '.join(where)}"
     return f"{text}. {verdict_text.removesuffix('.')}" if (verdict_text := verdict(loads)) else text
 
@@ -169,11 +183,19 @@ def stress_text(loads: Loads, case: Case) -> str:
 def numbers(loads: Loads) -> Iterator[Load]:
     """All numbers of an engine's loads."""
     if loads.stress is not None:
-        yield _peak("stress", loads.stress.largest, "Pa")
+        largest, fatigue = loads.stress.largest, loads.stress.fatigue
+        yield _peak("stress", largest, "Pa")
+        if loads.stress.axial is not None:
+            yield Load("stress_axial_part", loads.stress.axial, "Pa", place=largest.place, crank_angle=largest.crank_angle)
         if loads.strain is not None:
             yield _peak("strain", loads.strain, "1")
         yield _peak("stress_amplitude", loads.stress.amplitude, "Pa")
         yield Load("stress_mean", loads.stress.mean, "Pa", place=loads.stress.amplitude.place)
+        yield _peak("equivalent_amplitude", fatigue.equivalent, "Pa")
+        yield Load("notch_factor", fatigue.notch_factor, "1", place=fatigue.equivalent.place)
+        yield Load("stress_cycles", float(len(fatigue.ranges)), "1", place=fatigue.equivalent.place)
+    if loads.axial_stress is not None:
+        yield _peak("axial_stress", loads.axial_stress, "Pa")
     factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
     yield from (_factor(name, factor) for name, factor in factors.items() if factor is not None)
     yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)

@@ -11,6 +11,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.key import hash_of
 from quickreturn.cases.loads import loads_of, resonance
 from quickreturn.cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out, missing
+from quickreturn.cases.loads.axial import axial_forces
 from quickreturn.cases.loads.stress import arm_stress, safety, section_modulus
 from quickreturn.cases.measures.number import Number
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -22,7 +23,7 @@ from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
-from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
+from tests.reference_model.rigid_loads import rigid_axial_force, rigid_bearing_forces, rigid_bending_moment
 
 Columns = dict[str, Any]
 SPEED = 12.0  # rad/s
@@ -61,6 +62,9 @@ def rigid_cycle(mechanism: Mechanism, rows: int = 721) -> Columns:
         "moment_inboard": at_slider - jump,
         "moment_base": rigid_bending_moment(mechanism, 0.0, angle, SPEED),
         "moment_tip": rigid_bending_moment(mechanism, length, angle, SPEED),
+        "axial_base": rigid_axial_force(mechanism, 0.0, angle, SPEED),
+        "axial_tip": rigid_axial_force(mechanism, length, angle, SPEED),
+        **dict.fromkeys(("axial_slider", "axial_inboard"), rigid_axial_force(mechanism, motion.slider_position, angle, SPEED)),
         "slider_force": rigid_kinetostatics(mechanism, angle, SPEED)[0],
         **{
             f"{name}_force_{axis}": part
@@ -87,18 +91,53 @@ def test_moment_along_a_rigid_arm_is_that_of_the_closed_form(rigid: Columns) -> 
     assert np.abs(found - right).max() < 1e-5 * np.abs(right).max()
 
 
-def test_largest_stress_and_amplitude_of_a_rigid_arm(rigid: Columns) -> None:
-    found = arm_stress(LOADED, rigid, nothing_known)
+def test_normal_force_along_a_rigid_arm_is_that_of_the_closed_form(rigid: Columns) -> None:
+    known, x = known_moments(LOADED, rigid), np.linspace(0.0, LOADED.follower.length, 61)
+    found, left_out = axial_forces(LOADED, rigid, known, x)
+    right = np.column_stack([rigid_axial_force(LOADED, place, rigid["crank_angle"], SPEED) for place in x])
+    assert np.abs(found - right).max() < 1e-12 * np.abs(right).max()
+    assert np.all(left_out == 0.0)  # nothing bends
+    assert right.min() < 0.0 < right.max()  # the tool pulls and presses
+
+
+#: The rigid arm with so deep a section that the normal force counts beside the moment, and without bodies and force that bend it.
+PULLED = dataclasses.replace(
+    LOADED,
+    base=Base(),
+    slider=Slider(),
+    tip=Tip(mass=0.4, inertia=0.0, force=(-400.0, 20.0), force_from=1.0, force_to=5.0),
+    follower=dataclasses.replace(LOADED.follower, thickness=0.1, width=1e-3),
+)
+
+
+def stress_of_both(mechanism: Mechanism) -> tuple[Columns, np.ndarray]:
+    """Places, and stress of both surfaces there, Pa, shape (2, places, rows), of the rigid arm in closed form."""
+    follower = mechanism.follower
+    fine, angles = np.linspace(0.0, follower.length, 361), np.pi + np.linspace(0.0, 2.0 * np.pi, 721)
+    bending = np.array([rigid_bending_moment(mechanism, place, angles, SPEED) for place in fine]) / section_modulus(follower)
+    pull = np.array([rigid_axial_force(mechanism, place, angles, SPEED) for place in fine]) / follower.section.area()
+    return {"places": fine, "angles": angles, "pull": pull}, np.array([bending + pull, pull - bending])
+
+
+@pytest.mark.parametrize("mechanism", [LOADED, PULLED], ids=["bent", "pulled"])
+def test_largest_stress_and_amplitude_of_a_rigid_arm(mechanism: Mechanism) -> None:
+    found = arm_stress(mechanism, rigid_cycle(mechanism), nothing_known)
     assert found is not None
-    fine = np.linspace(0.0, LOADED.follower.length, 361)
-    angles = np.pi + np.linspace(0.0, 2.0 * np.pi, 721)
-    right = np.array([rigid_bending_moment(LOADED, place, angles, SPEED) for place in fine]) / section_modulus(LOADED.follower)
-    place, row = np.unravel_index(int(np.abs(right).argmax()), right.shape)
+    grid, right = stress_of_both(mechanism)
+    fine, angles = grid["places"], grid["angles"]
+    side, place, row = np.unravel_index(int(np.abs(right).argmax()), right.shape)
+    share = grid["pull"][place, row]
+    assert abs(share) > (0.1 if mechanism is PULLED else 1e-5) * np.abs(right).max()
+    assert found.axial == pytest.approx(share, rel=0.02)
+    assert found.lowest.min() == pytest.approx(right[0].min(), rel=0.02)
+    assert found.highest.max() == pytest.approx(right[0].max(), rel=0.02)
+    right = right[side]
     # half a step of the grid on either side of a corner leaves 3e-3
     assert abs(found.largest.value - abs(right[place, row])) <= found.largest.uncertainty + 3e-3 * found.largest.value
     assert found.largest.uncertainty < 0.01 * found.largest.value
     assert found.largest.place == pytest.approx(fine[place], abs=3e-3)
     assert found.largest.crank_angle == pytest.approx(angles[row] % (2.0 * np.pi), abs=0.02)
+    right = max(stress_of_both(mechanism)[1], key=lambda each: np.ptp(each, axis=1).max())
     half = np.ptp(right, axis=1) / 2.0
     assert abs(found.amplitude.value - half.max()) <= found.amplitude.uncertainty + 3e-3 * half.max()
     assert found.amplitude.place == pytest.approx(fine[half.argmax()], abs=6e-3)  # places are 5.3 mm apart

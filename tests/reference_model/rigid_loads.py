@@ -33,6 +33,23 @@ def rigid_bearing_forces(
     return np.array([at_pivot.real, at_pivot.imag]), np.array([at_crank.real, at_crank.imag])
 
 
+def rigid_axial_force(
+    mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
+) -> Array:
+    """Normal force (N) at the arc length `place` (m) for a given motion, positive where it pulls: the loads outboard of it along the arm.
+
+    An element of a turning arm is pulled by rho A omega^2 r dr, and by its weight; a slider without friction does not push along the arm.
+    The other arguments are as of `rigid_motion`.
+    """
+    motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
+    beam, tip, q2 = mechanism.follower, mechanism.tip_body, motion.follower_angle
+    tool = tip_force(tip, np.asarray(crank_angle, dtype=float), q2)
+    weight = np.cos(q2) * mechanism.gravity[0] + np.sin(q2) * mechanism.gravity[1]
+    turning = beam.mass_per_length * (beam.length**2 - place**2) / 2.0 + tip.mass * (beam.length + tip.center_of_mass)
+    outboard = beam.mass_per_length * (beam.length - place) + tip.mass
+    return np.asarray(turning * motion.follower_speed**2 + outboard * weight + np.cos(q2) * tool.real + np.sin(q2) * tool.imag)
+
+
 def rigid_bending_moment(
     mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> Array:

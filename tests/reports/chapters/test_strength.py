@@ -6,11 +6,12 @@ import re
 import pytest
 
 from quickreturn.cases.loads import loads_of_run, resonance
+from quickreturn.cases.loads.fatigue import Fatigue
 from quickreturn.cases.loads.stress import ArmStress, section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.shown import Unit
 from quickreturn.cases.units import in_si
-from quickreturn.reports.chapters.strength import finding, lacking, mode_sentences, stress_sentences
+from quickreturn.reports.chapters.strength import fatigue_sentences, finding, lacking, mode_sentences, stress_sentences
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import cycles
@@ -20,6 +21,8 @@ from tests.reports.made_up_loads import made_up_loads, with_resonance, without
 from tests.reports.pages import finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
+
+NO_MEAN = "The mean stress does not count: that takes tensile_strength."
 
 
 @pytest.fixture(scope="module")
@@ -62,14 +65,38 @@ def test_the_heading_is_about_the_first_case_of_the_page(example: CaseResult) ->
 def test_the_sentences_say_where_the_arm_is_stressed_and_how_the_stress_varies(known: CaseLoads) -> None:
     told = plain(stress_sentences(known))
     holds = "The arm holds: the safety factor is 2 against yielding and 3 against fatigue."
-    most = "By reference, bending stresses the arm most 375 mm from P, with 12.35 MPa when the crank stands at 324°"
-    strain = "(a surface strain of 176.4 µε)"  # 12.346 MPa / 70 GPa
+    most = "By reference, the arm is stressed most 375 mm from P, with 12.35 MPa when the crank stands at 324°"
+    strain = "(a surface strain of 176.4 µε), 0.05000 MPa of it by the normal force, which presses"  # 12.346 MPa / 70 GPa
     widest = "The range of stress in a turn is widest 400 mm from P: an amplitude of 8.000 MPa about zero."
     assert told == f"{holds} {most} {strain}. {widest}"
     loads = known.loads["reference"]
     assert loads.stress is not None
     mean = dataclasses.replace(loads, stress=dataclasses.replace(loads.stress, mean=0.05e6))
     assert plain(stress_sentences(CaseLoads(known.case, {"reference": mean}))).endswith("about a mean of 0.05000 MPa.")
+    alone = dataclasses.replace(loads, stress=dataclasses.replace(loads.stress, axial=None))
+    assert "176.4 µε); the engine gives no normal force, so that this is bending alone." in plain(
+        stress_sentences(CaseLoads(known.case, {"reference": alone}))
+    )
+
+
+def test_the_sentences_on_fatigue_give_place_notch_mean_and_cycles(known: CaseLoads) -> None:
+    told = plain(fatigue_sentences(known))
+    worst = "For fatigue the arm is worst 400 mm from P: an amplitude of 8.000 MPa about zero."
+    assert told == f"{worst} A turn has 2 cycles of stress there, with ranges of 16.00 MPa and 4.000 MPa. {NO_MEAN}"
+    loads = known.loads["reference"]
+    assert loads.stress is not None
+    number = dataclasses.replace(loads.stress.fatigue.equivalent, value=16.4e6, place=0.42)
+    ranges = (15e6, 5e6, 4e6, 3e6, 2e6)
+    fatigue = Fatigue(equivalent=number, notch_factor=2.0, amplitude=7.5e6, mean=4e6, ranges=ranges)
+    notched = dataclasses.replace(loads, stress=dataclasses.replace(loads.stress, fatigue=fatigue))
+    strong = known.case.scene.follower
+    scene = dataclasses.replace(known.case.scene, follower=dataclasses.replace(strong, tensile_strength=700e6))
+    case = dataclasses.replace(known.case, scene=scene)
+    assert plain(fatigue_sentences(CaseLoads(case, {"reference": notched}))) == (
+        "For fatigue the arm is worst 420 mm from P, where the notch factor is 2: an amplitude of 7.500 MPa about a mean of 4.000 MPa is as"
+        " bad as a fully reversed one of 16.40 MPa. A turn has 5 cycles of stress there, with ranges of 15.00 MPa, 5.000 MPa, 4.000 MPa and"
+        " 2 smaller ones."
+    )
 
 
 def test_the_sentences_on_the_first_mode_give_both_frequencies(known: CaseLoads) -> None:
