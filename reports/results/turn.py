@@ -156,7 +156,7 @@ def stress(turn: Turn) -> Said | None:
     if found is None or found.place is None or found.crank_angle is None:
         return None
     where = f"{from_p(found, turn.case.units)}, at {percent(found.place / turn.case.mechanism.follower.length, '.0f')} of its length"
-    motion = turn.motion.stress
+    motion = turn.motion.loads.stress
     ends = [abs(float(np.interp(found.place, motion.places, end))) for end in (motion.lowest, motion.highest)] if motion else []
     either = " (bent the other way as much, within the error)" if ends and max(ends) - min(ends) <= 2.0 * found.error else ""
     sentence = f"The arm is stressed most {where}, with the crank at {degrees(found.crank_angle)}{either}: {turn.told(found, 'Pa')}."
