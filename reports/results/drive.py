@@ -8,7 +8,7 @@ from typing import Final
 from quickreturn.cases.case import Case
 from quickreturn.cases.loads.drive import HARMONICS
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.measures.number import NO_NUMBER, Number
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Unit, Units
@@ -71,17 +71,20 @@ def drive_sentences(drive: CaseDrive) -> list[str]:
         return []
     found = drive.numbers(drive.lead)
     texts = {name: text_of(name, number, drive.case.units) for name, number in found.items()}
-    return list(filter(None, (_motor(drive.case, texts), _flywheel(drive.case, texts), _bearings(texts))))
+    needed = found.get("flywheel.inertia", NO_NUMBER).value
+    return list(filter(None, (_motor(drive.case, texts), _flywheel(drive.case, texts, needed), _bearings(texts))))
 
 
 def text_of(name: str, number: Number, units: Units, *, with_error: bool = False) -> str:
-    """A number of `NAMES` in its unit, 0 if it is zero within its error; the error is relative, but in the unit where it is as large."""
+    """A number of `NAMES` in its unit, 0 if it is zero within its error. The error is relative; in the unit if as large, or of an angle."""
     si, lost = MEASURES[name].unit, abs(number.value) <= number.error
     unit = Unit("%", 0.01) if si == "1" else units.of(si)
     text = f"0{TIED}{unit.sign}" if lost else quantity(number.value, unit)
-    error = f"±{TIED}{quantity(number.error, unit)}" if lost else off_by(number.error, number.value)
-    told = f" ({'error unknown' if math.isnan(number.error) else error})" if with_error else ""
-    return f"{text}{told}".replace(f"{TIED}deg", "°")
+    if with_error:
+        in_unit = lost or (si == "rad" and not math.isnan(number.error))
+        error = f"±{TIED}{quantity(number.error, unit)}" if in_unit else off_by(number.error, number.value)
+        text += f" ({'error unknown' if math.isnan(number.error) else error})"
+    return text.replace(f"{TIED}deg", "°")
 
 
 def _motor(case: Case, texts: Mapping[str, str]) -> str:
@@ -95,7 +98,7 @@ def _motor(case: Case, texts: Mapping[str, str]) -> str:
     )
 
 
-def _flywheel(case: Case, texts: Mapping[str, str]) -> str:
+def _flywheel(case: Case, texts: Mapping[str, str], needed: float) -> str:
     crank = case.mechanism.crank
     if case.mechanism.crank_is_free:
         return f"The speed of the crank fluctuates by {texts['variation.crank_speed']} of its mean, from the least to the largest."
@@ -103,9 +106,10 @@ def _flywheel(case: Case, texts: Mapping[str, str]) -> str:
     if crank.wanted_fluctuation is None:
         return f"{energy}; with crank.wanted_fluctuation in the case file, this says what flywheel a motor of constant torque needs."
     wanted, has = percent(crank.wanted_fluctuation, ".3g"), quantity(case.mechanism.crank_inertia, case.units.of("kg*m^2"))
+    alone = ", which is enough" if case.mechanism.crank_inertia >= needed else ""
     return (
         f"{energy}: for a speed that a motor of constant torque keeps within {wanted}, from the least to the largest, crank and flywheel"
-        f" need {texts['flywheel.inertia']} about O together; the crank has {has}."
+        f" need {texts['flywheel.inertia']} about O together; the crank has {has}{alone}."
     )
 
 

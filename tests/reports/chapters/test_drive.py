@@ -8,16 +8,19 @@ import re
 import numpy as np
 import pytest
 
+from quickreturn.cases.case_file import load_case
 from quickreturn.cases.displayed import in_lines
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
+from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.reports.chapters.drive import POINTS, finding
 from quickreturn.reports.output import plain as as_plain
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
-from quickreturn.reports.results.drive import CaseDrive, drive_of, drive_sentences
+from quickreturn.reports.results.drive import CaseDrive, drive_of, drive_sentences, text_of
 from quickreturn.verdict_text import as_document, parts_of
-from tests.reports.pages import chapter_of, one_run, plain, read, text_of
+from tests.reports import pages
+from tests.reports.pages import chapter_of, one_run, plain, read
 from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result
 
@@ -62,6 +65,16 @@ def test_the_sentences_give_the_closed_forms(shaper: CaseResult) -> None:
         "The energy that the torque gives fluctuates by 8.000 J about that of its mean: for a speed that a motor of constant torque keeps"
         " within 5 %, from the least to the largest, crank and flywheel need 1.600 kg m² about O together; the crank has 0.1000 kg m²."
     )
+    _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.9))))
+    assert flywheel.endswith("crank and flywheel need 0.08889 kg m² about O together; the crank has 0.1000 kg m², which is enough.")
+
+
+def test_the_error_of_an_angle_is_an_angle() -> None:
+    units = load_case("example").units
+    angle, amplitude = Number(-0.1, 1e-3), Number(2.0, 1e-3)
+    assert plain(text_of("torque.harmonic_1.phase", angle, units, with_error=True)) == "−5.730° (± 0.05730°)"
+    assert plain(text_of("torque.harmonic_1", amplitude, units, with_error=True)) == "2.000 N m (± 0.05 %)"
+    assert plain(text_of("torque.harmonic_1", Number(1e-4, 2e-3), units, with_error=True)) == "0 N m (± 0.002000 N m)"
 
 
 def test_a_machine_with_a_driving_torque_fluctuates_and_has_no_harmonics() -> None:
@@ -141,4 +154,4 @@ def test_without_the_torque_there_is_no_chapter(shaper: CaseResult) -> None:
     for engine, run in shaper.runs.items():
         no_forces = with_run(no_forces, engine, cycle={name: values for name, values in run.cycle.items() if "_force_" not in name})
     assert len([*chapter_of(one_run(no_forces), "drive").plots]) == 1
-    assert "Which motor, which bearings?" in text_of(one_run(no_forces))
+    assert "Which motor, which bearings?" in pages.text_of(one_run(no_forces))
