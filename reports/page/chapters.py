@@ -23,8 +23,8 @@ from quickreturn.reports.page.content import Content
 
 #: All chapters but those of a subject (`Content.placed`): first the user's own machine, and the next steps.
 CHAPTERS: Final[tuple[MakeChapter, ...]] = (
-    turn,
     strength,
+    turn,
     drive,
     resonance,
     run_by_run,

@@ -104,7 +104,7 @@ def whip(turn: Turn) -> Said | None:
     where = f"in the quick return, {degrees(off)} {'after' if late else 'before'} its middle"
     if beyond > 0.0:
         where = f"{degrees(beyond)} {'after the quick return has ended' if late else 'before the quick return begins'}"
-    sentence = f"The tip whips most with the crank at {degrees(found.crank_angle)}, {where}: {turn.told(found, 'm/s^2')}"
+    sentence = f"The tip is accelerated most with the crank at {degrees(found.crank_angle)}, {where}: {turn.told(found, 'm/s^2')}"
     sentence = f"{sentence}{_as_much(turn, 'tip_acceleration', found)}."
     return sentence, _numbers("tip_acceleration", found) | {"from_middle_of_return": off if late else -off}
 

@@ -60,7 +60,7 @@ def bump(degrees: float, height: float) -> Any:
 )
 def test_when_the_tip_whips(at: float, turning: int, where: str) -> None:
     found = turn(turning=turning, columns={"tip_acceleration": bump(at, -80.0)}, extreme_estimates=claims("tip_acceleration", 0.8))
-    assert said("whip", found).startswith(f"The tip whips most {where}: 80.00 m/s² (± 1")
+    assert said("whip", found).startswith(f"The tip is accelerated most {where}: 80.00 m/s² (± 1")
     loose = claims("tip_acceleration", 80.0)
     assert said("whip", turn(columns={"tip_acceleration": bump(at, 80.0)}, extreme_estimates=loose)) == ""
 
@@ -110,7 +110,7 @@ def test_where_the_force_changes_sign() -> None:
 
 def test_where_the_arm_is_stressed_most() -> None:
     found = turn()
-    largest = found.motion.stress.largest  # type: ignore[union-attr]
+    largest = found.motion.loads.stress.largest  # type: ignore[union-attr]
     share = largest.place / CASE.mechanism.follower.length
     told = f"The arm is stressed most {1e3 * largest.place:.0f} mm from P, at {100.0 * share:.0f} % of its length, with the crank at "
     value = f"{1e-6 * largest.value:.4g}"
