@@ -110,7 +110,8 @@ class ExudynSimulation(Simulation):
         # GetODE2CoordinatesTotal corrupts memory beyond 100 coordinates (Exudyn 1.13.6), so the sum is taken here.
         self._reference = self._mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
         self._multiplier, self._loss = self._drive_multiplier(), model.joint_loss()
-        self._sums = model.drive_equation is not None or model.assembly.joint_is_compliant
+        rubs = model.assembly.scene.tip_body.friction_force > 0.0
+        self._sums = model.drive_equation is not None or model.assembly.joint_is_compliant or rubs
         self._last = self._row()
         self.setup_seconds = time.perf_counter() - begun
 
