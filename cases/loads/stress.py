@@ -75,7 +75,7 @@ class ArmStress:
     """Stress at the surface of the arm, Pa."""
 
     largest: Number  # magnitude
-    axial: float | None  # part of the largest stress that the normal force has, negative where it presses; None where it is not known
+    axial: Number | None  # part of the largest stress that the normal force has, negative where it presses; None where it is not known
     # half the range in a cycle, at the place where that is largest; its crank angle is that of the extreme farther from 0
     amplitude: Number
     mean: float  # mean of the extremes at that place
@@ -147,6 +147,7 @@ class _Field:
     bending: Array  # at the surface that is longer where W'' > 0
     axial: Array
     open: Array  # interpolation error of both
+    axial_open: Array  # that of the second
 
     def at_surface(self, side: float) -> Array:
         """The stress at that surface, or at the opposite one for a `side` of -1."""
@@ -180,7 +181,8 @@ class _Arm:
         moments, open_moments = interpolated(places, known), between(places, left_out(known), known)
         rows = {name: values[::step] for name, values in self.columns.items()}
         forces, open_forces = axial_forces(self.scene, rows, known, places)
-        return _Field(places, of_moment * moments, of_force * forces, of_moment * open_moments + of_force * open_forces)
+        axial_open = of_force * open_forces
+        return _Field(places, of_moment * moments, of_force * forces, of_moment * open_moments + axial_open, axial_open)
 
     def series(self, place: float, side: float) -> Array:
         """The stress at a place of a surface in all rows, Pa, shape (rows,)."""
@@ -223,19 +225,20 @@ def _side(bending: float, axial: float) -> float:
     return -1.0 if bending * axial < 0.0 else 1.0
 
 
-def _largest(arm: _Arm, field: _Field) -> tuple[Number, float]:
+def _largest(arm: _Arm, field: _Field) -> tuple[Number, Number]:
     """The largest stress, at the slider, where the moment has its corner, or at one of the places; and the part of the normal force."""
     sizes = np.abs(field.bending) + np.abs(field.axial)
     row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
-    axial = float(field.axial[row, at])
-    side = _side(float(field.bending[row, at]), axial)
+    axial = Number(float(field.axial[row, at]), measurement=float(field.axial_open[row, at]))
+    side = _side(float(field.bending[row, at]), axial.value)
     peak, beyond = arm.peak(float(field.places[at]), side), field.beyond(side, row, at)
     for bending, along in arm.at_slider():
         row = int((np.abs(bending) + np.abs(along)).argmax())
         at_slider = peak_of(_side(float(bending[row]), float(along[row])) * bending + along, arm.columns, arm.claimed(["moment_slider"]))
         if at_slider.value >= peak.value:
             place = float(np.interp(at_slider.time, arm.columns["time"], arm.known.slider))
-            peak, beyond, axial = replace(at_slider, place=place), 0.0, float(along[row])
+            peak, beyond, axial = replace(at_slider, place=place), 0.0, Number(float(along[row]))
+    axial = replace(axial, estimate=arm.claimed([])(peak.crank_angle or 0.0), crank_angle=peak.crank_angle, place=peak.place)
     return replace(peak, measurement=peak.measurement + beyond + float((sizes + field.open).max() - sizes.max())), axial
 
 

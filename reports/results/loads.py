@@ -58,6 +58,8 @@ class Load:
 
     def text(self, units: Units) -> str:
         """The number as the page shows it."""
+        if self.quantity == "stress_cycles":
+            return f"{self.value:.0f}"
         return quantity(self.value, STRAIN if self.quantity == "strain" else units.of(self.unit))
 
 
@@ -157,11 +159,11 @@ def from_p(peak: Number, units: Units) -> str:
     return f"{number(peak.place / units.of('m').size, units.form('m', '.0f'))} {units.of('m').sign} from P"
 
 
-def axial_words(axial: float | None, units: Units) -> str:
+def axial_words(axial: Number | None, units: Units) -> str:
     """How much of a largest stress the normal force has (a clause); "" where it is not known."""
     if axial is None:
         return ""
-    return f"{quantity(abs(axial), units.of('Pa'))} of it by the normal force, which {'pulls' if axial > 0.0 else 'presses'}"
+    return f"{quantity(abs(axial.value), units.of('Pa'))} of it by the normal force, which {'pulls' if axial.value > 0.0 else 'presses'}"
 
 
 def stress_text(loads: Loads, case: Case) -> str:
@@ -186,11 +188,12 @@ def numbers(loads: Loads) -> Iterator[Load]:
         largest, fatigue = loads.stress.largest, loads.stress.fatigue
         yield _peak("stress", largest, "Pa")
         if loads.stress.axial is not None:
-            yield Load("stress_axial_part", loads.stress.axial, "Pa", place=largest.place, crank_angle=largest.crank_angle)
+            yield _peak("stress_axial_part", loads.stress.axial, "Pa")
         if loads.strain is not None:
             yield _peak("strain", loads.strain, "1")
         yield _peak("stress_amplitude", loads.stress.amplitude, "Pa")
-        yield Load("stress_mean", loads.stress.mean, "Pa", place=loads.stress.amplitude.place)
+        error = loads.stress.amplitude.error  # like that of the mean, half the sum of those of both extremes
+        yield Load("stress_mean", loads.stress.mean, "Pa", None if math.isnan(error) else error, loads.stress.amplitude.place)
         yield _peak("equivalent_amplitude", fatigue.equivalent, "Pa")
         yield Load("notch_factor", fatigue.notch_factor, "1", place=fatigue.equivalent.place)
         yield Load("stress_cycles", float(len(fatigue.ranges)), "1", place=fatigue.equivalent.place)

@@ -4,6 +4,7 @@ import dataclasses
 
 from quickreturn.cases.loads import Factor, Resonance
 from quickreturn.cases.loads.fatigue import Fatigue
+from quickreturn.cases.measures.number import Number
 from quickreturn.reports.results.loads import CaseLoads, loads_of_case
 from tests.reports.reported_results import reported_result
 
@@ -20,7 +21,7 @@ def made_up_loads() -> CaseLoads:
     largest = dataclasses.replace(loads.stress.largest, **known)  # type: ignore[arg-type]
     amplitude = dataclasses.replace(loads.stress.amplitude, value=8e6, place=0.4)
     fatigue = Fatigue(equivalent=amplitude, notch_factor=1.0, amplitude=8e6, mean=-0.02e6, ranges=(16e6, 4e6))
-    stress = dataclasses.replace(loads.stress, largest=largest, axial=-0.05e6, amplitude=amplitude, mean=-0.02e6, fatigue=fatigue)
+    stress = dataclasses.replace(loads.stress, largest=largest, axial=Number(-0.05e6), amplitude=amplitude, mean=-0.02e6, fatigue=fatigue)
     factors = {"yield_factor": Factor(2.0, 1.9, 2.1, 0.05), "fatigue_factor": Factor(3.0, 2.9, 3.1, 0.03)}
     return with_resonance(CaseLoads(found.case, {"reference": dataclasses.replace(loads, stress=stress, modulus=70e9, **factors)}))
 
