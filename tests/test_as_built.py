@@ -28,7 +28,7 @@ def measure(module_monkeypatch: pytest.MonkeyPatch) -> Any:
 def module_monkeypatch() -> Any:
     with pytest.MonkeyPatch.context() as monkeypatch:
         yield monkeypatch
-    for name in ("measure", "mujoco_machines", "exudyn_machines", "drake_machines", "pyelastica_machines", "run_24"):
+    for name in ("measure", "mujoco_machines", "exudyn_machines", "drake_machines", "pyelastica_machines", "newton_machines", "run_24"):
         sys.modules.pop(name, None)
 
 
@@ -79,7 +79,7 @@ def row_of(row: Construction) -> str:
 
 def test_the_tables_of_the_document_are_the_record() -> None:
     told = (ROOT / "docs" / "as-built.md").read_text(encoding="utf-8").splitlines()
-    rows = [row.replace("**", "") for row in told if re.match(r"\| [^|]*(slot|joint|circles|rollers|slide|rod)", row)]
+    rows = [row.replace("**", "") for row in told if re.match(r"\| [^|]*(slot|joint|circles|rollers|slide|rod|Featherstone|XPBD)", row)]
     assert rows == [row_of(row) for row in built()]
 
 

@@ -49,7 +49,13 @@ class Measured:
 def machines() -> dict[str, tuple[Any, Any]]:
     """Name -> module and construction, of the programs that are installed."""
     found = {}
-    for name in ("mujoco_machines", "exudyn_machines", "drake_machines", "pyelastica_machines"):
+    for name in (
+        "mujoco_machines",
+        "exudyn_machines",
+        "drake_machines",
+        "pyelastica_machines",
+        "newton_machines",
+    ):
         try:
             program = importlib.import_module(name)
         except ModuleNotFoundError as missing:
