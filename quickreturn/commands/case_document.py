@@ -93,7 +93,9 @@ def print_document(document: dict[str, Any], case: Case) -> None:
 
 
 def _in_units(case: Case, path: str, value: Any) -> tuple[str, str]:
-    """A value (SI) at a key as text, and its unit: that in which the file gives it, if it does."""
+    """A value (SI) at a key as text, and its unit: that in which the file gives it, if it does. A table tells its own."""
+    if PATHS[path].in_file:
+        return shown_value(value), ""
     written = None if case.shown_in or case.document is None else case.document.at(path)
     texts = [written] if isinstance(written, str) else written
     if texts and all(isinstance(text, str) for text in texts):

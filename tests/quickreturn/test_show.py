@@ -1,12 +1,14 @@
 """`show` says what follows from the numbers of a scene, and which of them can hardly be meant."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
 from quickreturn.cases.sweep.rows import Row
 from quickreturn.commands.case_document import _stability
+from quickreturn.commands.console import ExitCode
 from tests.quickreturn.conftest import Call
 
 
@@ -100,3 +102,18 @@ def test_every_engine_says_what_it_makes_of_the_joint(call: Call, joint: str) ->
 )
 def test_the_machine_s_own_motion_is_stable_or_not(status: str, sentence: str, told: str) -> None:
     assert _stability(Row(np.array([[0.7781]]), np.array([[6e-5]]), (status,), (sentence,))) == told
+
+
+def test_a_table_of_forces_is_told_by_its_file_its_points_and_extremes(call: Call) -> None:
+    shown = call("show", "shaper-chips").output
+    assert re.search(r"force_table +shaper-chips.csv of 24 points: -180 to 0 N along n1, 0 to 1580 N along n2 *\n", shown)
+    told = json.loads(call("show", "shaper-chips", "--json").output)["scene"]["tip"]["force_table"]
+    assert (told["file"], told["second"][6]) == ("shaper-chips.csv", 400.0)
+
+
+def test_a_copy_of_a_machine_holds_its_table_and_a_missing_file_is_bad_input(call: Call) -> None:
+    assert call("new", "copy.toml", "--from", "shaper-chips").code == ExitCode.GOOD
+    assert "a table of 24 points" in call("show", "copy.toml").output
+    refused = call("show", "copy.toml", "--set", "tip.force_table=gone.csv")
+    assert refused.code == ExitCode.BAD_INPUT
+    assert 'tip.force_table: "gone.csv" there is no such file; give a CSV file that begins with' in refused.errors
