@@ -1,5 +1,6 @@
 """Scenes with everything that the one beam has, slider constraints of every kind, and shapes that stay."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -35,7 +36,7 @@ RUBBING: Final = replace(
 )
 DAMPED: Final = replace(
     RUBBING,
-    tip=replace(RUBBING.tip_body, force=(0.0, 0.0), force_following=(8.0, -5.0)),
+    tip=replace(RUBBING.tip_body, force=(0.0, 0.0), force_following=(8.0, -5.0), force_from=0.0, force_to=2.0 * math.pi),
     follower=replace(RUBBING.follower, material_damping=3e-4),
 )
 BARE: Final = run_24(tip=None, base={"inertia": 0.0, "damping": 0.0}, follower={"damping": 0.0}, crank={"length": 6.0 * INCH})

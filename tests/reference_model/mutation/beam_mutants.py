@@ -80,9 +80,12 @@ SOURCE = Source(
 
 #: Changes without effect, and why.
 _DOUBLED = "the series of an eighth of the angle, doubled three times, is as good for small ones"
+_AT_REST: Final = "it only keeps a tip at rest from a division by zero"
 EQUIVALENT: Mapping[tuple[str, str], str] = {
     ("motion", "p.LA / direction(q1)"): "the mirrored crank's tip is as far from P",
     ("_push_tip", "-math.sqrt(dot(velocity, velocity)) + STILL * p.slide_speed"): "the friction over the speed is even in the speed",
+    ("_push_tip", "math.sqrt(dot(velocity, velocity)) - STILL * p.slide_speed"): _AT_REST,
+    ("_push_tip", "STILL / p.slide_speed"): _AT_REST,
     ("", "-(0.25 * math.pi)"): _DOUBLED,
     ("", "0.25 / math.pi"): _DOUBLED,
     ("", "0.375"): "the series is still good to 1e-14",
