@@ -270,7 +270,8 @@ SENTENCES: Final[Mapping[str, Callable[[Turn], Said | None]]] = {
 
 def statements(case: Case, run: Run) -> list[Statement]:
     """What happens in a turn of a case by the run of an engine; nothing where it has no settled turn."""
-    said = {topic: say(Turn(case, run)) for topic, say in SENTENCES.items()} if run.usable else {}
+    turn = Turn(case, run)
+    said = {topic: say(turn) for topic, say in SENTENCES.items()} if run.usable else {}
     return [Statement(topic, each[0].replace(TIED, " "), each[1]) for topic, each in said.items() if each]
 
 
