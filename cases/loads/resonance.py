@@ -3,15 +3,17 @@
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
-from quickreturn.cases.shown import Units
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.witnesses import Witness, Witnesses
+
+if TYPE_CHECKING:
+    from quickreturn.cases.shown import Units
 
 #: Number of crank angles in half a turn over which frequencies are averaged; the other half mirrors it. The mean of a smooth periodic
 #: function over so many even angles is exact to round-off in all scenes of the library but those whose crank nearly reaches P.
@@ -55,7 +57,7 @@ class Resonance:
         """Relative change from the crank's speed to the resonant one; negative if that is lower."""
         return self.ratio / self.harmonic - 1.0
 
-    def sentence(self, units: Units) -> str:
+    def sentence(self, units: "Units") -> str:
         """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
         ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
         speed, change = units.of("rad/s").text(self.resonant_speed), "faster" if self.detuning > 0.0 else "slower"
