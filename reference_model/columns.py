@@ -85,7 +85,7 @@ COLUMNS: Final = MappingProxyType(
         ),
         "strain_1": Observable(
             "1",
-            "surface strain at the first gauge: curvature x distance of the surface from the axis of bending, positive where W'' > 0",
+            "surface strain at the first gauge: curvature x its distance from the axis of bending, positive where W'' > 0",
             _ENGINES(3e-4),
             required=True,
         ),
