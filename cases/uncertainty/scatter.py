@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.displayed import Cell, Displayed, Rows
-from quickreturn.cases.keys import si_text
 from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.uncertainty.chaos import DRAWN, HALF_WIDTH, SEED, Surrogate
@@ -145,10 +144,8 @@ class Scatter(Displayed):
         for status, count in self.counts.items():
             if status != Ending.SETTLED:
                 at = self.statuses.index(status)
-                place = ", ".join(
-                    f"{key.key} = {si_text(key.path, float(f'{value:.4g}'))}"
-                    for key, value in zip(self.distributions, self.inputs[at], strict=True)
-                )
+                values = zip(self.distributions, self.inputs[at].tolist(), strict=True)
+                place = ", ".join(f"{key.key} = {self.case.units.of(key.quantity.unit).text(value)}" for key, value in values)
                 found.append(f"{count} {status}, such as at {place}" + (f": {self.sentences[at]}" if any(self.sentences) else ""))
         return found
 

@@ -169,9 +169,12 @@ def uncertainty(
         print_json({**found.document(), "output": output})
     else:
         click.echo(repr(found))
-    without = {name: reason for name in found.measures if (reason := found.lacking(name))}
-    for name, reason in without.items():
-        console.tell(f"{points.case.name}: no band of {name}: {'; '.join((reason, *found.failures))}")
+    without: dict[str, list[str]] = {}
+    for name in found.measures:
+        without.setdefault(found.lacking(name), []).append(name)
+    without.pop("", None)
+    for reason, names in without.items():
+        console.tell(f"{points.case.name}: no band of {' and '.join(names)}: {'; '.join((reason, *found.failures))}")
     return ExitCode.ENGINE_TROUBLE if without else ExitCode.GOOD
 
 

@@ -19,6 +19,7 @@ from quickreturn.cases.uncertainty.scatter import Scatter
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.computing import Computing
 from quickreturn.cross_validation import given_settings
+from quickreturn.engine_choice import check
 from quickreturn.engines.registry import engine_names, usable_engine
 
 #: Key of a study file -> its types, and an example.
@@ -100,6 +101,8 @@ def points_of(
     if not names:
         raise CaseError(Argument("measures"), None, None, "none is given", 'give one, such as "post.frequency"')
     usable_engine(name)
+    texts, file = given_settings({name: settings or {}})[name], case.name if case.source == "library" else case.source or case.name
+    check(name, case.mechanism, texts)
     if samples is not None:
         check_samples(samples, Argument("samples"), None)
     request = MeasureRequest(
@@ -107,15 +110,15 @@ def points_of(
         engine=name,
         claims=claims,
         accuracy=checked(accuracy or study.get("accuracy")),
-        settings=given_settings({name: settings or {}})[name],
+        settings=texts,
         duration=case.duration,
     )
     uncertain = study.get("uncertain", case.tolerances)
     if not uncertain and "uncertain" not in study:
         accepted = 'give a value of it a tolerance, such as thickness = "6 mm +- 0.1 mm", or write a study with a table [uncertain]'
-        raise CaseError(case.source or case.name, None, None, "has no tolerances", accepted)
+        raise CaseError(file, None, None, "has no tolerances", accepted)
     asked = samples or study.get("samples", SAMPLES)
-    points = planned(case, uncertain, request, asked, source if "uncertain" in study else case.source)
+    points = planned(case, uncertain, request, asked, source if "uncertain" in study else file)
     if asked < (least := least_points(len(points.distributions))):
         given, key = (Argument("samples"), None) if samples is not None else (source, "samples")
         problem = f"points are too few for {len(points.distributions)} uncertain quantities"

@@ -190,10 +190,12 @@ def test_a_bad_study_file_gets_one_sentence(place: Call, text: str, words: tuple
     ("typed", "words"),
     [
         (("rigid",), ("--measure", "none is given")),
-        (("rigid", "--measure", "period"), ("has no tolerances", "6 mm +- 0.1 mm", "[uncertain]")),
+        (("rigid", "--measure", "period"), ("rigid: has no tolerances", "6 mm +- 0.1 mm", "[uncertain]")),
         (("work.toml", "--samples", "24"), ("--samples", "24 is no power of two")),
         (("work.toml", "--measure", "peroid"), ("--measure", "peroid", "period")),
         (("work.toml", "--set", "crank.lenght=4 in"), ("--set", "crank.length")),
+        (("work.toml", "--set", "engine.elements=4"), ("--set engine.elements", "engine.modes")),
+        (("work.toml", "--engine", "fixed-shapes", "--set", "slider.friction=0.1"), ("fixed-shapes", "slider.friction")),
         (("work.toml", "--output", "points.nc"), ("points.nc", ".csv")),
         (("nowhere.toml",), ("nowhere.toml", "there is no such file")),
     ],
