@@ -302,6 +302,8 @@ USUAL: Final[tuple[str, ...]] = (
     "mechanism.gravity", "crank.torque", "crank.prescribed_speed", "base.damping", "follower.damping", "tip.center_of_mass", "tip.force",
     "slider.mass",
 )  # fmt: skip
+#: A spring from the follower to a fixed point.
+HELD: Final[tuple[str, ...]] = ("spring.stiffness", "spring.preload", "spring.damping", "spring.stop_stiffness")
 #: A compliant joint that is one linear spring.
 SPRING: Final[tuple[str, ...]] = ("slider.joint_stiffness", "slider.joint_damping")
 #: A compliant joint of two rollers.

@@ -61,6 +61,12 @@ _HEAVY_ENDS: Final = Witness(
     "tests/engines/test_end_moments.py::test_three_engines_ask_for_the_same_moments_at_the_ends",
 )
 
+_SPRING: Final = Witness(
+    "`mujoco`, `exudyn` and `derived` beside `reference` with a spring",
+    1e-3,
+    "tests/engines/test_spring.py::test_engines_agree_about_a_spring_within_what_they_claim",
+)
+
 #: Name -> column, in the order of tables: those that every engine delivers first.
 COLUMNS: Final = MappingProxyType(
     {
@@ -102,7 +108,7 @@ COLUMNS: Final = MappingProxyType(
             "N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", _ENGINES(5e-3), of_slider=True
         ),
         "kinetic_energy": Observable("J", "all bodies", _ENGINES(2e-7)),
-        "strain_energy": Observable("J", "follower (and joint spring)", _ENGINES(1.5e-4)),
+        "strain_energy": Observable("J", "follower (and joint spring, and spring with its stops)", _ENGINES(1.5e-4)),
         "dissipated_energy": Observable("J", "by all dampings since the start", _ENGINES(1e-4)),
         "constraint_gap": Observable("m", "distance of the slider from the centre line", _ENGINES(3e-4), of_slider=True),
         "gravity_energy": Observable("J", "potential energy of gravity, all bodies, zero at the height of O", _ENGINES(3e-7)),
@@ -147,6 +153,7 @@ COLUMNS: Final = MappingProxyType(
         "pivot_force_y": Observable("N", "the same along n2", _ENGINES(6e-3)),
         "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", _ENGINES(5e-5), of_slider=True),
         "crank_force_y": Observable("N", "the same along n2", _ENGINES(1e-4), of_slider=True),
+        "spring_force": Observable("N", "force of the spring with its damper and stops, positive where it pulls", _SPRING),
     }
 )
 SHAPE: Final = tuple(name for name in COLUMNS if name.startswith("shape_"))
@@ -178,7 +185,9 @@ def by_column(rows: Rows) -> Array:
     return rows.view(np.float64).reshape(len(rows), NUMBERS).T.copy()
 
 
-def recorded_columns(table: Array, *, alone: bool = False, bends: bool = True, joint: bool = False) -> dict[str, Array]:
+def recorded_columns(
+    table: Array, *, alone: bool = False, bends: bool = True, joint: bool = False, spring: bool = False
+) -> dict[str, Array]:
     """Columns by name, each of shape (k,), of a table (`NUMBERS`, k).
 
     Args:
@@ -187,9 +196,10 @@ def recorded_columns(table: Array, *, alone: bool = False, bends: bool = True, j
             crank and slider are left out.
         bends: whether to include the bending moments, which a model that knows them by curvature cannot give for a rigid follower.
         joint: whether to include `JOINT_COLUMNS`.
+        spring: whether to include `spring_force`.
     """
     columns = dict(zip((*OBSERVED, *JOINT_COLUMNS), table, strict=True))
-    left_out = {*(() if joint else JOINT_COLUMNS), *(() if bends else BENDING)}
+    left_out = {*(() if joint else JOINT_COLUMNS), *(() if bends else BENDING), *(() if spring else ("spring_force",))}
     if alone:
         left_out |= {name for name in OBSERVED if COLUMNS[name].of_slider}
         columns["base_torque"] = columns["crank_torque"]

@@ -17,6 +17,7 @@ from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.quantities import quantity
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import Tip
 
 #: Shortest part of a flexible follower beyond the slider's farthest place, over the follower's length. On a bent follower the slider is
@@ -93,6 +94,12 @@ class _Bodies:
     follower: Follower
     tip: Tip | None = None
     gravity: tuple[float, float] = quantity("m/s^2", "along n1 and n2, on every body", count=2, default=(0.0, 0.0), named=True)
+    spring: Spring | None = None
+
+    @property
+    def acting_spring(self) -> Spring | None:
+        """The spring, if it has a force."""
+        return self.spring if self.spring and self.spring.acts else None
 
     @property
     def has_gravity(self) -> bool:
@@ -138,6 +145,8 @@ class Mechanism(_Bodies):
                 f" {d + crank:.7g} m must not exceed {1.0 - LEAST_STUB:g} follower.length = {(1.0 - LEAST_STUB) * length:.7g} m",
                 others=others,
             )
+        if self.spring is not None:
+            self.spring.fit(d, crank, length)
 
     @property
     def crank_is_free(self) -> bool:
@@ -152,6 +161,7 @@ class Mechanism(_Bodies):
         losses = (
             *(base.damping, base.friction_torque, follower.damping, follower.material_damping, drive),
             *(slider.joint_damping, slider.contact_damping, slider.friction, slider.friction_force, self.tip_body.friction_force),
+            0.0 if self.spring is None else self.spring.damping,
         )
         return any(loss > 0.0 for loss in losses)
 
@@ -199,6 +209,8 @@ class FollowerAlone(_Bodies):
             raise ImpossibleMechanism("tip.force", "acts over a part of the crank's turn, and there is no crank", "leave it out")
         if self.tip_body.friction_force > 0.0:
             raise ImpossibleMechanism("tip.friction_force", "is that of a slide beside the crank, and there is none", "leave it out")
+        if self.spring is not None:
+            raise ImpossibleMechanism("spring.anchor", "belongs to a machine with a crank", "leave out [spring], or give [crank]")
 
 
 #: What an engine may be asked to simulate.

@@ -19,7 +19,7 @@ from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, Sha
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.native.memory import LANES, Placed, on_lines
 from quickreturn.reference_model.natural_modes import clamped_modes
-from quickreturn.reference_model.rigid import deflection_scale, rigid_motion
+from quickreturn.reference_model.rigid import deflection_scale, rigid_motion, stiffness_across
 from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 from quickreturn.reference_model.state import State
@@ -236,7 +236,8 @@ class BeamModel:
         if filled < len(states):
             raise ObservationFailed(filled)
         alone = self.parameters.constraint == BASE
-        return recorded_columns(table, alone=alone, joint=not (alone or self.closes_loop))
+        joint, spring = not (alone or self.closes_loop), self.scene.acting_spring is not None
+        return recorded_columns(table, alone=alone, joint=joint, spring=spring)
 
     @cached_property
     def _rows(self) -> Placed:
@@ -279,6 +280,11 @@ class BeamModel:
         mass = self.mass_matrix()[1 - p.first :, 1 - p.first :]
         stiffness = np.zeros_like(mass)
         stiffness[: p.n, : p.n] = np.diag(w.squares)
+        if p.is_held:
+            points = p.tables.points
+            across = w.V[1:, points : 2 * points] @ w.at_spring
+            assert self.scene.crank is not None
+            stiffness += stiffness_across(self.scene, crank_angle) * np.outer(across, across)
         if not self.closes_loop:
             row, spread = w.row_of_gap[1:], w.spread[1:]
             if p.constraint == ROLLERS:

@@ -3,19 +3,20 @@
 The follower turns about P with the base block, is held by the slider at arc length s and carries the tip body at its free end. With the
 deflection w(x) sin(omega t), the largest strain energy U equals the largest kinetic energy omega^2 T in every mode,
 
-    2 U = EI int w''^2 dx + k w(s)^2                                                         stiffness matrix K
+    2 U = EI int w''^2 dx + k w(s)^2 (+ k_s w(x_s)^2 with a spring at x_s)                    stiffness matrix K
     2 T = rhoA int w^2 dx + Jb w'(0)^2 + Js w'(s)^2 + m (w(L) + e w'(L))^2 + J w'(L)^2       mass matrix M
 
 and the modes are the stationary points of U / T (equation 2.7): K v = omega^2 M v. A rigid joint holds w(s) = 0 in place of k.
-Each of the two spans P to slider and slider to tip is one element: the four cubic Hermite shapes plus polynomials whose second
-derivatives are Legendre polynomials of degree 2 and up (Szabo and Babuska, "Finite Element Analysis", 1991, section 5.2,
-integrated once more). The value and the slope of such a polynomial vanish at both ends. These shapes leave the stiffness matrix
-diagonal and converge exponentially; the kink of the bending moment at the slider lies between elements.
+Each of the spans P to slider and slider to tip, divided where a spring holds the follower, is one element: the four cubic Hermite shapes
+plus polynomials whose second derivatives are Legendre polynomials of degree 2 and up (Szabo and Babuska, "Finite Element Analysis", 1991,
+section 5.2, integrated once more). The value and the slope of such a polynomial vanish at both ends. These shapes leave the stiffness
+matrix diagonal and converge exponentially; the kink of the bending moment at the slider lies between elements.
 """
 
 import math
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -24,7 +25,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import crank_pace, stiffness_across
 from quickreturn.reference_model.tip import Tip
 
 Array = NDArray[np.float64]
@@ -123,18 +124,19 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
         ValueError: a joint without stiffness, which leaves the follower free to turn.
     """
     position = abs(mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance)
-    return supported_modes(mechanism, min(position, mechanism.follower.length), count)
+    return supported_modes(mechanism, min(position, mechanism.follower.length), count, stiffness_across(mechanism, crank_angle))
 
 
 def stiffness_ratio(scene: Scene) -> float:
     """Lowest natural frequency with the crank held at any angle, over the crank's speed (`rigid.crank_pace`).
 
-    It is 0 where the scene has no crank, the crank stands still, or the follower is rigid or free to turn.
+    Without the spring, whose force bends the follower however stiff the two are together. It is 0 where the scene has no crank, the crank
+    stands still, or the follower is rigid or free to turn.
     """
     if scene.crank is None or scene.follower.is_rigid or (pace := crank_pace(scene)) == 0.0 or scene.slider.closed_stiffness == 0.0:
         return 0.0
     at_rest = Crank(length=scene.crank.length, drive=PrescribedSpeed(speed=0.0))
-    return 2.0 * math.pi * _lowest_frequency(replace(scene, crank=at_rest)) / pace
+    return 2.0 * math.pi * _lowest_frequency(replace(scene, crank=at_rest, spring=None)) / pace
 
 
 @lru_cache(maxsize=64)
@@ -143,11 +145,11 @@ def _lowest_frequency(mechanism: Mechanism) -> float:
     return min(float(frozen_crank_modes(mechanism, angle, 1).frequencies[0]) for angle in np.linspace(0.0, math.pi, RATIO_ANGLES))
 
 
-def supported_modes(mechanism: Mechanism, slider_position: float, count: int) -> FrozenModes:
+def supported_modes(mechanism: Mechanism, slider_position: float, count: int, spring: float = 0.0) -> FrozenModes:
     """Natural modes of the mechanism's follower supported at arc length `slider_position` (m, above 0, at most L).
 
     The joint's own stiffness holds the follower there (rigid unless the scene says otherwise); the slider's inertia turns with
-    the tangent, its mass rests with the crank.
+    the tangent, its mass rests with the crank. `spring` is the stiffness across the follower at the spring's place, N/m.
 
     Returns:
         `count` modes, none where the follower is rigid.
@@ -160,11 +162,15 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int) ->
         raise ValueError(f"slider_position {slider_position:.6g} m is not on the follower (0 to {length:.6g} m)")
     if not stiffness > 0.0:
         raise ValueError(f"slider.joint_stiffness {stiffness:.6g} N/m leaves the follower free to turn: it has no natural modes")
-    spans = _spans(slider_position, length)
+    place = mechanism.spring.place_on(length) if mechanism.spring is not None and spring > 0.0 else length
+    spans = _spans(slider_position, length, place)
     if mechanism.follower.is_rigid:
         shapes = 4
         return FrozenModes(np.empty(0), length, spans, tuple(np.empty((shapes, 0)) for _ in spans), slider_position)
-    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES)
+    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES, slider_position)
+    if spring > 0.0:
+        at = 2 * _node_at(spans, place)
+        K[at, at] += spring
     frequencies, full = _lowest(M, K, held, numbering[-1][2], count)
     return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
 
@@ -181,7 +187,7 @@ def modes_and_base_shape(mechanism: Mechanism, slider_position: float, count: in
     """
     s, length, stiffness = slider_position, mechanism.follower.length, mechanism.follower.bending_stiffness
     spans = _spans(s, length)
-    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES)
+    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES, s)
     frequencies, modes = _lowest(M, K, held, numbering[-1][2], count - 1)
     shape = np.zeros(len(M))
     # slopes at P and slider, deflection and slope at the end; the cubic in between has no interior shapes
@@ -202,7 +208,7 @@ def compliance_beyond(mechanism: Mechanism, slider_position: float, count: int) 
 
 
 def _assembled(
-    mechanism: Mechanism, spans: tuple[tuple[float, float], ...], interior: int
+    mechanism: Mechanism, spans: tuple[tuple[float, float], ...], interior: int, slider_position: float
 ) -> tuple[Array, Array, list[int], tuple[NDArray[np.intp], ...]]:
     """Mass and stiffness matrix, the coordinates that are held, and the numbering of each span's shapes."""
     stiffness, numbering = mechanism.slider.closed_stiffness, _numbering(len(spans), interior)
@@ -213,13 +219,14 @@ def _assembled(
         block = numbers[:, None], numbers
         M[block] += mechanism.follower.mass_per_length * mass
         K[block] += mechanism.follower.bending_stiffness * bending
-    slope_at_base, deflection_at_slider, slope_at_slider = 1, 2, 3
+    slope_at_base, deflection_at_slider = 1, 2 * _node_at(spans, slider_position)
+    slope_at_slider = deflection_at_slider + 1
     M[slope_at_base, slope_at_base] += mechanism.base.inertia
     M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
     if math.isfinite(stiffness):
         K[deflection_at_slider, deflection_at_slider] += stiffness
     _add_tip(M, mechanism.tip, numbering)
-    return M, K, [0] if math.isfinite(stiffness) else [0, 2], numbering  # deflection at the base, and at a rigid slider
+    return M, K, [0] if math.isfinite(stiffness) else [0, deflection_at_slider], numbering  # deflection at the base, and at a rigid slider
 
 
 def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[Array, Array]:
@@ -239,11 +246,18 @@ def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[
     return 1.0 / np.sqrt(inverse_squares) / (2.0 * np.pi), full
 
 
-def _spans(position: float, length: float) -> tuple[tuple[float, float], ...]:
-    """Arc lengths (m) of the ends of each span."""
-    if length - position < 1e-9 * length:  # the slider is at the tip but for round-off
-        return ((0.0, length),)
-    return ((0.0, position), (position, length))
+def _spans(position: float, length: float, spring: float = math.inf) -> tuple[tuple[float, float], ...]:
+    """Arc lengths (m) of the ends of each span, from those of slider and spring."""
+    nodes = [0.0]
+    for place in sorted((position, spring)):
+        if nodes[-1] + 1e-9 * length < place < (1.0 - 1e-9) * length:  # not a span of round-off
+            nodes.append(place)
+    return tuple(pairwise((*nodes, length)))
+
+
+def _node_at(spans: tuple[tuple[float, float], ...], place: float) -> int:
+    """Number of the span's end, counted from P, that is at a place (m)."""
+    return int(np.argmin([abs(node - place) for node in (0.0, *(end for _, end in spans))]))
 
 
 @cache

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.mechanism import Base, Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.spring import pull_of, spring_stiffness
 from quickreturn.reference_model.tip_force import slide_friction, tip_force
 
 Array = NDArray[np.float64]
@@ -87,6 +88,8 @@ def slow_speed(scene: Scene) -> float:
         return 1.0
     drive, arm = scene.crank.drive, scene.crank.length
     torque = (abs(drive.torque) if isinstance(drive, TorqueDrive) else 0.0) + scene.tip_body.largest_force * arm
+    if scene.acting_spring is not None:
+        torque += abs(float(spring_across(scene, rigid_motion(scene, np.array(scene.crank.initial_angle), 0.0)))) * arm
     inertia = scene.crank_inertia + scene.follower.mass * arm**2
     loads = (torque / inertia if inertia > 0.0 else 0.0) + math.hypot(*scene.gravity) / scene.pivot_distance
     return SLOW * max(abs(drive.initial_speed), math.sqrt(loads)) or 1.0
@@ -134,6 +137,9 @@ def static_deflection(mechanism: Mechanism, crank_speed: float, angles: int = 48
     at_tip = tip.mass * (across - (L + tip.center_of_mass) * alpha)
     tool = tool_across(mechanism, q1, motion)
     deflection = force * s**2 * (3.0 * L - s) / 6.0
+    if (spring := mechanism.acting_spring) is not None:
+        place = spring.place_on(L)
+        deflection += spring_across(mechanism, motion) * place**2 * (3.0 * L - place) / 6.0
     deflection += rhoA * L**4 * (across / 8.0 - 11.0 * L * alpha / 120.0)
     deflection += (at_tip + tool) * L**3 / 3.0 + (at_tip * tip.center_of_mass - tip.inertia * alpha) * L**2 / 2.0
     return float(np.sqrt(np.mean((deflection / EI) ** 2)))
@@ -155,6 +161,8 @@ def rigid_kinetostatics(
     inertia += slider.inertia  # the slider turns with the follower
     about_P = inertia * motion.follower_acceleration + pivot_torque(mechanism.base, motion.follower_speed)
     about_P -= moment * (np.cos(q2) * g2 - np.sin(q2) * g1) + mechanism.follower.length * tool_across(mechanism, q1, motion)
+    if (spring := mechanism.acting_spring) is not None:
+        about_P -= spring.place_on(mechanism.follower.length) * spring_across(mechanism, motion)
     force = about_P / motion.slider_position
     damping = getattr(crank.drive, "damping", 0.0)
     about_O = mechanism.crank_inertia * np.asarray(crank_acceleration) + damping * np.asarray(crank_speed)
@@ -169,3 +177,26 @@ def tool_across(mechanism: Mechanism, crank_angle: Array, motion: RigidMotion) -
     force = tip_force(tip, crank_angle, q2)
     rubbing = slide_friction(tip, mechanism.follower.length * motion.follower_speed + 0j)
     return np.asarray(np.cos(q2) * force.imag - np.sin(q2) * force.real + rubbing.real)
+
+
+def spring_across(mechanism: Mechanism, motion: RigidMotion) -> Array:
+    """Force of an acting spring on a rigid follower along its normal, N (equation 4.13)."""
+    spring = mechanism.acting_spring
+    assert spring is not None
+    along = np.exp(1j * motion.follower_angle)
+    place = spring.place_on(mechanism.follower.length) * along
+    pull = pull_of(spring, mechanism.pivot_distance + place, 1j * motion.follower_speed * place)
+    return np.asarray((pull.force / along).imag)
+
+
+def stiffness_across(mechanism: Mechanism, crank_angle: float) -> float:
+    """Stiffness of the spring (N/m) against small deflections across the straight follower (equation 7.2); 0 without one.
+
+    It is that of spring and stops at their length there. Their force at that length is left out, as gravity is.
+    """
+    if (spring := mechanism.acting_spring) is None:
+        return 0.0
+    along = np.exp(1j * rigid_motion(mechanism, np.array(crank_angle), 0.0).follower_angle)
+    place = mechanism.pivot_distance + spring.place_on(mechanism.follower.length) * along
+    pull = pull_of(spring, place, 0.0 * place)
+    return spring_stiffness(float(pull.length), spring.law) * float((pull.direction / along).imag) ** 2

@@ -18,6 +18,7 @@ from quickreturn.reference_model.mechanism import (
 )
 from quickreturn.reference_model.quantities import Quantity, quantities_of
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import ForceTable, Tip
 
 Value = float | tuple[float, ...] | ForceTable
@@ -40,6 +41,7 @@ _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
         "follower": (Follower, Material),
         "tip": (Tip,),
         "slider": (Slider,),
+        "spring": (Spring,),
     }
 )
 
@@ -57,7 +59,7 @@ NAMED: Final[Mapping[str, Quantity]] = MappingProxyType(
     {f"{name}.{key}": quantity for name, keys in SECTIONS.items() for key, quantity in keys.items() if quantity.named}
 )
 #: Sections that a scene with a crank may lack.
-OPTIONAL_SECTIONS: Final = ("tip", "slider")
+OPTIONAL_SECTIONS: Final = ("tip", "slider", "spring")
 #: Keys of a crank that a torque drives.
 OF_TORQUE: Final = ("crank.torque", "crank.damping", "crank.initial_speed")
 #: Keys that exclude each other: the first of each pair, and the others. A case file needs one of the two sides.
@@ -104,6 +106,7 @@ def scene_of(values: Values) -> Scene:
         "base": Base(**base),
         "follower": _follower(given["follower"]),
         "tip": Tip(**given["tip"]) if "tip" in values else None,
+        "spring": Spring(**given["spring"]) if "spring" in values else None,
         **given["mechanism"],
     }
     if spin_up:
@@ -123,7 +126,7 @@ def values_of(scene: Scene) -> dict[str, dict[str, Value]]:
     """The values of a scene by section and key; sections and keys that it lacks are left out."""
     parts: dict[str, list[Any]] = {
         "mechanism": [scene],
-        **{name: [part] for name in ("crank", "base", "follower", "tip", "slider") if (part := getattr(scene, name)) is not None},
+        **{name: [part] for name in ("crank", "base", "follower", "tip", "slider", "spring") if (part := getattr(scene, name)) is not None},
     }
     if scene.crank is None:
         del parts["slider"]

@@ -39,7 +39,8 @@ def for_other_tools(case: Case, given: str) -> str:
     """
     mechanism = case.mechanism
     pace = crank_pace(mechanism)
-    columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in _NOT_ASKED]
+    not_asked = _NOT_ASKED if mechanism.acting_spring is not None else (*_NOT_ASKED, "spring_force")
+    columns = [(name, column.unit.replace(" ", "*"), column.meaning) for name, column in COLUMNS.items() if name not in not_asked]
     follower, tip = mechanism.follower, mechanism.tip_body
     template = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=False).from_string(
         (files("quickreturn.reports") / "templates" / "other_tools.jinja").read_text("utf-8")
@@ -56,6 +57,7 @@ def for_other_tools(case: Case, given: str) -> str:
         axial_stiffness=0.0 if follower.is_rigid else follower.axial_stiffness,
         law=rollers(mechanism.slider),
         gravity=any(mechanism.gravity),
+        spring=mechanism.acting_spring,
         tip=tip,
         tip_force=tip.is_forced,
         force_rows=list(zip(tip.force_table.angles, tip.force_table.first, tip.force_table.second, strict=True)) if tip.force_table else [],
@@ -91,7 +93,7 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
             for name, value in values.items()
             if keys[name].moves
             and name not in hidden
-            and not ((section == "slider" or name in ("friction_torque", "material_damping")) and value == keys[name].default)
+            and not ((section in ("slider", "spring") or name in ("friction_torque", "material_damping")) and value == keys[name].default)
         ]
     return parts
 

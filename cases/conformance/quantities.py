@@ -15,7 +15,7 @@ import numpy as np
 from quickreturn.cases.conformance.bench import DECISIVE, Bench, Motion, compared_columns, possible_results, solution, truth
 from quickreturn.cases.conformance.checks import Array, Check, Fault, Unjudged, check_by, some
 from quickreturn.cases.conformance.motion import MistakesInMildScene, falling, findings, mistakes_in_mild_scene
-from quickreturn.cases.conformance.scenes import CHANGES, Change
+from quickreturn.cases.conformance.scenes import CHANGES, SPRING, Change
 from quickreturn.cases.mistakes.diagnosis import Finding, share_of
 from quickreturn.cases.mistakes.explanation import UNEXPLAINED, Hypothesis, explain
 from quickreturn.cases.variation import Variation
@@ -52,6 +52,8 @@ PARTS: Final[Mapping[str, Mapping[str, Any]]] = {
     "tip.center_of_mass": {"tip.center_of_mass": 0.06, "tip.inertia": 4e-4},
     "tip.force": {"tip.force": (-1.0, 1.5), "tip.force_from": 3.3, "tip.force_to": 5.3},
     "tip.friction_force": {"tip.friction_force": 0.2, "tip.friction_speed": 0.3},
+    "spring.stiffness": SPRING,
+    "spring.damping": {"spring.damping": 0.5},
     "slider.mass": {"slider.mass": 0.3},
     "slider.inertia": {"slider.inertia": 1e-3},
     "slider.joint_stiffness": {"slider.joint_stiffness": 2e4},

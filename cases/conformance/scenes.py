@@ -116,6 +116,13 @@ _ASLANT: Final = (6.0, -8.0)
 _ELSEWHERE: Final = 2.0
 
 
+#: A spring across the follower, beyond its middle.
+SPRING: Final = {"spring.stiffness": 20.0, "spring.anchor": (0.03, -0.35), "spring.place": 0.4, "spring.free_length": 0.35}
+#: Stops within its travel.
+_STOPS: Final = {**SPRING, "spring.shortest": 0.3, "spring.longest": 0.4, "spring.stop_ramp": 0.01}
+_PRELOADED: Final = {**SPRING, "spring.free_length": None, "spring.preload_length": 0.35, "spring.preload": 1.0}
+
+
 #: Every quantity that can show in a motion. The width of the section does not.
 CHANGES: Final = (
     Change("mechanism.pivot_distance", {"mechanism.pivot_distance": 0.40}),
@@ -204,6 +211,17 @@ CHANGES: Final = (
     Change("tip.force_scale", {"tip.force_scale": 2.0}, _TOOL),
     Change("tip.friction_force", {"tip.friction_force": 0.4}, {"tip.friction_speed": 0.3}),
     Change("tip.friction_speed", {"tip.friction_speed": 3.0}, {"tip.friction_force": 0.4}),
+    Change("spring.stiffness", {"spring.stiffness": 40.0}, SPRING),
+    Change(
+        "spring.anchor",
+        {"spring.anchor": (0.15, -0.3)},
+        SPRING,
+        {"the fixed point of the spring is measured from P": {"spring.anchor": (0.15 + BASE.pivot_distance, -0.3)}},
+    ),
+    Change("spring.place", {"spring.place": 0.55}, SPRING, {"the spring acts at the end": {"spring.place": BASE.follower.length}}),
+    Change("spring.preload", {"spring.preload": 3.0}, _PRELOADED),
+    Change("spring.damping", {"spring.damping": 2.0}, SPRING),
+    Change("spring.stop_stiffness", {"spring.stop_stiffness": 120.0}, {**_STOPS, "spring.stop_stiffness": 30.0}),
     Change("slider.mass", {"slider.mass": 0.5}),
     Change("slider.inertia", {"slider.inertia": 2e-3}),
     Change("slider.joint_stiffness", _SOFT_JOINT),

@@ -10,6 +10,9 @@ the friction of its slide, c the damping of the beam, which acts between it and 
     base   dM(0)/dx = R n + integral of c dW/dt over x
     tip    dM(L)/dx = m (a + e theta'' - g n) - f n,   M(L) = -J theta'' - m e (a + e theta'' - g n)
 
+A spring at the end adds its force to f. Elsewhere it makes a kink at its place x_s: what is interpolated is the moment less the part
+F n (x_s - x) that its force F has inboard of it.
+
 On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
 rotary inertia. Each side is interpolated separately, by polynomials through the nearest known places. Their error is estimated by leaving
 out every other twelfth.
@@ -62,6 +65,8 @@ class KnownMoments:
     outboard: Array  # on its outer side, likewise
     base_slope: Array | None  # N, shape (rows,); None where it is not known
     tip_slope: Array | None  # likewise
+    spring: float = 0.0  # arc length of the spring's place, m
+    pull: NDArray[np.complex128] | None = None  # its force along the arm + i across, N, shape (rows,); None without one, or at the end
 
     @property
     def spacing(self) -> float:
@@ -72,6 +77,10 @@ class KnownMoments:
     def places(self) -> Array:
         """Arc lengths at which the moment is computed, m, shape (places,)."""
         return np.linspace(0.0, self.length, TWELFTHS * IN_A_TWELFTH + 1)
+
+    def of_spring(self, x: Array, rows: Numbers | slice = slice(None)) -> Array:
+        """Part of the spring in the moment of some rows at arc lengths `x` (m, shape (some rows, m)), N m; 0 without one."""
+        return np.zeros(x.shape) if self.pull is None else self.pull.imag[rows, None] * np.maximum(self.spring - x, 0.0)
 
     @property
     def at_slider(self) -> Array | None:
@@ -100,6 +109,7 @@ def missing(scene: Scene, columns: Mapping[str, Array]) -> str:
         "moment_base": (at_base, "inertia, damping or torque of the base make a moment there"),
         "moment_tip": (tip.inertia > 0.0 or tip.mass * tip.center_of_mass != 0.0, "the tip body makes a moment there"),
         "moment_inboard": ("moment_slider" in columns and passes, "the moment jumps at the slider"),
+        "spring_force": (scene.acting_spring is not None, "the spring bends the arm"),
     }
     lacks = (f"column {name} is missing, and {why}" for name, (needed, why) in asked.items() if needed and name not in columns)
     return next(lacks, "")
@@ -123,7 +133,30 @@ def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
         base_slope=_base_slope(scene, columns),
         tip_slope=None,
     )
-    return replace(known, tip_slope=_tip_slope(scene, columns, known))
+    tip_slope = _tip_slope(scene, columns, known)
+    if (spring := scene.acting_spring) is None:
+        return replace(known, tip_slope=tip_slope)
+    place, pull = spring.place_on(known.length), _pull(scene, columns)
+    if place < known.length:
+        return replace(known, tip_slope=tip_slope, spring=place, pull=pull)
+    return replace(known, tip_slope=tip_slope - pull.imag)
+
+
+def _pull(scene: Scene, columns: Mapping[str, Array]) -> NDArray[np.complex128]:
+    """Force of the spring along the arm at its place + i times that across, N, shape (rows,).
+
+    The place is that of the deflection on the base's tangent.
+    """
+    spring, angle, rows = scene.acting_spring, columns["follower_angle"], columns["time"].size
+    assert spring is not None
+    place = np.array([spring.place_on(scene.follower.length)])
+    bend = turned = np.zeros(rows)
+    if {*SHAPE, "tip_deflection"} <= set(columns):
+        line = np.array([np.zeros(rows), *(columns[name] for name in SHAPE), columns["tip_deflection"]])
+        spline = CubicSpline(np.linspace(0.0, scene.follower.length, TWELFTHS + 1), line)
+        bend, turned = spline(place)[0], np.arctan(spline(place, 1)[0])
+    along = complex(*spring.anchor) - scene.pivot_distance - np.exp(1j * angle) * (place + 1j * bend)
+    return np.asarray(columns["spring_force"] * (along / np.abs(along) * np.exp(-1j * (angle + turned))))
 
 
 def _base_slope(scene: Scene, columns: Mapping[str, Array]) -> Array | None:
@@ -199,7 +232,7 @@ def interpolated(x: Array, known: KnownMoments, parity: int | None = None) -> Ar
             if places.any():
                 block = np.ix_(rows, places)
                 moments[block] = np.where(side[:, places], _polynomials(*nodes, x[places]), moments[block])
-    return moments
+    return moments + known.of_spring(np.broadcast_to(x, moments.shape))
 
 
 def _groups(known: KnownMoments, kept: Numbers) -> Iterator[tuple[Numbers, Numbers, Numbers]]:
@@ -225,7 +258,8 @@ def _nodes(known: KnownMoments, rows: Numbers, numbers: Numbers, inner: bool) ->
         at = len(places) if inner else 0
         places.insert(at, known.slider[rows])
         moments.insert(at, (known.inboard if inner else known.outboard)[rows])
-    return np.array(places).T, np.array(moments).T
+    nodes = np.array(places).T
+    return nodes, np.array(moments).T - known.of_spring(nodes, rows)
 
 
 def _polynomials(nodes: Array, values: Array, x: Array) -> Array:

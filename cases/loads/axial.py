@@ -52,6 +52,8 @@ def axial_forces(scene: Scene, columns: Mapping[str, Array], known: KnownMoments
     follower, angle = scene.follower, columns["follower_angle"]
     weight = follower.mass_per_length * (scene.gravity[0] * np.cos(angle) + scene.gravity[1] * np.sin(angle))[:, None]
     base, tip = columns["axial_base"], columns["axial_tip"]
+    step, at = (np.zeros(base.size), 0.0) if known.pull is None else (known.pull.real, known.spring)  # of a spring, inboard of its place
+    of_slider = np.where(known.slider < at, step, 0.0)
     begin, slider, end = np.zeros(base.size), np.minimum(known.slider, known.length), np.full(base.size, known.length)
 
     def between(a: Array, at_a: Array, b: Array, at_b: Array) -> Array:
@@ -59,10 +61,12 @@ def axial_forces(scene: Scene, columns: Mapping[str, Array], known: KnownMoments
         square, change = b**2 - a**2, at_b - at_a + weight * (b - a)
         return at_a - weight * (x - a) + np.divide(change, square, out=np.zeros_like(change), where=square > 0.0) * (x**2 - a**2)
 
-    inboard = between(begin, base, slider, columns.get("axial_inboard", tip))
-    outboard = between(slider, columns.get("axial_slider", tip), end, tip)
+    inboard = between(begin, base - step, slider, columns.get("axial_inboard", tip) - of_slider)
+    outboard = between(slider, columns.get("axial_slider", tip) - of_slider, end, tip)
     shear = np.abs(np.diff(known.twelfths, axis=1)).max(axis=1) / known.spacing
     turned = np.abs(known.twelfths).sum(axis=1) * known.spacing / follower.bending_stiffness
     left_out = shear * turned
     left_out = np.maximum(left_out, np.sqrt(np.mean(left_out**2)))  # the shear force passes through zero
-    return np.where(x <= slider[:, None], inboard, outboard), np.broadcast_to(left_out[:, None], shape)
+    return np.where(x <= slider[:, None], inboard, outboard) + np.where(x < at, step[:, None], 0.0), np.broadcast_to(
+        left_out[:, None], shape
+    )

@@ -161,7 +161,7 @@ class Grid:
 
 def keeps_shapes(key: str) -> bool:
     """Whether a key leaves the follower's shapes unchanged, so that a row can share their tables."""
-    kept = ("crank.", "base.", "slider.", "tip.force", "tip.friction", "mechanism.gravity", "follower.damping")
+    kept = ("crank.", "base.", "slider.", "spring.", "tip.force", "tip.friction", "mechanism.gravity", "follower.damping")
     return key.startswith(kept) and key != "crank.length"
 
 

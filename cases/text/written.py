@@ -73,7 +73,7 @@ def _possible(document: Document, path: str) -> bool:
     """Whether an absent key could be there: the follower alone has no crank and no slider, the others no spin-up."""
     if all(document.at(spun) is None for spun in SPIN_UP):
         return path not in SPIN_UP
-    return not path.startswith(("crank.", "slider.", "tip.force", "tip.friction")) and path != "mechanism.pivot_distance"
+    return not path.startswith(("crank.", "slider.", "spring.", "tip.force", "tip.friction")) and path != "mechanism.pivot_distance"
 
 
 def _comment(path: str, *, absent: bool) -> str:

@@ -11,6 +11,7 @@ from quickreturn.engines.base import ModelDescription
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.joint import joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
+from quickreturn.reference_model.spring import spring_tension
 from quickreturn.reference_model.tip_force import constants, slide_friction, tool_force
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
@@ -142,6 +143,20 @@ class Assembly:
         if tip.friction_force > 0.0:
             markers = [self.point_marker(self.ground, 0.0), marker]
             self.mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, springForceUserFunction=rubbing))
+
+    def hold(self, marker: Any) -> None:
+        """Add the spring, at a marker on the follower, unless it has no force."""
+        if (spring := self.scene.acting_spring) is None:
+            return
+        law, markers = spring.law, [self.point_marker(self.ground, *spring.anchor), marker]
+        connector = items.ObjectConnectorSpringDamper(
+            markerNumbers=markers, referenceLength=law.rest, stiffness=law.stiffness, damping=law.damping, force=law.preload
+        )
+        if law.stop > 0.0:
+            connector.springForceUserFunction = lambda mbs, time, item, stretch, rate, *parameters: spring_tension(
+                stretch + law.rest, rate, law
+            )
+        self.add_joint(spring.in_words, connector, 0)
 
     def crank(self, start: Start) -> tuple[Any, Any, Any]:
         """Add the crank with its drive; a slider's mass turns with the crank tip.

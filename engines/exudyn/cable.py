@@ -99,7 +99,7 @@ class Cable:
             x = x + dot(points - self.evaluate(q, x), slope) / dot(slope, slope)
         return x
 
-    def curvatures(self, q: Array, places: Array, kink: Kink | None = None) -> Array:
+    def curvatures(self, q: Array, places: Array, *kinks: Kink) -> Array:
         """Curvature at arc lengths, 1/m.
 
         An element's own second derivative jumps at nodes and is only of second order there. r'' at a node therefore comes from places
@@ -113,15 +113,15 @@ class Cable:
         Args:
             q: nodal coordinates, shape (rows, nodes, 4).
             places: arc lengths, m, shape (places, rows).
-            kink: of the line, or None.
+            kinks: of the line.
 
         Returns:
             Shape (places, rows).
         """
         smooth, h = q, self.element_length
-        if kink is not None:
+        for kink in kinks:
             lever = np.maximum(0.0, kink.place[:, None] - self.nodes)[:, :, None]
-            smooth = q - np.concatenate([lever**3 / 6.0 * kink.jump[:, None], -(lever**2) / 2.0 * kink.jump[:, None]], axis=2)
+            smooth = smooth - np.concatenate([lever**3 / 6.0 * kink.jump[:, None], -(lever**2) / 2.0 * kink.jump[:, None]], axis=2)
         nodal = np.concatenate([q, smooth, self._second_derivatives(smooth)], axis=2)
         left = np.clip((places / h * (1.0 + 1e-12)).astype(int), 0, self.elements - 1)
         xi, rows = places / h - left, np.arange(len(q))
@@ -129,7 +129,7 @@ class Cable:
         of_line, of_smooth = ends[..., :4].reshape(*xi.shape, 4, 2), ends[..., 4:].reshape(*xi.shape, 6, 2)
         slope = np.einsum("prs,prsc->prc", _hermite(xi, h, 1), of_line)
         bent = np.einsum("prs,prsc->prc", _quintic_second_derivative(xi, h), of_smooth)
-        if kink is not None:
+        for kink in kinks:
             bent += np.maximum(0.0, kink.place - places)[:, :, None] * kink.jump
         return _cross(slope, bent) / np.sum(slope**2, axis=2)
 

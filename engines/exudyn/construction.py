@@ -111,6 +111,21 @@ def _clamp(markers: list[Any]) -> Any:
     return items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=_CLAMPED)
 
 
+def marker_at(assembly: Assembly, cable: Cable, nodes: list[Any], x: float) -> Any:
+    """A marker on the cable at the arc length x (m).
+
+    Between nodes it is on an element without mass and stiffness that has the same nodes: on an ALE element its force would also push the
+    slider along.
+    """
+    h = cable.element_length
+    element = min(int(x / h), cable.elements - 1)
+    for node, place in ((element, element * h), (element + 1, (element + 1) * h)):
+        if abs(x - place) < 1e-9 * h:
+            return assembly.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[node]))
+    line = items.ObjectANCFCable2D(length=h, nodeNumbers=nodes[element : element + 2])
+    return assembly.point_marker(assembly.mbs.AddObject(line), x - element * h)
+
+
 def add_weight(assembly: Assembly, cable: Cable, nodes: list[Any]) -> None:
     """Consistent nodal forces of the follower's weight.
 

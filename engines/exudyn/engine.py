@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import (
+    HELD,
     ROLLERS,
     SPIN_UP,
     TOOL,
@@ -50,7 +51,7 @@ class ExudynEngine(Engine[ExudynSettings]):
     method = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
     default_accuracy = 3e-3
     settings_type = ExudynSettings
-    quantities = (*USUAL, *TOOL, *ROLLERS, "follower.material_damping", SPIN_UP)
+    quantities = (*USUAL, *TOOL, *HELD, *ROLLERS, "follower.material_damping", SPIN_UP)
 
     def version(self) -> str:
         return f"exudyn {installed('exudyn') or 'not installed'}"
@@ -131,7 +132,7 @@ class _SlidingJoint(ExudynEngine):
     """What the engine accepts with a sliding joint, which has no carriage and needs a cable."""
 
     name = f'exudyn with engine.joint = "{ladder.SLIDING}"'
-    quantities = (*USUAL, *TOOL, "follower.material_damping")
+    quantities = (*USUAL, *TOOL, *HELD, "follower.material_damping")
 
     def check(self, scene: Scene) -> None:
         super().check(scene)

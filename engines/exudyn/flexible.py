@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
-from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of
+from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of, marker_at
 from quickreturn.engines.exudyn.damping import Dampers
 from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.record import (
+    Hold,
     Kinematics,
     Model,
     Record,
@@ -84,8 +85,8 @@ class CableModel(Model):
         record: Record,
         line: Kinematics,
         frame: Kinematics,
-        kink: Kink | None = None,
-        forces: tuple[Array | float, Array | float] = (0.0, 0.0),
+        kinks: tuple[Kink, ...] = (),
+        forces: tuple[Array | float, Array | float, Array | float] = (0.0, 0.0, 0.0),
         held: Array | float = 0.0,
     ) -> dict[str, Array]:
         """Place, bend and acceleration of the follower, and the force that holds its base.
@@ -94,19 +95,19 @@ class CableModel(Model):
             record: states of the system.
             line: see the class.
             frame: see the class.
-            kink: at the slider.
-            forces: of slider and tool on the follower, N, shape (rows, 2) each.
+            kinks: at the slider, and at a spring.
+            forces: of slider, tool and spring on the follower, N, shape (rows, 2) each.
             held: torque (N m) that turns the base as prescribed, shape (rows,).
         """
         cable, follower, (q, rates, accelerations) = self._cable, self.assembly.scene.follower, line
         across, (tip_tangent, _, _) = turned(frame[0]), direction(*(values[:, -1, 2:] for values in line))
         twelfths = cable.length * np.arange(1, PLACES + 1) / (PLACES + 1)
         places = np.repeat(np.r_[follower.strain_gauges, twelfths][:, None], len(q), axis=1)
-        if kink is not None:
-            places = np.vstack([places, kink.place])
-        strains, moments = np.split(cable.curvatures(q, places, kink), [len(follower.strain_gauges)])
+        if kinks:
+            places = np.vstack([places, kinks[0].place])
+        strains, moments = np.split(cable.curvatures(q, places, *kinks), [len(follower.strain_gauges)])
         if follower.material_damping > 0.0:  # turned and stretched alike a line keeps this curvature: what is left is that of the rates
-            moments = cable.curvatures(q + follower.material_damping * rates, places, kink)[len(strains) :]
+            moments = cable.curvatures(q + follower.material_damping * rates, places, *kinks)[len(strains) :]
         return {
             "tip_x": q[:, -1, 0],
             "tip_y": q[:, -1, 1],
@@ -115,11 +116,11 @@ class CableModel(Model):
             **{f"strain_{i}": follower.extreme_fibre * strain for i, strain in enumerate(strains, start=1)},
             **shape_columns(cable, q, across),
             **{name: cable.bending_stiffness * moment for name, moment in zip((*MOMENTS, "moment_slider"), moments, strict=False)},
-            **({} if kink is None else {"moment_inboard": cable.bending_stiffness * moments[-1]}),  # no moment acts at the slider
+            **({"moment_inboard": cable.bending_stiffness * moments[-1]} if kinks else {}),  # no moment acts at the slider
             "moment_base": self._moment_at_base(line, frame, held),
             "moment_tip": self._moment_at_tip(line),
-            **self._axial_columns(line, frame, kink, *forces),
-            **bearing_columns("pivot", self._pivot_force(record, line, frame, forces[0] + forces[1])),
+            **self._axial_columns(line, frame, kinks, *forces),
+            **bearing_columns("pivot", self._pivot_force(record, line, frame, forces[0] + forces[1] + forces[2])),
         }
 
     def _moment_at_base(self, line: Kinematics, frame: Kinematics, held: Array | float) -> Array:
@@ -137,7 +138,13 @@ class CableModel(Model):
         return np.asarray(-tip.inertia * turning - tip.mass * tip.center_of_mass * across)
 
     def _axial_columns(
-        self, line: Kinematics, frame: Kinematics, kink: Kink | None, slider: Array | float, tool: Array | float
+        self,
+        line: Kinematics,
+        frame: Kinematics,
+        kinks: tuple[Kink, ...],
+        slider: Array | float,
+        tool: Array | float,
+        spring: Array | float,
     ) -> dict[str, Array]:
         """The columns of normal forces, N, (rows,): loads outboard along the tangent, by the tangents alone like `_momentum_rate`."""
         scene, cable, tip, gravity = self.assembly.scene, self._cable, self.assembly.scene.tip_body, np.array(self.assembly.scene.gravity)
@@ -145,16 +152,19 @@ class CableModel(Model):
         swing = np.einsum("kn,rnc->rkc", cable.to_nodes, turning)
         load = cable.mass_per_length * (gravity - swing) - scene.follower.damping * self._relative(line, frame)[1]
         inboard = np.einsum("kn,rnc->rkc", cable.to_nodes, load)
+        hung = kinks[1].place if len(kinks) > 1 else np.zeros(len(rows))
         end = tool - tip.mass * (swing[:, -1] + tip.center_of_mass * turning[:, -1] - gravity)
+        end = end + np.where(hung[:, None] < cable.length, 0.0, spring)
         (at_tip, _, _), whole = direction(*(values[:, -1, 2:] for values in line)), inboard[:, -1] + end
-        columns = {"axial_base": dot(frame[0], whole + slider), "axial_tip": dot(at_tip, end)}
-        if kink is not None:
+        spring = np.where(hung[:, None] < cable.length, spring, 0.0)  # at the end it is outboard of everything
+        columns = {"axial_base": dot(frame[0], whole + slider + spring), "axial_tip": dot(at_tip, end)}
+        for kink in kinks[:1]:
             k = np.clip((kink.place / h).astype(int), 0, cable.elements - 1)
             u = (kink.place - k * h)[:, None]
             passed = inboard[rows, k] + u * load[rows, k] + u**2 / (2.0 * h) * (load[rows, k + 1] - load[rows, k])
             slope = cable.evaluate(line[0], kink.place, 1)
             along = slope / np.linalg.norm(slope, axis=1)[:, None]
-            columns["axial_slider"] = dot(along, whole - passed)
+            columns["axial_slider"] = dot(along, whole - passed + np.where((kink.place < hung)[:, None], spring, 0.0))
             columns["axial_inboard"] = columns["axial_slider"] + dot(along, slider * np.ones_like(along))
         return columns
 
@@ -240,6 +250,8 @@ class FlexibleModel(CableModel):
         self._load(add_ends(assembly, cable, state, nodes))
         end = items.MarkerNodeRigid if mechanism.tip_body.follows else items.MarkerNodePosition
         assembly.push_tip(mbs.AddMarker(end(nodeNumber=nodes[-1])), crank_node)
+        if (held := mechanism.acting_spring) is not None:
+            assembly.hold(marker_at(assembly, cable, nodes, held.place_on(cable.length)))
         self._joint, spring = add_slider(assembly, cable, state, start, crank, cables, axial)
         mbs.Assemble()
         self._locate()
@@ -288,7 +300,12 @@ class FlexibleModel(CableModel):
         joint_force = record.multipliers[:, self.assembly.mbs.systemData.GetObjectLTGAE(self._joint)]
         # a sliding joint's multipliers are along its tangent and normal, which are as long as the tangent
         slider_force = -dot(slider_normal, joint_force) if self._axial_index is not None else -joint_force[:, 1] * stretch
-        kink = Kink(s, slider_force[:, None] * slider_normal / mechanism.follower.bending_stiffness)
+        stiffness, spring = mechanism.follower.bending_stiffness, mechanism.acting_spring
+        hung = np.full(len(q), cable.length if spring is None else spring.place_on(cable.length))
+        hold = Hold.of(spring, (cable.evaluate(q, hung), cable.evaluate(rates, hung), cable.evaluate(accelerations, hung)))
+        kinks: tuple[Kink, ...] = (Kink(s, slider_force[:, None] * slider_normal / stiffness),)
+        if spring is not None:
+            kinks = (*kinks, Kink(hung, hold.force / stiffness))
         stored = self._stored(line, frame, mechanism.crank_inertia * speed**2, mechanism.crank_moment / mechanism.crank.length * crank_tip)
         if self.assembly.joint_is_compliant:
             stored["strain_energy"] = stored["strain_energy"] + JointLaw(mechanism.slider).energy(dot(slider_normal, apart))
@@ -296,6 +313,7 @@ class FlexibleModel(CableModel):
         tip_motion = TipMotion(rates[:, -1, :2], accelerations[:, -1, :2], np.arctan2(tangent[:, 1], tangent[:, 0]), turn)
         pushed = slider_force[:, None] * slider_normal
         crank_damping = getattr(mechanism.crank.drive, "damping", 0.0)
+        stored["strain_energy"] = stored["strain_energy"] + hold.energy
         power, power_rate = self._damped(line, frame, crank_damping * speed**2, crank_damping * speed * acceleration)
         return {
             "time": record.time,
@@ -303,12 +321,13 @@ class FlexibleModel(CableModel):
             "crank_speed": speed,
             "follower_angle": np.unwrap(np.arctan2(b1[:, 1], b1[:, 0]) % (2.0 * np.pi)),
             "slider_position": s,
-            **self._follower_columns(record, line, frame, kink, (pushed, force_on_tip(mechanism.tip_body, angle, tip_motion))),
+            **self._follower_columns(record, line, frame, kinks, (pushed, force_on_tip(mechanism.tip_body, angle, tip_motion), hold.force)),
+            **hold.columns,
             "slider_force": slider_force,
             **crank_bearing_columns(self.assembly, record, self._crank_index),
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, tip_motion),
             **stored,
-            "dissipated_energy": accumulated(record.time, power, power_rate) + record.lost - record.lost[0],
+            "dissipated_energy": accumulated(record.time, power + hold.power, power_rate + hold.power_rate) + record.lost - record.lost[0],
             "constraint_gap": np.linalg.norm(apart, axis=1),
         }
 

@@ -20,6 +20,7 @@ from quickreturn.engines.exudyn.rigid import follower_inertia
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState, reconstruct
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.rigid import stiffness_across
 
 _LOWEST = 1e-4  # in the scene's unit of time; below it lies the round-off of a motion without stiffness
 
@@ -35,16 +36,23 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, el
         if not assembly.joint_is_compliant:
             return np.empty(0)
         _, follower = assembly.pinned_body("follower", mechanism.pivot_distance, state.follower_angle, 0.0, follower_inertia(mechanism))
-        _add_spring(assembly, state, assembly.frame_marker(follower, state.slider_position))
+        x, stiffness = state.slider_position, mechanism.slider.closed_stiffness
+        _add_spring(assembly, state, x, stiffness, assembly.frame_marker(follower, x))
+        if mechanism.acting_spring is not None:
+            x, stiffness = mechanism.acting_spring.place_on(mechanism.follower.length), stiffness_across(mechanism, crank_angle)
+            _add_spring(assembly, state, x, stiffness, assembly.frame_marker(follower, x))
     else:
         cable = cable_of(mechanism.follower, elements)
         nodes = add_nodes(assembly, cable, state)
         bodies = add_cable(assembly, cable, nodes)
         add_ends(assembly, cable, state, nodes)
-        if assembly.joint_is_compliant:
-            element = min(int(state.slider_position / cable.element_length), elements - 1)
-            _add_spring(assembly, state, assembly.frame_marker(bodies[element], state.slider_position - element * cable.element_length))
-        else:
+        springs = [(state.slider_position, mechanism.slider.closed_stiffness)] if assembly.joint_is_compliant else []
+        if mechanism.acting_spring is not None:
+            springs.append((mechanism.acting_spring.place_on(cable.length), stiffness_across(mechanism, crank_angle)))
+        for x, stiffness in springs:
+            element = min(int(x / cable.element_length), elements - 1)
+            _add_spring(assembly, state, x, stiffness, assembly.frame_marker(bodies[element], x - element * cable.element_length))
+        if not assembly.joint_is_compliant:
             _add_support(assembly, cable, state, crank_angle, bodies)
     assembly.mbs.Assemble()
     frequencies = np.asarray(assembly.mbs.ComputeODE2Eigenvalues(convert2Frequencies=True)[0])
@@ -69,13 +77,13 @@ def _add_support(assembly: Assembly, cable: Cable, state: StartState, crank_angl
     )
 
 
-def _add_spring(assembly: Assembly, state: StartState, point: Any) -> None:
-    """Add the joint's spring from the ground to a marker on the follower, along the follower's normal."""
-    place = state.position(np.array([state.slider_position]))[0]
+def _add_spring(assembly: Assembly, state: StartState, x: float, across: float, point: Any) -> None:
+    """Add a spring of a stiffness `across` (N/m) from the ground to a marker at the arc length x, along the follower's normal."""
+    place = state.position(np.array([x]))[0]
     ground = assembly.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=assembly.ground, localPosition=[*place, 0.0]))
     c, s = math.cos(state.follower_angle), math.sin(state.follower_angle)
     stiffness = np.zeros((6, 6))
-    stiffness[1, 1] = assembly.scene.slider.closed_stiffness
+    stiffness[1, 1] = across
     assembly.mbs.AddObject(
         items.ObjectConnectorRigidBodySpringDamper(
             markerNumbers=[ground, point], stiffness=stiffness, rotationMarker0=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -10,6 +10,7 @@ from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable, dot, turned
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import TorqueDrive
+from quickreturn.reference_model.spring import Pull, Spring, pull_of, spring_energy
 from quickreturn.reference_model.tip import Tip
 from quickreturn.reference_model.tip_force import slide_friction, tip_force
 
@@ -121,6 +122,30 @@ def crank_bearing_columns(assembly: Assembly, record: Record, crank: int) -> dic
     """The columns of the force in the bearing O; `crank` is the index of the crank's angle."""
     motion = (values[:, crank] for values in (record.coordinates, record.rates, record.accelerations))
     return bearing_columns("crank", pin_force(assembly, record, "crank") + swing(assembly.mechanism.crank_moment, *motion))
+
+
+@dataclass(frozen=True)
+class Hold:
+    """The spring in the rows of a record, and what it adds to their columns; all zero without one."""
+
+    force: Array  # on the follower, N, shape (rows, 2)
+    energy: Array  # J, shape (rows,), as the next two
+    power: Array  # that it dissipates, W
+    power_rate: Array
+    columns: dict[str, Array]  # its own
+
+    @classmethod
+    def of(cls, spring: Spring | None, motion: Kinematics) -> "Hold":
+        """`motion`: place (m, from O), velocity and acceleration of its end on the follower, each of shape (rows, 2)."""
+        place, velocity, acceleration = (each @ np.array([1.0, 1j]) for each in motion)
+        if spring is None:
+            nothing = np.zeros(len(place))
+            return cls(np.zeros((len(place), 2)), nothing, nothing, nothing, {})
+        pull: Pull = pull_of(spring, place, velocity)
+        second = (np.abs(velocity) ** 2 - pull.rate**2) / pull.length - (pull.direction.conj() * acceleration).real
+        energy = np.array([spring_energy(length, spring.law) for length in pull.length.tolist()])
+        force, damping = np.column_stack([pull.force.real, pull.force.imag]), spring.damping
+        return cls(force, energy, damping * pull.rate**2, 2.0 * damping * pull.rate * second, {"spring_force": pull.tension})
 
 
 def shape_columns(cable: Cable, q: Array, across: Array) -> dict[str, Array]:

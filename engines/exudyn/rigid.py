@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.record import (
+    Hold,
     Model,
     Record,
     TipMotion,
@@ -61,6 +62,8 @@ class RigidModel(Model):
         if tip is not None:
             assembly.weight(body, reach, tip.mass)
             assembly.push_tip((assembly.frame_marker if tip.follows else assembly.point_marker)(body, follower.length), crank_node)
+        if mechanism.acting_spring is not None:
+            assembly.hold(assembly.point_marker(body, mechanism.acting_spring.place_on(follower.length)))
         self._joint = self._add_slider(start, state, crank, body)
         assembly.mbs.Assemble()
         self._reference = assembly.mbs.systemData.GetODE2Coordinates(configuration=exu.ConfigurationType.Reference)
@@ -130,6 +133,9 @@ class RigidModel(Model):
         tip_velocity = length * q2_rate[:, None] * across
         tip_acceleration = length * (q2_acceleration[:, None] * across - (q2_rate**2)[:, None] * along)
         tip_motion, straight = TipMotion(tip_velocity, tip_acceleration, q2, q2_rate), np.zeros_like(q1)
+        hung = 1.0 if mechanism.acting_spring is None else mechanism.acting_spring.place_on(length) / length
+        from_origin = hung * length * along + np.array([d, 0.0])
+        hold = Hold.of(mechanism.acting_spring, (from_origin, hung * tip_velocity, hung * tip_acceleration))
         c_crank, c_base = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.base.damping
         power = c_crank * q1_rate**2 + c_base * q2_rate**2
         half_change = c_crank * q1_rate * q1_acceleration + c_base * q2_rate * q2_acceleration
@@ -149,8 +155,11 @@ class RigidModel(Model):
             **crank_bearing_columns(self.assembly, record, self._crank_index),
             **drive_columns(self.assembly, record, self._crank_index, self.drive_equation, tip_motion),
             "kinetic_energy": 0.5 * (mechanism.crank_inertia * q1_rate**2 + self._inertia * q2_rate**2),
-            "strain_energy": self._law.energy(gap) if self.assembly.joint_is_compliant else straight,
-            "dissipated_energy": accumulated(record.time, power, 2.0 * half_change) + record.lost - record.lost[0],
+            "strain_energy": (self._law.energy(gap) if self.assembly.joint_is_compliant else straight) + hold.energy,
+            "dissipated_energy": accumulated(record.time, power + hold.power, 2.0 * half_change + hold.power_rate)
+            + record.lost
+            - record.lost[0],
+            **hold.columns,
             "constraint_gap": np.abs(gap),
             "gravity_energy": -mechanism.crank_moment * (gx * np.cos(q1) + gy * np.sin(q1))
             - self._moment * (gx * along[:, 0] + gy * along[:, 1])

@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco.native import pointer
 from quickreturn.reference_model.native.compilation import Function
+from quickreturn.reference_model.spring import SpringLaw
 
+#: The constants of a spring's law.
+LAW = np.dtype([(name, "f8") for name in SpringLaw._fields])
 #: Record of a simulation. Units of length, mass and time are those of `engines.units`, named here by the SI units that they stand for.
 CONTEXT = np.dtype(
     [
@@ -62,6 +65,10 @@ CONTEXT = np.dtype(
         ("force_follows", "i8"),  # whether the force turns with the last link
         ("slide_friction", "f8"),  # N, of the tool's slide
         ("slide_speed", "f8"),  # m/s, over which that changes its sign
+        ("is_held", "i8"),  # by a spring
+        ("anchor", "c16"),  # its fixed point from P, m
+        ("spring_place", "f8"),
+        ("spring", LAW),
         ("base_is_prescribed", "i8"),  # then there is neither crank nor slider
         ("spin_up_speed", "f8"),
         ("spin_up_time", "f8"),  # s
@@ -82,6 +89,9 @@ CONTEXT = np.dtype(
         ("tangential_force", "f8"),  # N, on the follower
         ("slider_couple", "f8"),  # N m, on the follower: friction acts at the crank tip, which is off the line by the gap
         ("gap", "f8"),
+        ("spring_length", "f8"),
+        ("tension", "f8"),  # N, of the spring
+        ("spring_force", "c16"),  # N, on the follower
         # the drive and the dampings at present, and their work so far
         ("drive_torque", "f8"),
         ("drive_power", "f8"),

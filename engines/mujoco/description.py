@@ -22,7 +22,8 @@ def describe(scene: Scene, hinges: int) -> ModelDescription:
         how = f"beside the follower's smooth centre line: {joint_in_words(slider)}"
         if slider.is_rigid:
             how = "on the follower's smooth centre line: one constraint, exact multiplier"
-        joints = [*crank, "base hinge at P", *links, f"{moving} {how}{friction_in_words(slider)}"]
+        held = [] if scene.acting_spring is None else [scene.acting_spring.in_words]
+        joints = [*crank, "base hinge at P", *links, f"{moving} {how}{friction_in_words(slider)}", *held]
     bodies = {
         "crank: rigid arm about O": scene.crank_is_free,
         "slider: point mass fixed to the crank tip": scene.crank_is_free and slider.mass > 0.0,

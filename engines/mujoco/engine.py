@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, Engine, ModelDescription, Simulation
+from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, Engine, ModelDescription, Simulation
 from quickreturn.engines.mujoco import description, installation
 from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, MOST_LINKS, STIFFEST_ARMATURE, ChainSettings
 from quickreturn.engines.start import Start
@@ -46,7 +46,7 @@ class MujocoEngine(Engine[ChainSettings]):
     method = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, leapfrog of order 2"
     default_accuracy = 7e-3
     settings_type = ChainSettings
-    quantities = (*USUAL, *TOOL, *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
+    quantities = (*USUAL, *TOOL, *HELD, *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
     def version(self) -> str:
         return installation.version()

@@ -20,12 +20,13 @@ from quickreturn.engines.mujoco.centre_line import (
 )
 from quickreturn.engines.mujoco.context import CONTEXT, TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
 from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, pointer
-from quickreturn.reference_model import joint
+from quickreturn.reference_model import joint, spring
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.tip_force import STILL, tool_force
 
 tool_at, base_motion = compiled(tool_force), compiled(motion_of_base)
 joint_force, friction_share = compiled(joint.joint_force), compiled(joint.friction_share)
+spring_tension = compiled(spring.spring_tension)
 
 
 @compiled
@@ -145,6 +146,25 @@ def _push_tip(ctx: Context, crank_angle: float, e: Points, rates: Array, force: 
 
 
 @compiled
+def _pull(ctx: Context, e: Points, rates: Array, force: Array) -> float:
+    """Add the spring's force, at a place of the centre line, to `force`; returns the power that it dissipates, W."""
+    if not ctx.is_held:
+        return 0.0
+    first = ctx.coordinates - ctx.hinges - 1
+    at_place = centre_line_coefficients(ctx.spring_place, ctx.hinges, ctx.link_length, 0)
+    away = ctx.anchor - (at_place * e).sum()
+    ctx.spring_length = abs(away)
+    rate = -dot(away, (at_place * 1j * rates * e).sum()) / ctx.spring_length
+    ctx.tension = spring_tension(ctx.spring_length, rate, ctx.spring)
+    ctx.spring_force = ctx.tension / ctx.spring_length * away
+    moment = 0.0
+    for i in range(ctx.hinges, -1, -1):
+        moment += at_place[i] * dot(1j * e[i], ctx.spring_force)
+        force[first + i] += moment
+    return ctx.spring.damping * rate**2
+
+
+@compiled
 def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     """To `force_applied`: drive, dampings, and the slider's force.
 
@@ -171,7 +191,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
     dissipation += damp_beam(ctx, e, rates, applied) + _power_lost_in_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
     tool_power, slide_loss = _push_tip(ctx, angle, e, rates, applied)
-    dissipation += slide_loss
+    dissipation += slide_loss + _pull(ctx, e, rates, applied)
 
     rubs = ctx.friction > 0.0 or ctx.friction_force > 0.0
     sliding, sliding_speed, sliding_row, crank_sliding, share_at_foot = 0.0, 0.0, row, 0.0, 1.0

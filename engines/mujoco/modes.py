@@ -13,6 +13,7 @@ from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.rigid import stiffness_across
 from quickreturn.reference_model.scene_values import changed
 
 
@@ -26,6 +27,9 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
     held = changed(mechanism, {"crank.prescribed_speed": 0.0})
     mass, stiffness = chain.follower_matrices(chain.build(held, hinges, 0.0), held, hinges)
     constraint = support_row(mechanism, hinges, crank_angle)
+    if (spring := mechanism.acting_spring) is not None:
+        at_spring = row_at(mechanism, hinges, spring.place_on(mechanism.follower.length))
+        stiffness = stiffness + stiffness_across(mechanism, crank_angle) * np.outer(at_spring, at_spring)
     if not mechanism.slider.is_rigid:
         free = np.eye(hinges + 1)
         stiffness = stiffness + mechanism.slider.closed_stiffness * np.outer(constraint, constraint)
@@ -38,15 +42,20 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
 def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArray[np.float64]:
     """Transverse displacement of the straight follower at the slider per base and hinge angle, m, shape (N + 1,)."""
     arm = mechanism.crank.length
-    slider = math.hypot(mechanism.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle))
-    coefficients = centre_line_coefficients(slider, hinges, mechanism.follower.length / max(hinges, 1), 0)
+    return row_at(mechanism, hinges, math.hypot(mechanism.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle)))
+
+
+def row_at(mechanism: Mechanism, hinges: int, x: float) -> NDArray[np.float64]:
+    """The same at the arc length x, m."""
+    coefficients = centre_line_coefficients(x, hinges, mechanism.follower.length / max(hinges, 1), 0)
     return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
 
 
 def stable_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     """Longest step (s) for which `time_loop` is stable on the straight chain; infinite for a rigid follower on a rigid joint.
 
-    A rigid joint lowers it and is left out. A compliant joint raises it, depending on the slider's place. A base that turns as prescribed
+    A rigid joint lowers it and is left out. A compliant joint raises it, depending on the slider's place, and so does a spring, which
+    counts as if its stop were touched and it stood across the follower. A base that turns as prescribed
     stays at rest. With a light base the damping, which opposes velocities relative to the base, makes one motion decay very fast, in which
     the first links turn against the others; it hardly slows the vibrations.
     """
@@ -54,7 +63,11 @@ def stable_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     damping = chain.follower_damping(scene, hinges)
     if scene.crank is None:
         return _stable_step(mass[1:, 1:], damping[1:, 1:], stiffness[1:, 1:])
-    slider = scene.slider
+    slider, spring = scene.slider, scene.acting_spring
+    if spring is not None:
+        row = row_at(scene, hinges, spring.place_on(scene.follower.length))
+        place = np.outer(row, row)
+        stiffness, damping = stiffness + (spring.stiffness + spring.stop_stiffness) * place, damping + spring.damping * place
     if slider.is_rigid:
         return _stable_step(mass, damping, stiffness)
     joint = sum(slider.sides) if slider.preload > 0.0 else max(slider.sides)

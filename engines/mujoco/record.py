@@ -9,15 +9,24 @@ from quickreturn.engines.mujoco.centre_line import centre_line_coefficients, cra
 from quickreturn.engines.mujoco.context import TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
 from quickreturn.engines.mujoco.hook import force_on_tip, pivot_friction
 from quickreturn.engines.mujoco.native import mj_energy_position, mj_energy_velocity, mj_get_state
-from quickreturn.reference_model import joint
+from quickreturn.reference_model import joint, spring
 from quickreturn.reference_model.columns import PLACES
 
-joint_energy = compiled(joint.joint_energy)
+joint_energy, spring_energy = compiled(joint.joint_energy), compiled(spring.spring_energy)
 
 
 @compiled
-def _smooth_moments(ctx: Context, qpos: Array, qvel: Array) -> Array:
-    """Bending moment over EI at the hinges, 1/m, without the kink and the jump at the slider; shape (N,).
+def _pulled_across(ctx: Context, e: Points) -> float:
+    """The spring's force across the centre line over EI, 1/m^2: the jump of the moment's slope there."""
+    if not ctx.is_held or ctx.hinges == 0:
+        return 0.0
+    slope = (centre_line_coefficients(ctx.spring_place, ctx.hinges, ctx.link_length, 1) * e).sum()
+    return dot(1j * slope, ctx.spring_force) / abs(slope) / ctx.bending_stiffness
+
+
+@compiled
+def _smooth_moments(ctx: Context, qpos: Array, qvel: Array, pulled: float) -> Array:
+    """Bending moment over EI at the hinges, 1/m, without kinks and jump at slider and spring (`_pulled_across`); shape (N,).
 
     The moment of the slider force F in hinge j is F b_j, b_j = Σ_{i >= j} c_i; in the beam it is the ramp F (s - x) inboard of the slider.
     The moment of its couple has the derivatives of the c_i in their place.
@@ -28,13 +37,15 @@ def _smooth_moments(ctx: Context, qpos: Array, qvel: Array) -> Array:
     kink, jump = ctx.slider_force / ctx.bending_stiffness, ctx.slider_couple / ctx.bending_stiffness
     c0 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 0)
     c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
-    lever = lever_by_s = 0.0
+    at_spring = c0 if pulled == 0.0 else centre_line_coefficients(ctx.spring_place, ctx.hinges, ctx.link_length, 0)
+    lever = lever_by_s = lever_of_spring = 0.0
     for j in range(ctx.hinges, 0, -1):
         lever += c0[j]
         lever_by_s += c1[j]
+        lever_of_spring += at_spring[j]
         k = ctx.coordinates - ctx.hinges - 1 + j
         bent = qpos[k] + ctx.material_damping * qvel[k]
-        smooth[j - 1] = bent / ctx.link_length - kink * lever - jump * lever_by_s
+        smooth[j - 1] = bent / ctx.link_length - kink * lever - jump * lever_by_s - pulled * lever_of_spring
     return smooth
 
 
@@ -59,12 +70,13 @@ def _at_place(ctx: Context, smooth: Array, x: float) -> float:
 
 
 @compiled
-def _moment(ctx: Context, smooth: Array, x: float) -> float:
-    """Bending moment over EI at the arc length x, 1/m, with kink and jump; at the slider that on the outboard side."""
+def _moment(ctx: Context, smooth: Array, pulled: float, x: float) -> float:
+    """Bending moment over EI at the arc length x, 1/m, with kinks and jump; at the slider that on the outboard side."""
     if ctx.hinges == 0:
         return 0.0
     jump = ctx.slider_couple / ctx.bending_stiffness if x < ctx.slider_position else 0.0
-    return _at_place(ctx, smooth, x) + ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x) + jump
+    kinks = ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x) + pulled * max(0.0, ctx.spring_place - x)
+    return _at_place(ctx, smooth, x) + kinks + jump
 
 
 @compiled
@@ -142,6 +154,11 @@ def _axial_forces(
     slope = (centre_line_coefficients(s, n, h, 1) * e).sum()
     along = slope / abs(slope)
     slider = complex(ctx.tangential_force, ctx.slider_force) * along
+    if ctx.spring_place >= ctx.follower_length:
+        tip += ctx.spring_force
+    else:
+        total += ctx.spring_force
+        outboard += ctx.spring_force if s < ctx.spring_place else 0j
     beyond = dot(along, outboard + tip)
     return dot(base, total + tip + slider), beyond + ctx.tangential_force, beyond, dot(e[n], tip)
 
@@ -163,7 +180,7 @@ def _bearing_forces(
     slope = (c1 * e).sum()
     on_follower = complex(ctx.tangential_force, ctx.slider_force) * slope / abs(slope)
     angle, speed, acceleration = motion
-    pivot = _follower_inertia(ctx, e, rates, accelerations) - force_on_tip(ctx, angle, e, rates)[0] - on_follower
+    pivot = _follower_inertia(ctx, e, rates, accelerations) - force_on_tip(ctx, angle, e, rates)[0] - ctx.spring_force - on_follower
     swing = (1j * acceleration - speed**2) * complex(math.cos(angle), math.sin(angle))
     return pivot, ctx.crank_moment * swing - ctx.crank_mass * ctx.gravity + on_follower
 
@@ -189,9 +206,12 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     if hinges >= 2:
         base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent differs from the link's by h²/24 dκ/dx
     strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
-    smooth, bending_rates = _smooth_moments(ctx, qpos, qvel), qvel[first + 1 :] / ctx.link_length
+    pulled = _pulled_across(ctx, e)
+    smooth, bending_rates = _smooth_moments(ctx, qpos, qvel, pulled), qvel[first + 1 :] / ctx.link_length
     gravity = energy[0] - strain_energy
     strain_energy += joint_energy(ctx.gap, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from)
+    if ctx.is_held:
+        strain_energy += spring_energy(ctx.spring_length, ctx.spring)
     gravity += ctx.prescribed_weight_1 * math.cos(angle) + ctx.prescribed_weight_2 * math.sin(angle)
 
     row.crank_angle, row.crank_speed = angle, crank_speed
@@ -204,15 +224,15 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
         x = place * ctx.follower_length / (PLACES + 1)
         line = centre_line_coefficients(x, hinges, ctx.link_length, 0)
         row.shapes[place - 1] = dot(across, (line * e).sum())
-        row.moments[place - 1] = ctx.bending_stiffness * _moment(ctx, smooth, x)
-    row.moment_slider = ctx.bending_stiffness * _moment(ctx, smooth, ctx.slider_position)
+        row.moments[place - 1] = ctx.bending_stiffness * _moment(ctx, smooth, pulled, x)
+    row.moment_slider = ctx.bending_stiffness * _moment(ctx, smooth, pulled, ctx.slider_position)
     row.moment_inboard = row.moment_slider + ctx.slider_couple
     row.moment_base = _moment_at_base(ctx, e, rates, accelerations)
     row.moment_tip = _moment_at_tip(ctx, e[hinges], accelerations[hinges], tip_acceleration)
     row.axial_base, row.axial_inboard, row.axial_slider, row.axial_tip = _axial_forces(ctx, angle, along, e, rates, accelerations)
     row.tip_acceleration = dot(1j * e[hinges], tip_acceleration)
     for gauge in range(3):
-        curvature = _moment(ctx, smooth, gauges[gauge])
+        curvature = _moment(ctx, smooth, pulled, gauges[gauge])
         if ctx.material_damping > 0.0:
             curvature -= ctx.material_damping * _at_place(ctx, bending_rates, gauges[gauge])
         row.strains[gauge] = ctx.extreme_fibre * curvature
@@ -220,7 +240,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
     row.pivot_force_x, row.pivot_force_y = pivot.real, pivot.imag
     row.crank_force_x, row.crank_force_y = at_crank.real, at_crank.imag
-    row.slider_force, row.crank_torque = ctx.slider_force, ctx.drive_torque
+    row.slider_force, row.crank_torque, row.spring_force = ctx.slider_force, ctx.drive_torque, ctx.tension
     row.kinetic_energy = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
     row.strain_energy, row.dissipated_energy, row.constraint_gap = strain_energy, ctx.dissipated, abs(ctx.gap)
     row.gravity_energy, row.drive_work = gravity, ctx.drive_work

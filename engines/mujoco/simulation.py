@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -130,7 +131,8 @@ class ChainSimulation(Simulation):
                 rows = first + filled
                 if state != time_loop.GOOD or rows == len(table):
                     break
-        recorded = recorded_columns(by_column(table[:rows]), alone=self._scene.crank is None, bends=self._hinges > 0)
+        alone, spring = self._scene.crank is None, self._scene.acting_spring is not None
+        recorded = recorded_columns(by_column(table[:rows]), alone=alone, bends=self._hinges > 0, spring=spring)
         columns = self._units.columns_in_si(recorded)
         columns["time"] = times[:rows]
         statistics = {"steps": float(steps * max(rows - 1, 0))}
@@ -175,7 +177,7 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np
     """The `CONTEXT` of a scene, shape (1,), and an array to which it has the address."""
     follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tip_force.constants(scene.tip_body)
     table = tool.pop("force_table")
-    values: dict[str, complex] = {
+    values: dict[str, Any] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
         "qacc": data.qacc.ctypes.data,
@@ -216,16 +218,19 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np
     return context, table
 
 
-def _crank_and_slider(mechanism: Mechanism) -> dict[str, complex]:
-    """Fields of the `CONTEXT` for crank and slider."""
+def _crank_and_slider(mechanism: Mechanism) -> dict[str, Any]:
+    """Fields of the `CONTEXT` for crank, slider and spring."""
     crank, slider, drive = mechanism.crank, mechanism.slider, mechanism.crank.drive
-    values: dict[str, complex] = {
+    values: dict[str, Any] = {
         "pivot_distance": mechanism.pivot_distance,
         "crank_length": crank.length,
         "crank_is_free": int(mechanism.crank_is_free),
         "crank_mass": mechanism.crank_mass,
         "crank_moment": mechanism.crank_moment,
     }
+    if (spring := mechanism.acting_spring) is not None:
+        anchor, place = complex(*spring.anchor) - mechanism.pivot_distance, spring.place_on(mechanism.follower.length)
+        values |= {"is_held": 1, "anchor": anchor, "spring_place": place, "spring": spring.law}
     values |= {"friction": slider.friction, "friction_force": slider.friction_force, "friction_speed": slider.friction_speed}
     if not slider.is_rigid:
         law = asdict(rollers(slider))

@@ -118,6 +118,8 @@ def description(scene: Scene, beam: str, joint: str, coordinates: int) -> ModelD
     joints: tuple[str, ...] = ("base on the ground (angle prescribed)", "follower clamped to the base")
     if bodies["crank"]:
         joints = ("crank pivot" if scene.crank_is_free else "crank pivot (speed prescribed)", "follower pivot", joint)
+        if scene.acting_spring is not None:
+            joints = (*joints, scene.acting_spring.in_words)
     return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, coordinates + int(scene.crank_is_free))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
+from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, S, gain_of
 from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
 from quickreturn.engines.settings import setting
@@ -129,7 +129,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     settings_type = ReferenceSettings
     kind_of_shapes = "shapes that follow the slider"
     kind_of_clamped_shapes = "clamped modes"
-    quantities = (*USUAL, *TOOL, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
+    quantities = (*USUAL, *TOOL, *HELD, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
     def check(self, scene: Scene) -> None:
         """Refuse also parts without mass, if the slider's joint is compliant or has friction."""

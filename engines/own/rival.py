@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import TOOL, USUAL, Comparison, EstimateOf
+from quickreturn.engines.base import HELD, TOOL, USUAL, Comparison, EstimateOf
 from quickreturn.engines.ladder import Ladder, gain_of
 from quickreturn.engines.own.beam_engine import BeamEngine, S
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -45,7 +45,7 @@ class RivalEngine(BeamEngine[S]):
     def __init__(self, rival: Rival[S]) -> None:
         self.rival = rival
         self.name, self.method, self.default_accuracy = rival.name, rival.method, rival.default_accuracy
-        self.settings_type, self.estimates, self.quantities = rival.settings_type, rival.estimates, rival.quantities
+        self.settings_type, self.estimates, self.quantities = rival.settings_type, rival.estimates, (*rival.quantities, *HELD)
 
     def check(self, scene: Scene) -> None:
         super().check(scene)

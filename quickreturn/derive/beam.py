@@ -105,6 +105,15 @@ class Beam:
         """The tangent's angle from n1 at a cell's end."""
         return self.angle + self._full_line.psi[self._points :: self._points + 1][cell]
 
+    def directions(self, cell: int) -> ca.SX:
+        """Directions of the tangent in the frame at a cell's Gauss points, as columns."""
+        psi = self._full_line.psi[cell * (self._points + 1) : (cell + 1) * (self._points + 1) - 1]
+        return ca.horzcat(ca.cos(psi), ca.sin(psi)).T
+
+    def corner(self, cell: int) -> ca.SX:
+        """Place of a cell's end in the frame, m."""
+        return ca.vertcat(*(each[self._points :: self._points + 1][cell] for each in (self._full_line.x, self._full_line.y)))
+
     def slider(self, cell: int, advance: ca.SX, curvature: Any) -> ca.SX:
         """Place of a slider at a cell's end; `advance` is its arc length minus the frozen one.
 

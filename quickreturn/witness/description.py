@@ -19,6 +19,7 @@ from quickreturn.derive.system import column
 from quickreturn.derive.tables import Table
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
+from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import ROUNDING, ForceTable
 
 Array = NDArray[np.float64]
@@ -37,6 +38,8 @@ UNITS: Final = {
     "slide_friction": "N", "slide_speed": "m/s",
     "slider_mass": "kg", "slider_inertia": "kg*m^2", "gravity_1": "m/s^2", "gravity_2": "m/s^2",
     "joint_stiffness": "N/m", "joint_damping": "N*s/m", "joint_inertia": "kg", "joint_force": "N", "friction": "N",
+    "anchor_1": "m", "anchor_2": "m", "spring_place": "m", "spring_stiffness": "N/m", "spring_rest": "m", "spring_preload": "N",
+    "spring_damping": "N*s/m", "spring_shortest": "m", "spring_longest": "m", "stop_stiffness": "N/m", "stop_ramp": "m",
 }  # fmt: skip
 
 
@@ -44,6 +47,8 @@ def constants(scene: Mechanism) -> dict[str, float]:
     """The scene's values by the names of `UNITS`; those of a compliant joint are zero if the joint is rigid."""
     crank, drive, base, follower, tip, slider = scene.crank, scene.crank.drive, scene.base, scene.follower, scene.tip_body, scene.slider
     torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)
+    spring = scene.acting_spring or Spring(anchor=(0.0, 0.0))
+    law = spring.law
     return dict.fromkeys(UNITS, 0.0) | {
         "pivot_distance": scene.pivot_distance, "crank_length": crank.length, "length": follower.length,
         "crank_mass": crank.mass, "crank_center": crank.center_of_mass, "crank_inertia": crank.inertia,
@@ -58,6 +63,9 @@ def constants(scene: Mechanism) -> dict[str, float]:
         "force_follows": float(tip.follows), "slide_friction": tip.friction_force, "slide_speed": tip.friction_speed,
         "slider_mass": slider.mass, "slider_inertia": slider.inertia, "gravity_1": scene.gravity[0], "gravity_2": scene.gravity[1],
         "joint_stiffness": 0.0 if slider.is_rigid else slider.sides[0], "joint_damping": slider.joint_damping,
+        "anchor_1": spring.anchor[0], "anchor_2": spring.anchor[1], "spring_place": spring.place_on(follower.length),
+        "spring_stiffness": law.stiffness, "spring_rest": law.rest, "spring_preload": law.preload, "spring_damping": law.damping,
+        "spring_shortest": law.shortest, "spring_longest": law.longest, "stop_stiffness": law.stop, "stop_ramp": law.ramp,
     }  # fmt: skip
 
 
@@ -93,7 +101,14 @@ class Follower(NamedTuple):
 
 
 def quick_return(
-    tables: BeamTables, shapes: int, *, rigid: bool = True, prescribed: bool = False, line: Line | None = None, tabulated: bool = False
+    tables: BeamTables,
+    shapes: int,
+    *,
+    rigid: bool = True,
+    prescribed: bool = False,
+    spring: bool = False,
+    line: Line | None = None,
+    tabulated: bool = False,
 ) -> System:
     """The description of the mechanism: crank, slider, follower, tip body and base.
 
@@ -102,6 +117,7 @@ def quick_return(
         shapes: number of shapes.
         rigid: whether the slider stays on its line; otherwise there is a gap, across which joint and friction act.
         prescribed: whether the crank turns at a known speed; otherwise a torque drives it.
+        spring: whether a spring holds the follower.
         line: the line on which the slider rides; None: the follower itself.
         tabulated: whether the tool's force comes from the system's second table.
     """
@@ -131,6 +147,8 @@ def quick_return(
     slide = p.slide_friction / p.slide_speed * ca.tanh(u) / u
     system.damper("slide of the tool", arm.end, slide)
     system.damper("crank bearing", q1, p.crank_damping)
+    if spring:
+        strain += _hold(system, p, arm, q2)
     if prescribed:
         system.loop("drive", q1 - p.start_angle - p.speed * system.time, "rad", gives=[q1])
     else:
@@ -173,6 +191,52 @@ def quick_return(
         ("crank_torque", torque, "N*m"), ("crank_force", of_crank + of_slider, "N"), ("strain_energy", strain, "J"), ("foot", lever, "m"),
     )  # fmt: skip
     return system
+
+
+def _hold(system: System, p: Any, arm: "Follower", q2: ca.SX) -> ca.SX:
+    """Add the spring between a place of the follower and a fixed point, and its outputs; returns its energy, J."""
+    place = _at_arc_length(arm.beam, p.spring_place)
+    held = turned(q2, place[0], place[1])
+    away = vector(p.anchor_1 - p.pivot_distance, p.anchor_2) - held
+    now, length = ca.SX.sym("length"), ca.sqrt(ca.dot(away, away))
+    beyond = ca.fmax(now - p.spring_longest, 0) + ca.fmax(p.spring_shortest - now, 0)
+    soft = ca.fmin(beyond, p.stop_ramp)  # way over which the stop's stiffness rises as 3 u^2 - 2 u^3, and the way behind it
+    hard, u = beyond - soft, soft / p.stop_ramp
+    stop = p.stop_stiffness * (p.stop_ramp**2 * (u**4 / 4 - u**5 / 10) + p.stop_ramp * hard / 2 + hard**2 / 2)
+    law = p.spring_preload * (now - p.spring_rest) + p.spring_stiffness * (now - p.spring_rest) ** 2 / 2 + stop
+    energy, force = (ca.substitute(each, now, length) for each in (law, ca.jacobian(law, now)))
+    system.energy("spring", energy)
+    system.damper("spring", length, p.spring_damping)
+    tension = force + p.spring_damping * system.rate(length)
+    _show(
+        system,
+        ("spring_force", tension, "N"), ("spring_length", length, "m"), ("spring_on_follower", tension * away / length, "N"),
+        ("spring_foot", held, "m"),
+    )  # fmt: skip
+    return energy
+
+
+def _at_arc_length(beam: Beam, x: ca.SX) -> ca.SX:
+    """Place in the beam's frame of the point at an arc length (m): on its cell the integral of the polynomial through the points."""
+    begin, corner, found = ca.SX(0), vector(0, 0), vector(0, 0)
+    for k, h in enumerate(beam.lengths):
+        cosines, end = beam.directions(k), beam.corner(k)
+        place = corner + h * cosines @ _integrals((x - begin) / h, cosines.size2())
+        found = place if k == 0 else ca.if_else(x > begin, place, found)
+        begin, corner = begin + h, end
+    return found
+
+
+def _integrals(u: ca.SX, points: int) -> ca.SX:
+    """Weights of the values at a cell's Gauss points in the integral from its begin to the fraction u of it, as a part of its length."""
+    gauss, weights = legendre.leggauss(points)
+    series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
+    t = 2 * u - 1
+    polynomials = [ca.SX(1), t]
+    for k in range(1, points):
+        polynomials.append(((2 * k + 1) * t * polynomials[k] - k * polynomials[k - 1]) / (k + 1))
+    integrals = [u, *((polynomials[k + 1] - polynomials[k - 1]) / (4 * k + 2) for k in range(1, points))]
+    return ca.DM(series).T @ ca.vertcat(*integrals)
 
 
 def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: BeamTables, shapes: int) -> Follower:

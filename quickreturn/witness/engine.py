@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import SPRING, TOOL, USUAL, Comparison, Engine, ModelDescription, Refusal, installed
+from quickreturn.engines.base import HELD, SPRING, TOOL, USUAL, Comparison, Engine, ModelDescription, Refusal, installed
 from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
 from quickreturn.engines.own.reference import ALIKE_WITHIN, COMPARED, MODES_WITH_ORDER, RATIO, SLOWEST_RATIO, fitted
@@ -54,7 +54,7 @@ class DerivedEngine(Engine[DerivedSettings]):
     compiles = True
     default_accuracy = 3e-3
     settings_type = DerivedSettings
-    quantities = (*USUAL, *TOOL, "slider.inertia", *SPRING, "base.friction_torque", "follower.material_damping")
+    quantities = (*USUAL, *TOOL, *HELD, "slider.inertia", *SPRING, "base.friction_torque", "follower.material_damping")
 
     def version(self) -> str:
         """The version of CasADi, or that it is not installed."""

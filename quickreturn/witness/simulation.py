@@ -1,6 +1,7 @@
 """A running simulation of the quick-return whose equations the computer derived, and its natural frequencies."""
 
 import time
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,8 @@ from quickreturn.engines.units import Units
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.layout import BeamTables
-from quickreturn.reference_model.rigid import crank_pace, deflection_scale
+from quickreturn.reference_model.rigid import crank_pace, deflection_scale, stiffness_across
+from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import Tip
 from quickreturn.witness.description import ForceRows, constants, quick_return
 from quickreturn.witness.recovery import columns
@@ -29,6 +31,8 @@ SMALL: Final = 0.01
 ROUNDING: Final = 3e-14
 #: Rate at which the gap of the loop decays, over the scene's unit of time: 96 1/s in run 24.
 FEEDBACK: Final = 6.0
+#: Length of the spring that stands for another one in small vibrations, over the scene's unit of length.
+FAR: Final = 1e4
 #: Part of the way to the follower's end. If the integration stops beyond it, the slider has left the follower.
 NEARLY: Final = 0.97
 
@@ -53,7 +57,8 @@ class DerivedSimulation(Simulation):
     def model(self) -> Model:
         """The compiled equations with the shapes of this scene."""
         mechanism = self.mechanism
-        return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free, mechanism.tip_body)
+        spring = mechanism.acting_spring is not None
+        return model(self.shapes.tables, self.modes, mechanism.slider.is_rigid, not mechanism.crank_is_free, mechanism.tip_body, spring)
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         """See `Simulation.advance`."""
@@ -118,21 +123,28 @@ def frequencies(mechanism: Mechanism, crank_angle: float, modes: int) -> Array:
     """Natural frequencies (Hz) of the model with the crank held, linearised by differentiation."""
     units = Units.of(mechanism)
     mechanism = units.scene(mechanism)
-    still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False)
+    if (spring := mechanism.acting_spring) is not None:  # one without force, so long that it keeps its direction across the follower
+        place = _rigid_place(mechanism, crank_angle)["follower_angle"]
+        anchor = mechanism.pivot_distance + np.exp(1j * place) * complex(spring.place_on(mechanism.follower.length), FAR)
+        stiffness = stiffness_across(mechanism, crank_angle)
+        spring = Spring(stiffness=stiffness, anchor=(anchor.real, anchor.imag), place=spring.place, free_length=FAR)
+        mechanism = replace(mechanism, spring=spring)
+    held = mechanism.acting_spring is not None
+    still = model(following(mechanism, modes).tables, modes, mechanism.slider.is_rigid, False, spring=held)
     at_rest = dict.fromkeys(("gravity_1", "gravity_2", "force_1", "force_2", "slide_friction", "torque"), 0.0)
     at = {"crank_angle": crank_angle} | _rigid_place(mechanism, crank_angle)
     return np.asarray(natural_frequencies(still, at, ["crank_angle"], constants(mechanism) | at_rest)) / units.time
 
 
-_MODELS: Final[dict[tuple[int, int, bool, bool, bool], Model]] = {}
+_MODELS: Final[dict[tuple[int, int, bool, bool, bool, bool], Model]] = {}
 
 
-def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool, tip: Tip | None = None) -> Model:
+def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool, tip: Tip | None = None, spring: bool = False) -> Model:
     """The equations of a structure, compiled once; the scene's values are inputs, its shapes and a table of forces go into the tables."""
     forces = None if tip is None else tip.force_table
-    key = (modes, tables.gauss_points, rigid, prescribed, forces is not None)
+    key = (modes, tables.gauss_points, rigid, prescribed, forces is not None, spring)
     if key not in _MODELS:
-        description = quick_return(tables, modes, rigid=rigid, prescribed=prescribed, tabulated=forces is not None)
+        description = quick_return(tables, modes, rigid=rigid, prescribed=prescribed, tabulated=forces is not None, spring=spring)
         _MODELS[key] = Model(description, feedback=FEEDBACK)
     of_shapes, *of_force = _MODELS[key].system.tables
     of_shapes.put(tables.low, tables.step, tables.coefficients)

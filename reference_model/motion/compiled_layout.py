@@ -7,9 +7,10 @@ import numba
 from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.native.lane_records import MEMBERS_IN_LANES, LaneRecord
 from quickreturn.reference_model.native.pointers import reader, tuple_type
+from quickreturn.reference_model.spring import SpringLaw
 
 TABLES_TYPE: Final = tuple_type(BeamTables)
-PARAMETERS_TYPE: Final = tuple_type(BeamParameters, tables=TABLES_TYPE)
+PARAMETERS_TYPE: Final = tuple_type(BeamParameters, spring=tuple_type(SpringLaw), tables=TABLES_TYPE)
 WORKSPACE_TYPE: Final = tuple_type(BeamWorkspace, facts=numba.from_dtype(FACTS))
 WORKSPACE_IN_LANES_TYPE: Final = tuple_type(BeamWorkspace, MEMBERS_IN_LANES, facts=LaneRecord(FACTS))
 parameters_at = reader(PARAMETERS_TYPE)

@@ -40,6 +40,7 @@ from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables
 from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, motion_of_base, move_loop, share_force
 from quickreturn.reference_model.motion.observe import observe
 from quickreturn.reference_model.motion.plane import direction, dot
+from quickreturn.reference_model.motion.spring import hang
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.lane_records import LaneRecord, record_at
 from quickreturn.reference_model.native.memory import LANES
@@ -76,6 +77,8 @@ def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> int:
     else:
         return -1
     relative_velocities(p, t, w, y)
+    if p.is_held > 0:
+        hang(p, t, w)
     partial_velocities(p, t, w, slider_point)
     bias_accelerations(p, t, w, y)
     assemble(p, t, w, y)

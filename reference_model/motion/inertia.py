@@ -18,6 +18,7 @@ from quickreturn.reference_model.motion.layout import (
     BeamWorkspace,
 )
 from quickreturn.reference_model.motion.plane import cross, dot, point
+from quickreturn.reference_model.motion.spring import at_spring, load_spring, spring_stiffness
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
 from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
@@ -162,6 +163,8 @@ def assemble(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> No
     end = t.tip
     w.force[end] -= f.tip_force.real
     w.force[N + end] -= f.tip_force.imag
+    if p.is_held > 0:
+        load_spring(t, w)
     strain_energy_by_s = 0.0
     for i in range(n):
         strain_energy_by_s += 0.5 * w.squares_s[i] * y.eta[i] ** 2
@@ -257,12 +260,23 @@ def highest_frequency(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> flo
     square = 0.0
     for k in range(n):
         square = max(square, w.squares[k] / (1.0 + p.added_inertia[k]))
+    if p.is_held > 0:
+        square += _square_of_spring(p, t, w)
     if p.first == 1:
         return math.sqrt(square)
     coupling = 0.0
     for k in range(1, n + 1):
         coupling += w.M[k, 0] ** 2 / (w.M[k, k] * w.M[0, 0])
     return math.sqrt(square / max(1.0 - coupling, 1e-6))
+
+
+@inner
+def _square_of_spring(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
+    """What the spring's present stiffness adds at most to the square of the highest frequency, rad^2/s^2."""
+    square = 0.0
+    for k in range(1, p.n + 1):
+        square += dot(w.facts.spring_line, at_spring(w, w.V[k], t.points)) ** 2 / w.M[k, k]
+    return spring_stiffness(w.facts.spring_length, p.spring) * square
 
 
 @inner
@@ -277,6 +291,8 @@ def dissipation(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) ->
         for j in range(N):
             power += p.EI * p.bending_damping * w.dx[j] * w.curvature_rate[j] ** 2
     power += w.facts.friction * w.facts.s_rate + w.facts.slide_loss
+    if p.is_held > 0:
+        power += p.spring.damping * w.facts.spring_rate**2
     if p.constraint == ROLLERS:
         power += _loss_of_rollers(p, w.facts.gap, w.facts.gap_rate)
     return power
@@ -305,6 +321,8 @@ def moment_about_pivot(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> fl
     moment = p.base_inertia * w.a[bodies + BASE_TURN] + pivot_torque(p, w) + p.tip_inertia * w.a[bodies + TIP_TURN]
     for j in range(N):
         moment += w.mass[j] * (w.z[j] * w.a[N + j] - w.z[N + j] * w.a[j])
+    if p.is_held > 0:
+        moment -= cross(f.spring_place, f.spring_force)
     tip, acceleration = point(w.z, end, N), complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
     return moment - cross(tip, f.tip_force) + p.tip_mass * cross(tip + f.tip_arm, acceleration)
 

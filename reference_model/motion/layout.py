@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from quickreturn.reference_model.native.memory import ComplexVector, Cube, Matrix, Vector, on_lines
+from quickreturn.reference_model.spring import SpringLaw
 
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
 #: of four.
@@ -43,6 +44,12 @@ class Facts:
     gravity: complex  # m/s^2
     tip_force: complex  # N, of the tool, with the friction of its slide
     slide_loss: float  # W, that this friction dissipates
+    spring_place: complex  # m, where the spring holds the follower
+    spring_line: complex  # direction from there to its fixed point
+    spring_length: float  # m
+    spring_rate: float  # m/s, of the length
+    tension: float  # N, of the spring
+    spring_force: complex  # N, on the follower
     slider_point: int  # index of the slider's point
     force: float  # N, of the slider along the normal where the loop is open
     friction: float  # N, opposes the slider's motion along the follower
@@ -167,6 +174,11 @@ class BeamParameters(NamedTuple):
     stabilization: float  # 1/s, see `SliderConstraint`
     bending_damping: float  # s, damping moment over EI, per rate of curvature
     feedback: float  # 1/s, rate at which errors of the slider's arc length decay
+    is_held: int  # whether a spring holds the follower
+    anchor_1: float  # m, the spring's fixed point, from O along n1 and n2
+    anchor_2: float
+    spring_place: float  # m, arc length
+    spring: SpringLaw
     base_speed: float  # rad/s, of BASE after its spin-up
     base_time: float  # s, of the spin-up
     extreme_fibre: float  # m
@@ -202,6 +214,7 @@ class BeamWorkspace(NamedTuple):
     integrand: Vector  # (2 N,)
     relative: Vector  # (2 N,) velocity relative to frame B
     dx: Vector  # (2 N,) integration weights, m, for the real parts and again for the imaginary ones
+    at_spring: Vector  # (N,) weights of the points in a field's value at the spring's place
     mass: Vector  # (M,) kg, for turning bodies kg m^2
     U: Matrix  # (n, 2 N) partial velocities relative to frame B, s held
     V: Matrix  # (m, M) partial velocities in frame B
@@ -241,7 +254,7 @@ def workspace(p: BeamParameters, lanes: tuple[int, ...] = ()) -> BeamWorkspace:
     M = 2 * N + BODIES
     row = on_lines((*p.tables.coefficients.shape[2:], *lanes))
     sizes = (
-        ("psi psi_s gamma turn curvature_rate bending_load moment curvature", (N,)),
+        ("psi psi_s gamma turn curvature_rate bending_load at_spring moment curvature", (N,)),
         ("e z Y integrand relative dx A load load_moment inboard_force inboard_moment", (2 * N,)),
         ("recovered_angle recovered_e recovered_place", (2 * N,)),
         ("mass bias a force weighted", (M,)),

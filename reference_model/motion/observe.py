@@ -16,6 +16,7 @@ from quickreturn.reference_model.motion.fields import cumulate, directions
 from quickreturn.reference_model.motion.layout import TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
 from quickreturn.reference_model.motion.plane import angle_of, cross, direction, dot, point
+from quickreturn.reference_model.motion.spring import at_spring, spring_energy
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.lanes import where_within
 from quickreturn.reference_model.native.simd import load, plus_product, spread, total
@@ -38,11 +39,15 @@ def observe(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, row: A
     row.crank_angle, row.crank_speed, row.tip_acceleration = y.q[0], y.u[0], _tip_acceleration(p, t, w)
     row.slider_force, row.crank_torque = f.normal, f.torque
     row.dissipated_energy, row.drive_work = y.work[DISSIPATED], y.work[BY_DRIVE]
-    row.constraint_gap, row.gap_rate, row.joint_power = f.unclosed, f.gap_rate, 0.0
+    row.constraint_gap, row.gap_rate, row.joint_power, row.spring_force = f.unclosed, f.gap_rate, 0.0, f.tension
     if len(y.work) > BY_JOINT:
         row.joint_power = joint_power(p, w, y)
     _energies(p, t, w, y, slider_point, row)
     _bearing_forces(p, t, w, y, row)
+    if p.is_held > 0:
+        pulled = f.frame * f.spring_force
+        row.pivot_force_x -= pulled.real
+        row.pivot_force_y -= pulled.imag
     _bending_moment(p, t, w, slider_point, row)
     return _recover(p, t, w, y, slider_point, row)
 
@@ -69,6 +74,8 @@ def _energies(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slid
     kinetic += 0.5 * p.slider_inertia * (w.turn[slider_point] + f.curvature * f.s_rate) ** 2
     kinetic += 0.5 * p.joint_inertia * f.gap_rate**2
     strain = joint_energy(f.gap, p.plus, p.minus, p.plus_from, p.minus_from)
+    if p.is_held > 0:
+        strain += spring_energy(f.spring_length, p.spring)
     for i in range(n):
         strain += 0.5 * w.squares[i] * y.eta[i] ** 2
         kinetic += 0.5 * p.added_inertia[i] * y.eta_rate[i] ** 2
@@ -101,6 +108,7 @@ def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_p
     """To `moment`: moment of the outboard forces at the points, N m (equations 6.5 and 6.6).
 
     To the row: at slider, base and tip, and there the part of the outboard forces along the tangent (equation 6.13).
+    `moment` lacks the part of the spring, which has a kink at its place within a cell.
     """
     N, f = t.points, w.facts
     end, bodies = t.tip, 2 * N
@@ -131,38 +139,60 @@ def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_p
         for j in range(slider_point):
             w.moment[j] += cross(point(w.z, slider_point, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
     row.moment_slider = w.moment[slider_point]
+    if p.is_held > 0:
+        row.moment_base += cross(f.spring_place, f.spring_force)
+        row.axial_base += f.spring_force.real
+        pulled = where_within(f.s, 0.0, p.spring_place, dot(along, f.spring_force), 0.0)
+        row.axial_slider += pulled
+        row.axial_inboard += pulled
+        if p.spring_place >= p.L:
+            row.axial_tip += dot(point(w.e, end, N), f.spring_force)
+        row.moment_slider += where_within(f.s, 0.0, p.spring_place, _moment_of_spring(t, w, slider_point), 0.0)
     row.moment_inboard = row.moment_slider + f.slider_moment
     row.moment_tip = cross(f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN]
 
 
 @inner
+def _moment_of_spring(t: BeamTables, w: BeamWorkspace, j: int) -> float:
+    """Moment of the spring's force at a point inboard of its place, N m."""
+    return cross(w.facts.spring_place - point(w.z, j, t.points), w.facts.spring_force)
+
+
+@inner
 def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slider_point: int, row: Any) -> bool:
-    """To the row: moments and strains; shape, base angle, slider and tip place from the recovered curvature (equations 6.7 to 6.9)."""
+    """To the row: moments and strains; shape, base angle, slider and tip place from the recovered curvature (equations 6.7 to 6.9).
+
+    A spring's moment has a kink within a cell. On either side of it all fields are smooth, and each side is recovered with its own moment
+    on the whole follower: the inboard one first, on which the outboard one goes on at the spring's place.
+    """
     N, f = t.points, w.facts
-    end, flexibility = t.tip, 1.0 / p.EI
-    for j in range(N):
-        w.curvature[j] = flexibility * w.moment[j]
-    if p.bending_damping > 0.0:
+    end = t.tip
+    if p.is_held > 0:
         for j in range(N):
-            w.curvature[j] -= p.bending_damping * w.curvature_rate[j]
-    for j in range(N):
-        w.integrand[j], w.integrand[N + j] = w.curvature[j], 0.0
-    cumulate(t, w.length, w.integrand, w.recovered_angle)
-    if not directions(w.recovered_angle, w.recovered_e):
-        return False
-    cumulate(t, w.length, w.recovered_e, w.recovered_place)
-    for place in range(PLACES):
-        x = (place + 1) * p.L / (PLACES + 1)
-        row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
-    for gauge in range(3):
-        row.strains[gauge] = p.extreme_fibre * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
+            w.moment[j] += _moment_of_spring(t, w, j)
+        if not _bend(p, t, w, 0.0, complex(0.0, 0.0), False):
+            return False
+        _read(p, t, w, row)
+        place, tangent = point(w.recovered_place, slider_point, N), point(w.recovered_e, slider_point, N)
+        angle, joint = at_spring(w, w.recovered_angle, N).real, at_spring(w, w.recovered_place, N)
+        for j in range(N):
+            w.moment[j] -= _moment_of_spring(t, w, j)
+        if not _bend(p, t, w, angle, joint, True):
+            return False
+        _read_beyond_spring(p, t, w, row)
+        place = _inboard_or_not(p, f.s, place, point(w.recovered_place, slider_point, N))
+        tangent = _inboard_or_not(p, f.s, tangent, point(w.recovered_e, slider_point, N))
+    else:
+        if not _bend(p, t, w, 0.0, complex(0.0, 0.0), False):
+            return False
+        _read(p, t, w, row)
+        place, tangent = point(w.recovered_place, slider_point, N), point(w.recovered_e, slider_point, N)
     frame, ds = f.frame, 0.0
     if p.constraint == BASE:
         row.follower_angle = motion_of_base(p, y.q[0])[0]
     else:
         # the crank tip lies off the line, by the gap along its normal
-        tangent = point(w.recovered_e, slider_point, N)
-        hinge = point(w.recovered_place, slider_point, N) + 1j * f.gap * tangent
+        hinge = place + 1j * f.gap * tangent
         crank = p.LA * direction(y.q[0]) - p.d
         ds = 0.5 * (dot(crank, crank) - dot(hinge, hinge)) / dot(hinge, tangent)
         # exp(i q2) has the direction of crank / hinge; both -crank and hinge point forwards
@@ -173,6 +203,65 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
     tip = p.d + frame * deflected
     row.slider_position, row.tip_deflection, row.tip_x, row.tip_y = f.s + ds, deflected.imag, tip.real, tip.imag
     return True
+
+
+@inner
+def _bend(p: BeamParameters, t: BeamTables, w: BeamWorkspace, angle: float, place: complex, goes_on: bool) -> bool:
+    """To the fields `curvature` and `recovered_...`: the line with the moments `moment`; False where it is bent too far.
+
+    If it `goes_on`, with this angle and this place where the spring is, otherwise from the base.
+    """
+    N, flexibility = t.points, 1.0 / p.EI
+    for j in range(N):
+        w.curvature[j] = flexibility * w.moment[j]
+    if p.bending_damping > 0.0:
+        for j in range(N):
+            w.curvature[j] -= p.bending_damping * w.curvature_rate[j]
+    for j in range(N):
+        w.integrand[j], w.integrand[N + j] = w.curvature[j], 0.0
+    cumulate(t, w.length, w.integrand, w.recovered_angle)
+    if goes_on:
+        turned = angle - at_spring(w, w.recovered_angle, N).real
+        for j in range(N):
+            w.recovered_angle[j] += turned
+    if not directions(w.recovered_angle, w.recovered_e):
+        return False
+    cumulate(t, w.length, w.recovered_e, w.recovered_place)
+    if goes_on:
+        moved = place - at_spring(w, w.recovered_place, N)
+        for j in range(N):
+            w.recovered_place[j] += moved.real
+            w.recovered_place[N + j] += moved.imag
+    return True
+
+
+@inner
+def _read(p: BeamParameters, t: BeamTables, w: BeamWorkspace, row: Any) -> None:
+    """To the row: moments, shape and strains at its places."""
+    for place in range(PLACES):
+        x = (place + 1) * p.L / (PLACES + 1)
+        row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
+    for gauge in range(3):
+        row.strains[gauge] = p.extreme_fibre * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
+
+
+@inner
+def _read_beyond_spring(p: BeamParameters, t: BeamTables, w: BeamWorkspace, row: Any) -> None:
+    """The same at its places beyond the spring's."""
+    for place in range(PLACES):
+        x = (place + 1) * p.L / (PLACES + 1)
+        if x > p.spring_place:
+            row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
+    for gauge in range(3):
+        if p.gauges[gauge] > p.spring_place:
+            row.strains[gauge] = p.extreme_fibre * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
+
+
+@inner
+def _inboard_or_not(p: BeamParameters, s: float, inboard: complex, beyond: complex) -> complex:
+    """The first vector where the slider is inboard of the spring, otherwise the other."""
+    real = where_within(s, 0.0, p.spring_place, inboard.real, beyond.real)
+    return complex(real, where_within(s, 0.0, p.spring_place, inboard.imag, beyond.imag))
 
 
 @inner

@@ -7,6 +7,7 @@ from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, ShapeRow
 from quickreturn.reference_model.native.memory import Vector
 from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
+from quickreturn.reference_model.spring import Spring
 
 
 def parameters(
@@ -30,6 +31,7 @@ def parameters(
     """
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
+    spring = scene.acting_spring or Spring(anchor=(0.0, 0.0))
     return BeamParameters(
         **constants(scene),
         constraint=kind,
@@ -55,6 +57,11 @@ def parameters(
         stabilization=constraint.stabilization,
         bending_damping=constraint.bending_damping + scene.follower.material_damping if shapes else 0.0,
         feedback=pace(scene, shapes),
+        is_held=int(spring.acts),
+        anchor_1=spring.anchor[0],
+        anchor_2=spring.anchor[1],
+        spring_place=spring.place_on(scene.follower.length),
+        spring=spring.law,
         added_inertia=np.zeros(shapes) if slowed_to is None else added_inertia(tables, shapes, slowed_to),
         reach=reach,
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,

@@ -21,6 +21,7 @@ from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpe
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.spring import Spring, pull_of
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 from tests.reference_model.rigid_loads import rigid_axial_force, rigid_bearing_forces, rigid_bending_moment
@@ -52,7 +53,13 @@ def rigid_cycle(mechanism: Mechanism, rows: int = 721) -> Columns:
         moments[name] = rigid_bending_moment(mechanism, number * length / 12.0, angle, SPEED)
     at_slider = rigid_bending_moment(mechanism, motion.slider_position, angle, SPEED)  # type: ignore[arg-type]  # arrays do as well
     jump = mechanism.slider.inertia * motion.follower_acceleration
+    of_spring = {}
+    if mechanism.spring is not None:
+        place = mechanism.spring.place_on(length) * np.exp(1j * motion.follower_angle)
+        pull = pull_of(mechanism.spring, mechanism.pivot_distance + place, 1j * motion.follower_speed * place)
+        of_spring = {"spring_force": pull.tension}
     return {
+        **of_spring,
         "time": (angle - np.pi) / SPEED,
         "crank_angle": angle,
         "follower_angle": motion.follower_angle,
@@ -89,6 +96,21 @@ def test_moment_along_a_rigid_arm_is_that_of_the_closed_form(rigid: Columns) -> 
     # the moment is a cubic on either side, which polynomials of the fifth degree meet to rounding; the slopes at the ends are extrapolated
     # by `BEYOND` of a twelfth, which leaves 5e-5 of the second derivative times the square of a twelfth: 8e-6 of the largest moment
     assert np.abs(found - right).max() < 1e-5 * np.abs(right).max()
+
+
+@pytest.mark.parametrize("place", [0.42, 0.3, None], ids=["within a twelfth", "inboard", "end"])
+def test_a_spring_makes_a_kink_in_the_moment_along_the_arm(place: float | None) -> None:
+    spring = Spring(stiffness=2e3, anchor=(0.1, -0.3), place=place, free_length=0.1, damping=5.0)
+    scene = dataclasses.replace(LOADED, spring=spring, slider=Slider(mass=0.2))
+    columns, x = rigid_cycle(scene), np.linspace(0.0, scene.follower.length, 61)
+    right = np.column_stack([rigid_bending_moment(scene, each, columns["crank_angle"], SPEED) for each in x])
+    assert np.abs(interpolated(x, known_moments(scene, columns)) - right).max() < 1e-5 * np.abs(right).max()
+    known = known_moments(scene, columns)
+    pull = np.column_stack([rigid_axial_force(scene, each, columns["crank_angle"], SPEED) for each in x])
+    assert np.abs(axial_forces(scene, columns, known, x)[0] - pull).max() < 1e-9 * np.abs(pull).max()
+    plain = rigid_cycle(dataclasses.replace(scene, spring=None))
+    assert np.abs(right).max() > 3.0 * np.abs(interpolated(x, known_moments(dataclasses.replace(scene, spring=None), plain))).max()
+    assert missing(scene, plain) == "column spring_force is missing, and the spring bends the arm"
 
 
 def test_normal_force_along_a_rigid_arm_is_that_of_the_closed_form(rigid: Columns) -> None:

@@ -104,6 +104,9 @@ def test_what_the_model_has_not_is_refused_by_key_and_value(name: str) -> None:
     }
     value, shown = values.get(name, (0.75, "0.75"))
     gives_way = {"slider.joint_stiffness_plus": 2e4} if "damping" in name or name == "slider.preload" else {}
+    if name.startswith("spring."):
+        gives_way = {"spring.anchor": (0.0, -0.4), "spring.preload_length": 0.3, "spring.stiffness": 0.0}
+        gives_way |= {"spring.longest": 0.5} if name == "spring.stop_stiffness" else {}
     scene = changed(ALONE if name == SPIN_UP else BASE, gives_way | {name: value})
     others = tuple(each for each in NAMED if each != name)
     with pytest.raises(Refusal, match=name) as refused:

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.rigid import follower_inertia, rigid_kinetostatics, rigid_motion, tool_across
+from quickreturn.reference_model.rigid import follower_inertia, rigid_kinetostatics, rigid_motion, spring_across, tool_across
+from quickreturn.reference_model.spring import pull_of
 from quickreturn.reference_model.tip_force import tip_force
 
 Array = NDArray[np.float64]
@@ -28,6 +29,9 @@ def rigid_bearing_forces(
     tool = tip_force(mechanism.tip_body, q1, motion.follower_angle)
     swing = 1j * motion.follower_acceleration - motion.follower_speed**2
     at_pivot = (follower_inertia(mechanism)[1] * swing - 1j * force) * along - mass * gravity - tool
+    if (spring := mechanism.acting_spring) is not None:
+        place = spring.place_on(mechanism.follower.length) * along
+        at_pivot -= pull_of(spring, mechanism.pivot_distance + place, 1j * motion.follower_speed * place).force
     swing = 1j * np.asarray(crank_acceleration) - np.square(crank_speed)
     at_crank = mechanism.crank_moment * swing * arm + 1j * force * along - mechanism.crank_mass * gravity
     return np.array([at_pivot.real, at_pivot.imag]), np.array([at_crank.real, at_crank.imag])
@@ -47,7 +51,12 @@ def rigid_axial_force(
     weight = np.cos(q2) * mechanism.gravity[0] + np.sin(q2) * mechanism.gravity[1]
     turning = beam.mass_per_length * (beam.length**2 - place**2) / 2.0 + tip.mass * (beam.length + tip.center_of_mass)
     outboard = beam.mass_per_length * (beam.length - place) + tip.mass
-    return np.asarray(turning * motion.follower_speed**2 + outboard * weight + np.cos(q2) * tool.real + np.sin(q2) * tool.imag)
+    force = turning * motion.follower_speed**2 + outboard * weight + np.cos(q2) * tool.real + np.sin(q2) * tool.imag
+    if (spring := mechanism.acting_spring) is not None:
+        at, along = spring.place_on(beam.length), np.exp(1j * q2)
+        pull = pull_of(spring, mechanism.pivot_distance + at * along, 1j * motion.follower_speed * at * along)
+        force = force + np.where((place < at) | (at == beam.length), (pull.force / along).real, 0.0)
+    return np.asarray(force)
 
 
 def rigid_bending_moment(
@@ -65,5 +74,7 @@ def rigid_bending_moment(
     moment = 0.5 * beam.mass_per_length * beyond**2 * (across - (2.0 * beam.length + place) / 3.0 * alpha)
     moment += tip.mass * (across - (beam.length + tip.center_of_mass) * alpha) * (beyond + tip.center_of_mass) - tip.inertia * alpha
     moment += tool_across(mechanism, q1, motion) * beyond
+    if (spring := mechanism.acting_spring) is not None:
+        moment += spring_across(mechanism, motion) * np.maximum(spring.place_on(beam.length) - place, 0.0)
     inboard = force * (motion.slider_position - place) - mechanism.slider.inertia * alpha
     return np.asarray(moment + np.where(place < motion.slider_position, inboard, 0.0))

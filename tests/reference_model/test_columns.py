@@ -12,7 +12,7 @@ def _row() -> columns.Rows:
 
 
 def test_what_compiled_code_lays_down_in_a_field_is_found_under_the_name_of_the_column() -> None:
-    found = columns.recorded_columns(columns.by_column(_row()), joint=True)
+    found = columns.recorded_columns(columns.by_column(_row()), joint=True, spring=True)
     assert set(found) == {*columns.COLUMNS, *columns.JOINT_COLUMNS} - {"time", "base_torque", "axial_stretch"}
     for prefix, count in (("strain_", 3), ("shape_", 11), ("moment_", 11)):
         numbered = [name for name in found if name.startswith(prefix) and name[-1].isdigit()]

@@ -38,6 +38,6 @@ def test_curvature_has_the_kink_of_a_point_force(x, place):
     q = np.stack([np.broadcast_to(nodes, levers.shape), lines[0], np.ones_like(levers), lines[1]], axis=2)
     kink = Kink(kinks, np.array([[0.0, jump], [0.0, jump]]))
     places = np.full((1, 2), x)
-    found, rounded_off = (cable.curvatures(q, places, known)[0, 0] - exact for known in (kink, None))
+    found, rounded_off = (cable.curvatures(q, places, *known)[0, 0] - exact for known in ((kink,), ()))
     assert abs(found) < 1e-4 * abs(exact)  # the slope, a cubic's, misses 2e-5 of it at most
     assert abs(rounded_off) > 10 * abs(found) or abs(x - place) > 2 / 32

@@ -14,6 +14,7 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
+from quickreturn.reference_model.spring import Spring
 from tests.engines.scenes import FOLLOWER_ALONE, INCH, run_24
 
 Array = NDArray[np.float64]
@@ -38,6 +39,13 @@ DAMPED: Final = replace(
     RUBBING,
     tip=replace(RUBBING.tip_body, force=(0.0, 0.0), force_following=(8.0, -5.0), force_from=0.0, force_to=2.0 * math.pi),
     follower=replace(RUBBING.follower, material_damping=3e-4),
+)
+#: Held by a spring at a place that the slider passes, with a stop that is touched in some of the states.
+HELD_BY_SPRING: Final = replace(
+    DAMPED,
+    spring=Spring(
+        stiffness=300.0, anchor=(0.1, -0.3), place=0.43, preload=4.0, preload_length=0.25, damping=3.0, longest=0.3, stop_stiffness=2e3
+    ),
 )
 BARE: Final = run_24(tip=None, base={"inertia": 0.0, "damping": 0.0}, follower={"damping": 0.0}, crank={"length": 6.0 * INCH})
 ALONE: Final = replace(

@@ -24,6 +24,7 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import BeamTables, state_size
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, ROLLERS, SliderConstraint
+from quickreturn.reference_model.spring import spring_stiffness
 from quickreturn.witness.description import UNITS, Follower, constants, quick_return
 from quickreturn.witness.recovery import columns
 from tests.engines.scenes import run_24
@@ -87,7 +88,8 @@ class DerivedBeam:
         if isinstance(scene, FollowerAlone):
             system, arm = follower_alone(scene, tables, p.n)
         else:
-            system = quick_return(tables, p.n, rigid=self.rigid, prescribed=not scene.crank_is_free, line=line)
+            spring = scene.acting_spring is not None
+            system = quick_return(tables, p.n, rigid=self.rigid, prescribed=not scene.crank_is_free, spring=spring, line=line)
             (arm,) = arms
         names = [each.name for each in system.coordinates]
         self.q2, self.s = names.index("follower_angle"), names.index("slider_position")
@@ -110,6 +112,9 @@ class DerivedBeam:
         if p.knows_frequency:
             stiffness = ca.diag(ca.hessian(arm.strain, e.q)[0])[etas]
             results["highest square"] = ca.mmax(stiffness / (1.0 + ca.DM(p.added_inertia)))
+        if p.knows_frequency and self.scene.acting_spring is not None:
+            row = ca.jacobian(results["spring_length"], e.q)
+            results |= {f"spring_row_{k}": each for k, each in enumerate(ca.horzsplit(row))}
         if p.constraint == CHORDS:  # moments are those of a force on the follower itself, wherever the slider rides
             results |= {f"foot_{k}": each for k, each in enumerate(ca.vertsplit(arm.place - arm.beam.origin))}
         if p.constraint == LEVER:
@@ -229,7 +234,11 @@ class DerivedBeam:
         shown = self._shown(q, v, every, held, time, values)
         found["accelerations"] = np.append([0.0] if self.alone else [], acceleration)
         if p.knows_frequency:
-            found["frequency"] = math.sqrt(shown["highest square"] * self._coupling(mass))
+            square = shown["highest square"]
+            if (spring := self.scene.acting_spring) is not None:
+                row = (np.array([shown[f"spring_row_{k}"] for k in range(len(q))]) @ B)[-p.n :]
+                square += spring_stiffness(shown["spring_length"], spring.law) * float(np.sum(row**2 / np.diag(mass)[-p.n :]))
+            found["frequency"] = math.sqrt(square * self._coupling(mass))
         return found | self._powers(shown, q, v, time, found, held) | self._observed(shown, q, v, time, held)
 
     def missed(self, state: State, off: float) -> float:

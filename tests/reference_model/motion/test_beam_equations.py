@@ -6,6 +6,7 @@ with three elements, 2e-12 of what is solved for.
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Final
 
@@ -13,6 +14,8 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.shapes import hermite_elements
+from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.spring import Spring
 from tests.engines.scenes import run_24
 from tests.reference_model.motion.beam_states import (
     ALONE,
@@ -25,6 +28,7 @@ from tests.reference_model.motion.beam_states import (
     EVERYTHING,
     FREE,
     HEAVY,
+    HELD_BY_SPRING,
     ON_CHORDS,
     ON_ELEMENTS,
     PRELOADED,
@@ -46,6 +50,8 @@ OFF: Final = 1e-3
 
 HELD, HELD_ELEMENTS, RUBBING_HELD = (at_constant_speed(scene) for scene in (EVERYTHING, ON_ELEMENTS, RUBBING))
 STIFF: Final = run_24(follower={"bending_stiffness": math.inf}, slider=EVERYTHING.slider, gravity=EVERYTHING.gravity)
+ON_ELEMENTS_HELD: Final = replace(ON_ELEMENTS, spring=HELD_BY_SPRING.spring)
+AT_END: Final = replace(EVERYTHING, spring=Spring(stiffness=50.0, anchor=(-0.1, -0.4), free_length=0.2, damping=2.0))
 following, staying, alone = DerivedBeam.following, DerivedBeam.staying, DerivedBeam.of_follower_alone
 MODELS: Final[dict[str, Callable[[], DerivedBeam]]] = {
     "following": lambda: following(EVERYTHING, 2),
@@ -72,6 +78,12 @@ MODELS: Final[dict[str, Callable[[], DerivedBeam]]] = {
     "chords": lambda: staying(ON_ELEMENTS, elements_of(EVERYTHING, 3), ON_CHORDS),
     "chord, prescribed speed": lambda: staying(HELD_ELEMENTS, elements_of(EVERYTHING, 1), ON_CHORDS),
     "rigid follower": lambda: following(STIFF, 0),
+    "spring": lambda: following(replace(HELD_BY_SPRING, slider=Slider()), 3),
+    "spring at the end, prescribed speed": lambda: following(at_constant_speed(AT_END), 2),
+    "spring, rubbing": lambda: following(HELD_BY_SPRING, 2, BY_FORCE),
+    "spring, modes": lambda: staying(HELD_BY_SPRING, modes_of(EVERYTHING, 2), BY_FORCE),
+    "spring, elements": lambda: staying(ON_ELEMENTS_HELD, elements_of(EVERYTHING, 3), BY_LEVER),
+    "spring, rigid follower": lambda: following(replace(STIFF, spring=HELD_BY_SPRING.spring), 0),
     "alone": lambda: alone(ALONE, 3),
     "alone, elements": lambda: alone(ALONE, hermite_elements(ALONE.follower.length, 2)),
 }

@@ -16,6 +16,7 @@ from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip_force import tip_force
 from tests.engines.scenes import run_24, with_parts
 from tests.reference_model.motion.beam_runs import Array, run
+from tests.reference_model.motion.beam_states import HELD_BY_SPRING
 from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 from tests.reference_model.thesis.thesis_runs import rigid
 
@@ -87,6 +88,11 @@ def test_closed_forms_of_the_rigid_follower_are_newtons_law_for_mass_points(q1: 
     assert float(rigid_bending_moment(mechanism, 0.0, angle, speed, acceleration)) == pytest.approx(moment, abs=1e-12)
 
 
+assert HELD_BY_SPRING.spring is not None
+#: Without the stop, at which the acceleration changes more quickly than differences can follow.
+SPRING = dataclasses.replace(HELD_BY_SPRING.spring, longest=None, stop_stiffness=0.0)
+
+
 def forces(columns: dict[str, Array]) -> dict[str, Array]:
     return {name: columns[name] for name in ("pivot_force_x", "pivot_force_y", "crank_force_x", "crank_force_y")}
 
@@ -94,8 +100,12 @@ def forces(columns: dict[str, Array]) -> dict[str, Array]:
 @pytest.mark.parametrize("prescribed", [False, True], ids=["torque", "prescribed speed"])
 @pytest.mark.parametrize(
     ("model_of", "mechanism"),
-    [(lambda scene: BeamModel.following(scene, 0), RIGID), (rigid, everything(follower={"bending_stiffness": math.inf}))],
-    ids=["one beam", "thesis"],  # which has no friction
+    [
+        (lambda scene: BeamModel.following(scene, 0), RIGID),
+        (lambda scene: BeamModel.following(scene, 0), dataclasses.replace(RIGID, spring=SPRING)),
+        (rigid, everything(follower={"bending_stiffness": math.inf})),
+    ],
+    ids=["one beam", "held by a spring", "thesis"],  # which has no friction
 )
 def test_a_rigid_follower_has_the_closed_forms(model_of: Any, mechanism: Mechanism, prescribed: bool) -> None:
     if prescribed:

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
-from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane
+from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane, spring
 from quickreturn.reference_model.motion.layout import workspace
 from quickreturn.reference_model.shapes import hermite_elements
+from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.state import State as Parts
 from tests.engines.scenes import run_24
 from tests.reference_model.motion.beam_states import (
@@ -24,6 +26,7 @@ from tests.reference_model.motion.beam_states import (
     EVERYTHING,
     FREE,
     HEAVY,
+    HELD_BY_SPRING,
     ON_CHORDS,
     ON_ELEMENTS,
     PRELOADED,
@@ -72,7 +75,7 @@ LANES: Mapping[str, Callable[..., Any]] = {
     "LaneRecord": plain,
 }
 SOURCE = Source(
-    modules=(plane, fields, loop, inertia, observe, equations),
+    modules=(plane, fields, loop, spring, inertia, observe, equations),
     no_equations=frozenset({"_factor", "_substitute", "kernel", "observe_states"}),
     stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "cache"), plain) | LANES,
     entry=dict,
@@ -121,7 +124,9 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
         p, p.tables, w, Parts.of(y), rows[0]
     ):
         raise ValueError("the state cannot be")
-    found = by_hand(state.model, w, rate, {name: values[0] for name, values in recorded_columns(by_column(rows), joint=True).items()})
+    found = by_hand(
+        state.model, w, rate, {name: values[0] for name, values in recorded_columns(by_column(rows), joint=True, spring=True).items()}
+    )
     return found | {"feedback": rate[p.speeds] - w.facts.s_rate}
 
 
@@ -204,6 +209,9 @@ def checks() -> tuple[Check, ...]:
         following(RUBBING, 2, PRELOADED),
         following(RUBBING, 2, FREE),
         staying(RUBBING, modes_of(EVERYTHING, 2), BY_FORCE),
+        following(replace(HELD_BY_SPRING, slider=Slider()), 2),
+        staying(at_constant_speed(HELD_BY_SPRING), modes_of(EVERYTHING, 2), BY_FORCE),
+        following(replace(EVERYTHING, spring=Spring(stiffness=50.0, anchor=(-0.1, -0.4), free_length=0.2, damping=2.0)), 1),
     )
     states = [model.random_state(seed) for seed, model in enumerate(models)]
     feedback = (_of_feedback(states[k]) for k in (1, 2, 4, 8))
