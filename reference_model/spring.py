@@ -58,7 +58,7 @@ class Spring:
     def __post_init__(self) -> None:
         if self.free_length is not None and (self.preload != 0.0 or self.preload_length is not None):
             other = "preload" if self.preload != 0.0 else "preload_length"
-            problem = f"conflicts with spring.free_length ({self.free_length:.6g} m)"
+            problem = f"cannot stand together: spring.free_length is the length without force, and spring.{other} gives it one"
             raise ImpossibleMechanism(
                 f"spring.{other}", problem, "give free_length, or preload with preload_length", ("spring.free_length",)
             )

@@ -122,7 +122,7 @@ def test_a_damping_that_stops_one_motion_at_once_is_kept_up_with() -> None:
 def test_damping_matrix_takes_the_power_that_the_kernel_does() -> None:
     scene, hinges = run_24(follower={"damping": 3.0}, base={"damping": 0.2}), 12
     data = mujoco.MjData(chain.build(scene, hinges, 0.0))
-    context = _context(scene, hinges, data)[0]
+    ((context,), _) = _context(scene, hinges, data)
     rates = np.sin(np.arange(1.0, hinges + 2.0))  # of the base and the hinges
     straight, forces = np.ones(hinges + 1, np.complex128), np.zeros(len(data.qpos))
     power = damp_beam(context, straight, np.cumsum(rates), forces)

@@ -189,7 +189,7 @@ def test_a_stiff_spring_is_a_support() -> None:
 @pytest.mark.parametrize(
     ("changes", "key", "words"),
     [
-        ({"preload": 3.0}, "spring.preload", "conflicts with spring.free_length"),
+        ({"preload": 3.0}, "spring.preload", "is the length without force"),
         ({"free_length": None}, "spring.free_length", "is missing"),
         ({"shortest": 0.2}, "spring.shortest", "without spring.stop_stiffness"),
         ({"stop_stiffness": 5.0}, "spring.stop_stiffness", "no stop"),
