@@ -282,8 +282,8 @@ class Scatter(Displayed):
             found = [self.mean(name), self.deviation(name), *self.quantiles(name)]
             rows += [
                 (name, unit, *(f"{each.value / size:.5g}" for each in found)),
-                ("", "± points, 95 %", *(f"{each.half_width / size:.1g}" for each in found)),
-                ("", "± simulation", *("-" if math.isnan(each.simulation) else f"{each.simulation / size:.1g}" for each in found)),
+                ("", "± points, 95 %", *(_one_digit(each.half_width / size) for each in found)),
+                ("", "± simulation", *(_one_digit(each.simulation / size) for each in found)),
             ]
             low, high = self.band(name)
             bands.append(
@@ -305,6 +305,11 @@ class Scatter(Displayed):
 def _plain(number: Estimate) -> dict[str, float]:
     """A number for JSON, with the half width of its 95 % interval from the points, and its error from the simulation."""
     return {"value": number.value, "sampling_error": number.half_width, "simulation_error": number.simulation}
+
+
+def _one_digit(error: float) -> str:
+    """An error with one digit, large ones without an exponent; "-" for an unknown one."""
+    return "-" if math.isnan(error) else f"{float(f'{error:.1g}'):.6g}"
 
 
 def _bootstrapped(values: Array, kind: Any, *more: Any) -> tuple[Any, Any]:

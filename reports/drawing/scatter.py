@@ -1,6 +1,7 @@
 """Draws the scatter of measures: how many machines lie below a value, the band, and the share of each uncertain quantity."""
 
 import textwrap
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -10,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from quickreturn.cases.measures.catalogue import MEASURES
-from quickreturn.cases.uncertainty.scatter import Scatter
+from quickreturn.cases.uncertainty.scatter import Scatter, Share
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import BAND, FONT_SIZE, GREY, QUICK, Drawing, legend_above, new_figure, note, tidy
 
@@ -20,20 +21,23 @@ DARK: Final = "#1062c8"  # of lines and bars
 
 
 def scatter_figure(scatter: Scatter) -> Drawing:
-    """A row of two panels for each measure: the distribution of its values with the band, and the shares of its variance."""
+    """A row for each measure: the distribution of its values with the band; beside it, where known, the shares of its variance."""
     height = max(PANEL, 0.8 + BAR * len(scatter.distributions))
     figure = new_figure(0.8 + height * len(scatter.measures), WIDE)
-    panels = figure.subplots(len(scatter.measures), 2, squeeze=False, width_ratios=(3, 2))
-    for name, (left, right) in zip(scatter.measures, panels, strict=True):
-        _distribution(left, scatter, name)
-        _shares(right, scatter, name)
-    handles = (
+    shares = {name: [] if scatter.lacking(name) else scatter.shares(name) for name in scatter.measures}
+    ratios = (3, 2) if any(shares.values()) else (1,)
+    panels = figure.subplots(len(scatter.measures), len(ratios), squeeze=False, width_ratios=ratios)
+    for name, row in zip(scatter.measures, panels, strict=True):
+        _distribution(row[0], scatter, name)
+        if len(ratios) == 2:
+            _shares(row[1], shares[name])
+    handles: list[Line2D | Patch] = [
         Line2D([], [], linestyle="none", marker=".", color=GREY, label="points"),
         Patch(color=BAND, label="nine of ten machines"),
         Line2D([], [], marker="|", color=DARK, label="5, 50, 95 %, both errors"),
-        Patch(color=DARK, label="share alone"),
-        Patch(color=QUICK, label="share in all"),
-    )
+    ]
+    if len(ratios) == 2:
+        handles += [Patch(color=DARK, label="share alone"), Patch(color=QUICK, label="share in all")]
     legend_above(figure, handles, len(handles))
     counts = ", ".join(f"{count} {status}" for status, count in scatter.counts.items())
     panels[0, 0].set_title(f"{scatter.case.name}: {len(scatter.statuses)} points, {counts}", fontsize=FONT_SIZE)
@@ -62,9 +66,12 @@ def _distribution(axes: Axes, scatter: Scatter, name: str) -> None:
     tidy(axes, "machines below [%]")
 
 
-def _shares(axes: Axes, scatter: Scatter, name: str) -> None:
+def _shares(axes: Axes, shares: Sequence[Share]) -> None:
     """Draw two bars for each uncertain quantity: its share of the variance alone, and in all."""
-    shares = [] if scatter.lacking(name) else scatter.shares(name)
+    if not shares:
+        axes.set_axis_off()
+        note(axes, 0.02, 0.96, "no share can be told")
+        return
     places = np.arange(len(shares))[::-1]
     look: dict[str, Any] = {"height": 0.36, "error_kw": {"elinewidth": 0.8, "capsize": 2.0, "ecolor": "#333333"}}
     axes.barh(places + 0.19, [each.first for each in shares], xerr=[each.first_error for each in shares], color=DARK, **look)
@@ -79,5 +86,3 @@ def _shares(axes: Axes, scatter: Scatter, name: str) -> None:
     axes.set_xlim(0.0, 1.05)
     axes.set_xlabel("share of the variance", fontsize=FONT_SIZE)
     tidy(axes)
-    if not shares:
-        note(axes, 0.02, 0.96, "no share can be told")
