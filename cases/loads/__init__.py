@@ -38,6 +38,12 @@ class Loads:
     fatigue_factor: Factor | None  # fatigue strength over the equivalent amplitude (`fatigue`)
 
     @property
+    def factors(self) -> list[tuple[str, Factor]]:
+        """The known safety factors, each with what it is against, the least first."""
+        both = (("yielding", self.yield_factor), ("fatigue", self.fatigue_factor))
+        return sorted(((against, factor) for against, factor in both if factor), key=lambda each: each[1].value)
+
+    @property
     def strain(self) -> Number | None:
         """Largest surface strain along the arm."""
         return None if self.stress is None else self.stress.largest.times(1.0 / self.modulus)

@@ -176,7 +176,7 @@ def axial_forces(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorksp
     """To the row: normal forces in the arm, the part of the outboard forces along the tangent (equation 6.14)."""
     t, cell = p.tables, find_cell(p.tables.edges, place.s)
     gravity_1, gravity_2 = gravity_in_b(p, place.q2)
-    beam_1 = beam_2 = outboard_1 = outboard_2 = 0.0
+    beam_1 = outboard_1 = outboard_2 = 0.0
     for point in range(len(t.x)):
         a1, a2 = _acceleration(p, k, w, point)
         load_1 = p.rhoA * (gravity_1 - a1) + p.beam_damping * w.F_rate[point]
@@ -184,7 +184,7 @@ def axial_forces(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorksp
         beyond = t.weights[point]
         if point < (cell + 1) * POINTS:
             beyond -= w.weights[0, point - cell * POINTS] if point >= cell * POINTS else t.weights[point]
-        beam_1, beam_2 = beam_1 + t.weights[point] * load_1, beam_2 + t.weights[point] * load_2
+        beam_1 += t.weights[point] * load_1
         outboard_1, outboard_2 = outboard_1 + beyond * load_1, outboard_2 + beyond * load_2
     _, _, a1, a2, _ = _tip_body(p, k, w, y.eta_rate)
     acting, h1, h2 = tool(y.q[0], p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)

@@ -35,16 +35,14 @@ def strength(content: Content) -> Chapter | None:
 
 
 def finding(cases: Sequence[CaseLoads]) -> str:
-    """The largest stress in the first case, a safety factor, and the distance to resonance, as far as they are known."""
+    """The largest stress in the first case, the least safety factor, and the distance to resonance, as far as they are known."""
     case = cases[0]
     loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
     assert loads.stress is not None
     stress = loads.stress.largest
     text = f"{quantity(stress.value, units.of('Pa'))} at {from_p(stress, units)}"
-    if loads.yield_factor:
-        text += f", safety {loads.yield_factor.text} against yielding"
-    elif loads.fatigue_factor:
-        text += f", safety {loads.fatigue_factor.text} against fatigue"
+    for against, factor in loads.factors[:1]:
+        text += f", safety {factor.text} against {against}"
     if resonance:
         text += f"; harmonic {resonance.harmonic} is {size(resonance.detuning)} from resonance"
     return f"{case.case.name}: {text}" if len(cases) > 1 else text

@@ -213,14 +213,16 @@ def machine_figures(case: CaseLoads) -> list[Figure]:
 
 
 def safety_figure(case: CaseLoads) -> Figure:
-    """The safety factors that are known."""
-    follower, loads, unit = case.case.mechanism.follower, case.loads[case.lead], case.case.units.of("Pa")
-    against_fatigue = f"against fatigue at an amplitude of {_given(follower.fatigue_strength, unit)}" if loads.fatigue_factor else ""
-    if loads.yield_factor:
-        besides = f"; {loads.fatigue_factor.text} {against_fatigue}" if loads.fatigue_factor else ""
-        return loads.yield_factor.text, f"safety against yielding at {_given(follower.yield_strength, unit)}{besides}"
-    if loads.fatigue_factor:
-        return loads.fatigue_factor.text, f"safety {against_fatigue}"
+    """The safety factors that are known, the least first."""
+    follower, unit = case.case.mechanism.follower, case.case.units.of("Pa")
+    strengths = {"yielding": ("at", follower.yield_strength), "fatigue": ("at an amplitude of", follower.fatigue_strength)}
+    told = [
+        (factor.text, f"against {against} {strengths[against][0]} {_given(strengths[against][1], unit)}")
+        for against, factor in case.loads[case.lead].factors
+    ]
+    if told:
+        (least, against), *others = told
+        return least, "; ".join([f"safety {against}", *(f"{factor} {other}" for factor, other in others)])
     return "–", Markup("safety: give <code>yield_strength</code> and <code>fatigue_strength</code> in <code>[follower]</code>")
 
 

@@ -75,7 +75,7 @@ def test_error_falls_at_least_with_the_square_of_the_links() -> None:
 
 
 def test_every_column_is_there_and_the_gap_is_closed(fine: Trajectory) -> None:
-    assert set(OPTIONAL) - {"base_torque", "axial_stretch"} <= set(fine.columns)  # those are of a follower alone
+    assert set(OPTIONAL) - {"base_torque", "axial_stretch", "spring_force"} <= set(fine.columns)  # of a follower alone, and of a spring
     assert all(np.all(np.isfinite(values)) for values in fine.columns.values())
     assert fine["constraint_gap"].max() < 1e-12  # m; round-off of lengths below 1 m is 1e-16
 

@@ -85,8 +85,8 @@ def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
 
 def test_every_column_is_there_and_begins_as_the_rigid_mechanism() -> None:
     trajectory = converged(run_24())
-    of_follower_alone = {"base_torque", "axial_stretch"}
-    assert set(trajectory.columns) == {*REQUIRED, *OPTIONAL} - of_follower_alone
+    of_other_scenes = {"base_torque", "axial_stretch", "spring_force"}
+    assert set(trajectory.columns) == {*REQUIRED, *OPTIONAL} - of_other_scenes
     start = reconstruct(run_24(), standard_start(run_24()))
     assert trajectory["slider_position"][0] == pytest.approx(start.slider_position, rel=1e-14)
     # recovered under the moment of the pivot's damping, 4e-6 N m, which bends by 1e-9

@@ -10,6 +10,9 @@ from tests.strategies import Scene, scenes
 
 #: Exudyn and MuJoCo divide the output step, so that another one changes their steps: only runs of the same steps can be compared.
 EXACT = 1e-12
+#: Two pieces begin the second one from states that are rounded once more, which the chain's vibrations magnify: up to 6e-13 in 40 scenes,
+#: 1.1e-12 in one of them with other compiled code.
+ROUNDED = 4e-12
 
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=str)
@@ -30,5 +33,5 @@ def test_pieces_do_not_show(method: Method, scene: Scene, share: float) -> None:
     simulation = method.engine.prepare(scene.mechanism, scene.start, method.settings)
     pieces = [simulation.advance(rows * scene.output_step, scene.output_step) for rows in (first, scene.rows - first)]
     # Exudyn's and MuJoCo's steps are the same in one piece and in two
-    bound = EXACT if method in (EXUDYN, MUJOCO) else STEPS_ADD_UP * TOLERANCE
+    bound = ROUNDED if method in (EXUDYN, MUJOCO) else STEPS_ADD_UP * TOLERANCE
     assert_close(join(pieces).columns, method.run(scene), scene, method, bound)

@@ -14,11 +14,12 @@ An engine climbs no further than `MOST_RUNGS` from where it begins: what it clai
 """
 
 import argparse
+import copy
 import dataclasses
 import itertools
 import math
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Final
@@ -191,11 +192,13 @@ def _climbing_little(chosen: AnyEngine) -> AnyEngine:
     kind, rungs = type(chosen), itertools.count(1)
 
     class ClimbingLittle(kind):  # type: ignore[misc, valid-type]
-        def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> Settings | None:
+        def finer(self, settings: Settings, excess: Mapping[str, float], output_step: float) -> Settings | None:
             found: Settings | None = super().finer(settings, excess, output_step)
             return found if next(rungs) <= MOST_RUNGS else None
 
-    return ClimbingLittle()
+    limited = copy.copy(chosen)  # an engine may be made from data
+    limited.__class__ = ClimbingLittle
+    return limited
 
 
 def _confirming(scene: Scene) -> tuple[Trajectory | None, str]:

@@ -89,7 +89,9 @@ def wrong_keys(path: str) -> Iterator[Mistake]:
         sections = scene()
         sections[section] = {misspelt if each == key else each: value for each, value in sections[section].items()}
         yield Mistake(f"{path} as {misspelt}", written(sections), (f": {section}.",))
-    for other in SECTIONS:
+    for other in scene():
+        if not other:
+            continue
         sections = scene()
         value = sections[section].pop(key)
         if key not in SECTIONS[other]:

@@ -100,7 +100,7 @@ def test_the_range_that_is_advised_is_accepted() -> None:
     """For every parameter that a fit may have: the example of a message is what the next call takes."""
     case, advised = qr.case("rigid"), 0
     for key, about in PATHS.items():
-        if about.count is not None or not about.moves or key.startswith(("simulation.", "base.spin_up")):
+        if not about.is_number or not about.moves or key.startswith(("simulation.", "base.spin_up")):
             continue
         try:
             frees_of([key], case)

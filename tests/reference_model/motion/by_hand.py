@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import BEARINGS, BENDING, SHAPE
+from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, SHAPE
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import BeamWorkspace
 from tests.reference_model.motion.derived_beam import State
@@ -43,14 +43,14 @@ def by_hand(model: BeamModel, w: BeamWorkspace, rate: Array, shown: Mapping[str,
 def sizes(state: State) -> dict[str, float]:
     """What a difference is relative to.
 
-    Biases are sums of larger parts that cancel, centripetal ones. Places are measured by the follower's length, moments and strains by the
-    largest ones, small powers and forces by a thousandth of a watt and newton.
+    Biases are sums of larger parts that cancel, centripetal ones; so are normal forces, of what the pivot bears. Places are measured by the
+    follower's length, moments and strains by the largest ones, small powers and forces by a thousandth of a watt and newton.
     """
     expected, scene = state.expected, state.witness.scene
     square = float(np.max(np.abs(state.v))) ** 2
     largest = {name: float(np.max(np.abs(value))) for name, value in expected.items()}
     strains = [f"strain_{k}" for k in (1, 2, 3)]
-    groups = BENDING, BEARINGS[:2], BEARINGS[2:], strains
+    groups = BENDING, BEARINGS[:2], BEARINGS[2:], (*AXIAL, *BEARINGS[:2]), strains
     for names in ([name for name in group if name in expected] for group in groups):
         largest |= dict.fromkeys(names, max((largest[name] for name in names), default=0.0))
     largest |= {name: scene.follower.length for name in PLACES if name in expected}

@@ -118,7 +118,7 @@ def _quartics() -> Check:
         coefficients[1, : power + 1, i] = [math.comb(power, k) * 0.5**power for k in range(power + 1)]
     shapes = ShapeSet(np.array([0.0, 0.5 * L, L]), coefficients, has_continuous_curvature=True)
     eta, eta_rate = np.array([0.08, -0.03]), np.array([-1.0, 1.5])
-    p = build_parameters(mechanism_of(parameters), shapes, exact_geometry=False, cells=8)  # quadrature error 4e-11
+    p = build_parameters(mechanism_of(parameters), shapes, exact_geometry=False, cells=16)  # quadrature error 2e-10 with eight
     expected = expected_shapes(parameters, state, shapes, eta, eta_rate, exact=False)
     return Check(p, shapes, state_vector(p, state, eta, eta_rate), expected)
 

@@ -27,9 +27,14 @@ POINTS: Final = 16
 
 
 class DerivedThesis:
-    """The quick-return with one of the followers of `examples/derive/quick_return.py`, or with `of_shapes`."""
+    """The quick-return with one of the followers of `examples/derive/quick_return.py`, or with `of_shapes`.
 
-    def __init__(self, follower: Callable[..., tuple[Beam, ca.SX, ca.SX, ca.SX]]) -> None:
+    Args:
+        follower: describes it.
+        inboard: number of its mass points between base and slider; None if a cell holds points on both sides.
+    """
+
+    def __init__(self, follower: Callable[..., tuple[Beam, ca.SX, ca.SX, ca.SX]], inboard: int | None = None) -> None:
         built: list[tuple[Beam, ca.SX, ca.SX, ca.SX]] = []
 
         def keeps(*arguments: Any, **common: Any) -> tuple[Beam, ca.SX, ca.SX, ca.SX]:
@@ -47,8 +52,24 @@ class DerivedThesis:
         at_base = p["base_inertia"] * system.rate(system.rate(beam.angle)) + p["base_damping"] * system.rate(beam.angle) - damped
         center = turned(turn, p["tip_center_of_mass"])
         at_tip = -p["tip_inertia"] * system.rate(system.rate(turn)) - center[0] * of_tip[1] + center[1] * of_tip[0]
-        pivot = of_beam + of_tip - vector(p["force_1"], p["force_2"]) - slider
+        tool = vector(p["force_1"], p["force_2"])
+        pivot = of_beam + of_tip - tool - slider
+
+        def beyond(first: int) -> ca.SX:
+            """The force (N) of the mass points from `first` on, of the tip body and of the tool on the arm inboard of them."""
+            part = Points(*(each[first:] for each in system.points[0][:3]), *system.points[0][3:])
+            drift = (-ca.dot(part.mass, system.rate(each)) / p["mass_per_length"] * p["beam_damping"] for each in (part.x, part.y))
+            return tool - of_tip - _lacking(system, part) + turned(beam.angle, *drift)
+
         results = {
+            "normal_forces": (
+                column(
+                    ca.dot(turned(beam.angle, 1, 0), beyond(0) + slider),
+                    ca.dot(turned(turn, 1, 0), tool - of_tip),
+                    ca.dot(tangent, slider),
+                ),
+                "N",
+            ),
             "slider_force": (ca.dot(slider, vector(-tangent[1], tangent[0])), "N"),
             "bearings": (column(pivot, of_crank + of_slider + slider), "N"),
             "end_moments": (column(-p["slider_inertia"] * turning_of_slider, at_base, at_tip), "N*m"),
@@ -57,6 +78,8 @@ class DerivedThesis:
             "tip_position": (beam.end(), "m"),
             "tip_acceleration": (ca.dot(system.rate(system.rate(beam.end())), turned(beam.end_slope(), 0, 1)), "m/s^2"),
         }
+        if inboard is not None:
+            results["normal_force_at_slider"] = (ca.dot(tangent, beyond(inboard)), "N")
         for name, (value, unit) in results.items():
             system.output(f"thesis {name}", value, unit)
         e = Equations(system)
@@ -164,7 +187,7 @@ def of_shapes(shapes: ShapeSet, near: float, *, exact: bool) -> DerivedThesis:
         tangent = turned(beam.angle, forwards, slope)
         return beam, place, beam.angle + (ca.asin(turn) if exact else turn), tangent / ca.norm_2(tangent)
 
-    return DerivedThesis(follower)
+    return DerivedThesis(follower, POINTS * (cell + 1))
 
 
 def _first_moment(points: Points) -> ca.SX:

@@ -163,6 +163,8 @@ def computed(equations: Equations, p: ThesisParameters, y: Array) -> Values:
         "bearings": np.array([column[name] for name in BEARINGS]),
         "moments": np.array([column[name] for name in (*MOMENTS, "moment_slider")]),
         "end_moments": np.array([column["moment_inboard"] - column["moment_slider"], column["moment_base"], column["moment_tip"]]),
+        "normal_forces": np.array([column["axial_base"], column["axial_tip"], column["axial_inboard"] - column["axial_slider"]]),
+        "normal_force_at_slider": np.array([column["axial_slider"]]),
         "state_rate": np.r_[rate[: n + 1], rate[n + 1 + (not p.crank_is_free) : 2 * n + 2]],
         "dissipated_power": rate[2 * n + 2 : 2 * n + 3],
         "drive_power": rate[2 * n + 3 :],

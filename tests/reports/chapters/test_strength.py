@@ -48,6 +48,9 @@ def test_the_heading_gives_stress_safety_and_resonance(known: CaseLoads) -> None
     stress, resonance = "12.35 MPa at 375 mm from P", "harmonic 9 is 2.2 % from resonance"
     assert plain(finding([known])) == f"{stress}, safety 2 against yielding; {resonance}"
     assert plain(finding([without(known, "yield_factor")])) == f"{stress}, safety 3 against fatigue; {resonance}"
+    tired = dataclasses.replace(known.loads["reference"], yield_factor=known.loads["reference"].fatigue_factor)
+    tired = dataclasses.replace(tired, fatigue_factor=known.loads["reference"].yield_factor)
+    assert ", safety 2 against fatigue; " in plain(finding([dataclasses.replace(known, loads={"reference": tired})]))  # the least counts
     neither = without(known, "yield_factor", "fatigue_factor")
     assert plain(finding([neither])) == f"{stress}; {resonance}"
     neither = with_resonance(neither, None)
