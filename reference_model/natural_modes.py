@@ -127,6 +127,18 @@ def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> 
     return supported_modes(mechanism, min(position, mechanism.follower.length), count, stiffness_across(mechanism, crank_angle))
 
 
+def turn_angles(mechanism: Mechanism, count: int) -> Array:
+    """Evenly spaced crank angles, rad, whose modes say those of a whole turn.
+
+    Returns:
+        `count` angles from 0 to pi, which the other half of the turn mirrors; twice as many less one, to 2 pi, where a spring acts from a
+        point off the line through O and P.
+    """
+    spring = mechanism.acting_spring
+    mirrored = spring is None or spring.anchor[1] == 0.0
+    return np.linspace(0.0, math.pi, count) if mirrored else np.linspace(0.0, 2.0 * math.pi, 2 * count - 1)
+
+
 def stiffness_ratio(scene: Scene) -> float:
     """Lowest natural frequency with the crank held at any angle, over the crank's speed (`rigid.crank_pace`).
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import numpy as np
 
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_angles
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
     from quickreturn.cases.shown import Units
 
-#: Number of crank angles in half a turn over which frequencies are averaged; the other half mirrors it. The mean of a smooth periodic
+#: Number of crank angles in half a turn over which frequencies are averaged. The mean of a smooth periodic
 #: function over so many even angles is exact to round-off in all scenes of the library but those whose crank nearly reaches P.
 ANGLES: Final = 25
 #: Distance of a ratio of frequencies from a whole number above which it lies between two, and below which it is close to one. At the peaks
@@ -71,8 +71,8 @@ def resonance(mechanism: Mechanism) -> Resonance | None:
     pace = crank_pace(mechanism)
     if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.closed_stiffness == 0.0:
         return None
-    frequencies = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in np.linspace(0.0, math.pi, ANGLES)])
-    return Resonance(float(np.trapezoid(frequencies) / (ANGLES - 1)), float(frequencies.min()), pace / (2.0 * math.pi))
+    frequencies = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in turn_angles(mechanism, ANGLES)])
+    return Resonance(float(np.trapezoid(frequencies) / (frequencies.size - 1)), float(frequencies.min()), pace / (2.0 * math.pi))
 
 
 def driven(mechanism: Mechanism) -> tuple[int, int]:
@@ -81,8 +81,8 @@ def driven(mechanism: Mechanism) -> tuple[int, int]:
     That is the multiple of the speed nearest to the mean frequency of the first mode, unless the speed lies between two such multiples and
     close to one of the second mode.
     """
-    modes = [frozen_crank_modes(mechanism, angle, 2).frequencies for angle in np.linspace(0.0, math.pi, ANGLES)]
-    ratios = np.asarray(np.trapezoid(modes, axis=0)) / (ANGLES - 1) / (crank_pace(mechanism) / (2.0 * math.pi))
+    modes = [frozen_crank_modes(mechanism, angle, 2).frequencies for angle in turn_angles(mechanism, ANGLES)]
+    ratios = np.asarray(np.trapezoid(modes, axis=0)) / (len(modes) - 1) / (crank_pace(mechanism) / (2.0 * math.pi))
     first, second = np.abs(ratios - np.round(ratios))
     mode = 1 if second > CLOSE or first < BETWEEN else 2
     return max(1, round(float(ratios[mode - 1]))), mode

@@ -50,11 +50,11 @@ class MovingMode:
 
 
 def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes], signs: Array) -> MovingMode:
-    """Follow the first mode over half a turn.
+    """Follow the first mode over half a turn, or a turn (`natural_modes.turn_angles`).
 
     Args:
         mechanism: the scene.
-        angles: of the crank, rad, evenly spaced over 0 .. pi, shape (angles,).
+        angles: of the crank, rad, evenly spaced over 0 .. pi or 0 .. 2 pi, shape (angles,).
         modes: with the crank held at each of them, at least two.
         signs: that make the modes continuous over the angles, shape (angles, modes).
     """
@@ -73,7 +73,7 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
 
     inertia, tension = _changing_shape(mechanism, angles, modes, signs[:, 0])
     squares = turned**2 * tension - inertia - np.sum((2.0 * coupling * along[:, None]) ** 2 / apart, axis=1) * first**2
-    even = CubicSpline(np.concatenate([-angles[:0:-1], angles]), np.concatenate([first[:0:-1], first]))
+    even = periodic(angles, first)
     changing = 0.375 * even(angles, 1) ** 2 / first**4 - 0.25 * even(angles, 2) / first**3
     yielding = (forces[:, 0] * s * turned) ** 2
     resisting = np.maximum(2.0 * mechanism.crank_inertia * first**4, yielding / LARGEST + TINY)
@@ -82,6 +82,14 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
         free_crank=yielding / resisting if mechanism.crank_is_free else np.zeros(angles.size),
         motion=squares / (2.0 * first**2) + changing,
     )
+
+
+def periodic(angles: Array, values: Array, sign: float = 1.0) -> CubicSpline:
+    """Periodic spline through values over a turn, or over half a turn that the other half mirrors with the same or the other sign."""
+    if angles[-1] < 1.5 * np.pi:
+        angles = np.concatenate([angles, 2.0 * np.pi - angles[-2::-1]])
+        values = np.concatenate([values, sign * values[-2::-1]])
+    return CubicSpline(angles, np.concatenate([values[:-1], values[:1]]), bc_type="periodic")
 
 
 def _moments_of_momentum(mechanism: Mechanism, modes: FrozenModes) -> Array:

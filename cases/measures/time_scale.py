@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.measures.moving_mode import moving_mode
+from quickreturn.cases.measures.moving_mode import moving_mode, periodic
 from quickreturn.cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.natural_modes import FrozenModes, frozen_crank_modes
+from quickreturn.reference_model.natural_modes import FrozenModes, frozen_crank_modes, turn_angles
 from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]
@@ -20,7 +20,7 @@ MODES = 3
 COUPLED = 4  # number of modes that a moving slider couples with the first one: higher ones add at most 0.01 rad to a phase
 TEMPLATE_FLOOR = 0.15  # least magnitude of a template that keeps its sign, as a part of its RMS
 COARSER = 3  # corrections for the motion are computed at each third angle, interpolated between: an error below 1e-4 of the frequency
-ANGLES = 181  # number of crank angles in half a turn: the scale is symmetric about the return
+ANGLES = 181  # number of crank angles in half a turn
 TURN = np.linspace(0.0, 2.0 * np.pi, 2 * ANGLES - 1)  # rad
 NOTHING = 1e-6  # as a part of the curvature at the slider: a gauge with no more sits at an end that carries no moment
 
@@ -74,7 +74,7 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
 @functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines
 def _tabulated(mechanism: Mechanism) -> TimeScale:
     """The scale of a scene with a flexible follower, whatever its speed."""
-    angles = np.linspace(0.0, np.pi, ANGLES)
+    angles = turn_angles(mechanism, ANGLES)
     modes = [frozen_crank_modes(mechanism, angle, COUPLED) for angle in angles]
     signs = _continuous_signs(modes, mechanism)
     frequencies = np.array([mode.frequencies[:MODES] for mode in modes])
@@ -85,7 +85,7 @@ def _tabulated(mechanism: Mechanism) -> TimeScale:
 
     tip = np.array([mode.tip_displacement for mode in modes])
     of_tip = omega[:, 0] ** 1.5 * (
-        2.0 * _mirrored(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", dragged, signs * tip)
+        2.0 * periodic(angles, signs[:, 0] * tip[:, 0])(angles, 1) / omega[:, 0] + np.einsum("aj,aj->a", dragged, signs * tip)
     )
     responses = {"tip_acceleration": (signs[:, :MODES] * omega**1.5 * tip[:, :MODES], of_tip)}
     slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
@@ -102,9 +102,9 @@ def _tabulated(mechanism: Mechanism) -> TimeScale:
     templates, quadratures = {}, {}
     for name, (in_phase, late) in responses.items():
         templates[name], unit = _template(angles, in_phase)
-        quadratures[name] = _mirrored(angles, late / unit, -1.0)
-    free_crank, motion = (_mirrored(angles[coarser], values) for values in (moving.free_crank, moving.motion))
-    return TimeScale(_mirrored(angles, frequencies), free_crank, motion, templates, quadratures, slow_shapes)
+        quadratures[name] = periodic(angles, late / unit, -1.0)
+    free_crank, motion = (periodic(angles[coarser], values) for values in (moving.free_crank, moving.motion))
+    return TimeScale(periodic(angles, frequencies), free_crank, motion, templates, quadratures, slow_shapes)
 
 
 def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
@@ -123,14 +123,7 @@ def _template(angles: Array, response: Array) -> tuple[CubicSpline, float]:
     floor = TEMPLATE_FLOOR * np.sqrt(np.mean(response**2, axis=0))
     floored = np.where(keeps_sign, np.sign(response) * np.maximum(np.abs(response), floor), response)
     unit = np.mean(np.abs(floored), axis=0)
-    return _mirrored(angles, floored / unit), float(unit[0])
-
-
-def _mirrored(angles: Array, values: Array, sign: float = 1.0) -> CubicSpline:
-    """Periodic spline through values on 0 .. pi that are mirrored about both ends, with the same or the other sign."""
-    both_halves = np.concatenate([values, sign * values[-2::-1]])
-    both_halves[-1] = both_halves[0]
-    return CubicSpline(np.concatenate([angles, 2.0 * np.pi - angles[-2::-1]]), both_halves, bc_type="periodic")
+    return periodic(angles, floored / unit), float(unit[0])
 
 
 def _slow_shape(response: Array) -> CubicSpline:

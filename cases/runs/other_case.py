@@ -18,7 +18,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_angles
 from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed, rigid_kinetostatics, static_deflection
 
 
@@ -162,7 +162,7 @@ def _expected_traits(mechanism: Mechanism, names: list[str] | None = None) -> di
     }
     halves = [name for name in TRAITS if "frequency" in name and (names is None or name in names)]
     if halves and not mechanism.follower.is_rigid:
-        half = angles[: _ANGLES // 2 + 1]  # the other half of the turn mirrors it
+        half = turn_angles(mechanism, _ANGLES // 2 + 1)
         traits |= dict.fromkeys(halves, float(np.mean([frozen_crank_modes(mechanism, float(angle), 1).frequencies[0] for angle in half])))
     return {name: value for name, value in traits.items() if value > NOTHING and (names is None or name in names)}
 

@@ -13,6 +13,7 @@ from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.spring import Spring
 from tests.verification.measures_accuracy import thesis_scene
 
 RUN_24: Mechanism = thesis_scene(24)[0]
@@ -46,6 +47,25 @@ def test_scale_is_symmetric_about_the_return_and_periodic() -> None:
     for function in (scale.frequencies, *scale.templates.values()):
         assert function(-angles) == pytest.approx(function(angles), abs=1e-9)  # round-off
         assert function(angles + 6.0 * np.pi) == pytest.approx(function(angles), abs=1e-9)
+
+
+def test_scale_with_a_spring_beside_the_line_is_that_of_the_whole_turn() -> None:
+    """Against the modes at each angle; and the mirrored machine has the mirrored scale, with all that motion changes."""
+    aside = Spring(stiffness=3e3, anchor=(0.05, -0.3), free_length=0.2)
+    scale, mirrored = (
+        time_scale(dataclasses.replace(RUN_24, spring=spring)) for spring in (aside, dataclasses.replace(aside, anchor=(0.05, 0.3)))
+    )
+    assert scale is not None
+    assert mirrored is not None
+    for angle in (0.7, 2.0, 2.0 * math.pi - 2.0, 2.0 * math.pi - 0.7):
+        exact = frozen_crank_modes(dataclasses.replace(RUN_24, spring=aside), angle, 3).frequencies
+        assert scale.frequencies(angle) == pytest.approx(exact, rel=1e-6)  # cubic interpolation over 1°
+    assert abs(scale.frequencies(0.7)[0] / scale.frequencies(-0.7)[0] - 1.0) > 5e-3  # the halves of the turn differ
+    angles = np.linspace(0.0, 2.0 * np.pi, 100)
+    assert scale.frequencies(angles) == pytest.approx(mirrored.frequencies(-angles), rel=1e-9)  # round-off
+    assert scale.motion(angles) == pytest.approx(mirrored.motion(-angles), abs=1e-8)
+    for name, template in scale.templates.items():
+        assert np.abs(template(angles)) == pytest.approx(np.abs(mirrored.templates[name](-angles)), abs=1e-8)
 
 
 def test_templates_follow_the_mode_at_constant_action_without_jumping_sign() -> None:
