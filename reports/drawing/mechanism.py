@@ -27,6 +27,8 @@ POINTS: Final = 61  # along the follower
 BESIDE: Final = np.array([18.0, 11.0])  # points: distance of a name from the point that it names, to the side and up
 CLEAR: Final = math.radians(120.0)  # rad, a crank angle at which no part covers another
 MARGIN: Final = 0.07  # of the follower's length, around everything
+COILS: Final = 8  # of a drawn spring
+COIL: Final = 0.012  # of the follower's length, half the width of a drawn spring
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,8 @@ class Scenery:
     def __init__(self, axes: Axes, case: Case, motions: Mapping[str, Positions], factor: float) -> None:
         scene = case.scene
         self._crank_length = 0.0 if scene.crank is None else scene.crank.length
-        self._pivot = np.array([scene.pivot_distance, 0.0])
+        self._pivot, self._length = np.array([scene.pivot_distance, 0.0]), scene.follower.length
+        self._spring = getattr(scene, "acting_spring", None)
         self._motions, self._has_tip = motions, getattr(scene, "tip", None) is not None
         self._placed = {label: motion.placed(self._pivot, factor) for label, motion in motions.items()}
         self._frame(axes, scene.follower.length)
@@ -112,6 +115,7 @@ class Scenery:
         self._tips = {label: axes.plot([], [], "o", color=style["color"], zorder=3.5, **marker)[0] for label, style in looks.items()}
         self._straight = axes.plot([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.6)[0]
         self._crank = axes.plot([], [], color="black", linewidth=3.0, solid_capstyle="round", zorder=4.0)[0]
+        self._coil = axes.plot([], [], color=GREY, linewidth=1.2, zorder=2.5)[0]
         self._slider = axes.plot([], [], "s", color=QUICK, zorder=6.0, **marker)[0]
         self._said = axes.text(0.012, 0.02, "", transform=axes.transAxes, fontsize=FONT_SIZE, family="monospace", va="bottom")
         named = [*(("crank", "slider") if self._crank_length else ()), "follower", *(("tip",) if self._has_tip else ())]
@@ -121,7 +125,8 @@ class Scenery:
         """Set equal scales, and limits that contain all parts at every instant."""
         points = np.concatenate([placed.reshape(-1, 2) for placed in self._placed.values()])
         turn = self._crank_length * np.array([[-1.0, -1.0], [1.0, 1.0]])
-        everything = np.concatenate([points, turn, self._pivot[None], np.zeros((1, 2))])
+        anchor = [] if self._spring is None else [np.array([self._spring.anchor])]
+        everything = np.concatenate([points, turn, self._pivot[None], np.zeros((1, 2)), *anchor])
         low, high = everything.min(axis=0) - MARGIN * length, everything.max(axis=0) + MARGIN * length
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1] - MARGIN * length, high[1])
@@ -142,6 +147,8 @@ class Scenery:
             _beside(axes, "O", -14.0, fontsize=FONT_SIZE)
         axes.plot(*self._pivot, "^", color="black", markersize=8.0, zorder=5.0)
         _beside(axes, "P", -16.0, x=d, fontsize=FONT_SIZE)
+        if self._spring is not None:
+            axes.plot(*self._spring.anchor, "^", color=GREY, markersize=7.0, zorder=5.0)
 
     def show(self, instant: int, text: str) -> None:
         """Move all parts to an instant, with a text below."""
@@ -155,6 +162,9 @@ class Scenery:
                 self._tips[label].set_data(*placed[instant, -1:].T)
         shown = next(iter(self._placed.values()))[instant]
         where = {"follower": shown[POINTS // 5], "tip": shown[-1]}
+        if self._spring is not None:
+            held = shown[round(self._spring.place_on(self._length) / self._length * (POINTS - 1))]
+            self._coil.set_data(*_coil(np.array(self._spring.anchor), held, COIL * self._length).T)
         if first.crank_angle is not None:
             slider = self._crank_length * np.array([math.cos(first.crank_angle[instant]), math.sin(first.crank_angle[instant])])
             self._crank.set_data([0.0, slider[0]], [0.0, slider[1]])
@@ -170,6 +180,16 @@ class Scenery:
         for name, annotation in self._names.items():
             annotation.xy = (float(where[name][0]), float(where[name][1]))
         self._said.set_text(text)
+
+
+def _coil(start: Array, end: Array, half_width: float) -> Array:
+    """A spring's zigzag between two points, a tenth of it straight at either end, shape (points, 2)."""
+    way = end - start
+    across = half_width * np.array([-way[1], way[0]]) / max(float(np.hypot(*way)), 1e-12)
+    part = np.concatenate([[0.0], np.linspace(0.1, 0.9, 2 * COILS + 1), [1.0]])
+    side = np.zeros(part.size)
+    side[2:-2] = np.where(np.arange(part.size - 4) % 2 == 0, 1.0, -1.0)
+    return np.asarray(start + part[:, None] * way + side[:, None] * across)
 
 
 def _beside(axes: Axes, name: str, up: float, x: float = 0.0, **look: Any) -> Any:

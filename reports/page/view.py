@@ -159,18 +159,21 @@ def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
 def _scene(mechanism: Mechanism) -> dict[str, Any]:
     """Lengths in m, and the crank angle (rad, either side of 0) at which the swing back begins and ends: crank and follower are square.
 
-    For a compliant joint: whether its rollers have clearance, and whether the plus and the minus roller are softer than the other.
+    Where the spring is fixed, and at which part of the follower. For a compliant joint: whether its rollers have clearance, and whether the
+    plus and the minus roller are softer than the other.
     """
-    ratio, slider = mechanism.crank.length / mechanism.pivot_distance, mechanism.slider
+    ratio, slider, spring = mechanism.crank.length / mechanism.pivot_distance, mechanism.slider, mechanism.acting_spring
+    length = mechanism.follower.length
     return {
         "pivot": mechanism.pivot_distance,
         "crank": mechanism.crank.length,
-        "follower": mechanism.follower.length,
+        "follower": length,
         "tip": mechanism.tip is not None,
         "rigid": mechanism.follower.is_rigid,
         "rollers": None
         if slider.is_rigid
         else {"free": slider.clearance > 0.0, "soft": [side < max(slider.sides) for side in slider.sides]},
+        "spring": None if spring is None else {"anchor": spring.anchor, "part": spring.place_on(length) / length},
         "quick": math.acos(ratio) if ratio < 1.0 else None,
     }
 

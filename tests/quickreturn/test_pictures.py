@@ -57,6 +57,18 @@ def test_the_deflection_is_magnified_by_a_round_factor(trajectory: Trajectory) -
     assert factor_for([unbent(CASE)], length) == 1.0
 
 
+def test_a_spring_is_drawn_from_its_fixed_point_to_its_place_on_the_follower() -> None:
+    case = load_case("return-spring")
+    spring, length = case.mechanism.acting_spring, case.mechanism.follower.length
+    assert spring is not None
+    axes = mechanisms([case]).axes[0]
+    anchor, place = np.array(spring.anchor), spring.place_on(length)
+    (coil,) = (line for line in axes.lines if len(line.get_xdata()) > 2 and np.allclose(line.get_xydata()[0], anchor))
+    follower = unbent(case).placed(np.array([case.mechanism.pivot_distance, 0.0]), 1.0)[0]
+    end = follower[0] + place / length * (follower[-1] - follower[0])
+    assert coil.get_xydata()[-1] == pytest.approx(end, abs=0.5 * length / (POINTS - 1))
+
+
 def test_the_last_whole_turn_is_shown(trajectory: Trajectory) -> None:
     times = last_turn(trajectory)
     angle = np.interp(times, trajectory["time"], trajectory["crank_angle"])

@@ -122,8 +122,8 @@ class Motion {
 
   /** What all instants reach: least and greatest x and y. */
   bounds(engines, factor) {
-    const { crank, pivot } = this.scene;
-    let [left, right, low, high] = [-crank, Math.max(pivot, crank), -crank, crank];
+    const { crank, pivot, spring } = this.scene, [x, y] = spring?.anchor ?? [0, 0];
+    let [left, right, low, high] = [Math.min(-crank, x), Math.max(pivot, crank, x), Math.min(-crank, y), Math.max(crank, y)];
     for (const engine of engines.filter((name) => this.hasShape(name)))
       for (const at of this.instants(60))
         for (const [x, y] of this.line(engine, at, factor))

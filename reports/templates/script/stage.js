@@ -3,6 +3,7 @@
 const TEXT = "14px system-ui, sans-serif", BOLD = "600 14px system-ui, sans-serif", SMALL = "12px system-ui, sans-serif";
 
 const BAND = 0.1;  // of the follower's length: how far the largest stress reaches from the arm
+const COILS = 8;  // of a drawn spring
 const ARROW = -2.35;  // where on the crank's circle the way of turning stands, rad
 
 /** Whether the page is laid out for printing. */
@@ -55,7 +56,7 @@ class Stage {
     if (!this.motion || width === 0) return;
     const { scale, place } = this.transform(width, height);
     const { motion, colours } = this;
-    const { crank, pivot, quick, follower, tip } = motion.scene;
+    const { crank, pivot, quick, follower, tip, spring } = motion.scene;
     const O = place([0, 0]), P = place([pivot, 0]), radius = scale * crank;
     const angle = motion.crankAngle(at), C = place(motion.slider(angle));
     const compact = width < 500;
@@ -77,6 +78,12 @@ class Stage {
       if (tip) this.tipBody(pen, lines[k], this.engineColour(name), broad);
     });
 
+    if (spring && lines.length) {
+      const line = lines[lines.length - 1], k = spring.part * (line.length - 1), from = Math.min(Math.floor(k), line.length - 2);
+      const held = between(line[from], line[from + 1], k - from), anchor = place(spring.anchor);
+      support(pen, anchor, colours);
+      stroke(pen, colours.soft, 1.5, () => coil(anchor, held, compact ? 3 : 4).forEach((point) => pen.lineTo(...point)));
+    }
     support(pen, O, colours);
     support(pen, P, colours);
     stroke(pen, colours.ink, compact ? 5 : 7, () => { pen.moveTo(...O); pen.lineTo(...C); });
@@ -176,7 +183,6 @@ class Stage {
     const { colours } = this, middle = lines.length ? lines[lines.length - 1] : [P, C], [before, nose] = middle.slice(-2);
     const chord = direction(P, C), arm = direction(O, C), end = direction(before, nose), across = ([x, y]) => [-y, x], back = ([x, y]) => [-x, -y];
     const sides = (point, normal, gap) => [[point, normal, gap], [point, back(normal), gap]];
-    const between = (from, to, part) => [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])];
     const [down, up, right, left] = [[0, 1], [0, -1], [1, 0], [-1, 0]], diagonal = [[0.7, -0.7], [-0.7, -0.7], [-0.7, 0.7], [0.7, 0.7]];
     const wanted = [  // name, font, and places: a point, a direction away from it, and the gap
       ["O", BOLD, [[O, down, 18], [O, left, 12], ...diagonal.map((way) => [O, way, 12]), [O, right, 13], [O, up, 8]]],
@@ -211,6 +217,15 @@ class Stage {
   }
 }
 
+const between = (from, to, part) => [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])];
+/** A spring's zigzag between two points, a tenth of it straight at either end. */
+const coil = (from, to, half) => {
+  const [dx, dy] = direction(from, to), turns = Array.from({ length: 2 * COILS - 1 }, (_, k) => {
+    const [x, y] = between(from, to, 0.1 + 0.8 * (k + 1) / (2 * COILS)), side = k % 2 ? -half : half;
+    return [x - side * dy, y + side * dx];
+  });
+  return [from, between(from, to, 0.1), ...turns, between(from, to, 0.9), to];
+};
 const around = ([x, y], w, h) => [x - w, y - h, x + w, y + h];
 const direction = ([x, y], [toX, toY]) => { const length = Math.hypot(toX - x, toY - y) || 1; return [(toX - x) / length, (toY - y) / length]; };
 const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
