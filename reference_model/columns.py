@@ -87,7 +87,10 @@ COLUMNS: Final = MappingProxyType(
         "tip_y": Observable("m", "place of x = L from O along n2", _ENGINES(5e-6), required=True),
         "tip_deflection": Observable("m", "distance of x = L from the base tangent, along b2", _ENGINES(1.5e-4), required=True),
         "tip_acceleration": Observable(
-            "m/s^2", "absolute acceleration of x = L along the beam's normal there", _ENGINES(7e-3), required=True
+            "m/s^2",
+            "absolute acceleration of x = L along the beam's normal there",
+            _ENGINES(9e-3),  # the pivot's friction excites more modes than `reference` has: 1.3e-3 without it
+            required=True,
         ),
         "strain_1": Observable(
             "1",
