@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -132,6 +133,7 @@ PULLED = dataclasses.replace(
 )
 
 
+@cache
 def stress_of_both(mechanism: Mechanism) -> tuple[Columns, np.ndarray]:
     """Places, and stress of both surfaces there, Pa, shape (2, places, rows), of the rigid arm in closed form."""
     follower = mechanism.follower

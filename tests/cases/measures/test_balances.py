@@ -51,7 +51,7 @@ class Spoiling(Disguised):
     """Marches, with columns changed by `spoil`."""
 
     def __init__(self, spoil: Callable[[Columns], Columns]) -> None:
-        super().__init__(engine("fixed-shapes"))
+        super().__init__(engine("reference"))
         self._spoil = spoil
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
