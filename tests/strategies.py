@@ -18,7 +18,8 @@ from quickreturn.engines.start import Start
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.tip import Tip
+from quickreturn.reference_model.spring import Spring
+from quickreturn.reference_model.tip import ForceTable, Tip
 
 Array = NDArray[np.float64]
 Drive = Literal["torque", "prescribed", "any"]
@@ -83,6 +84,7 @@ def scenes(
     turning_slider: bool = False,
     compliant: bool = False,
     rollers: bool = False,
+    tool: bool = False,
     bent: bool = True,
 ) -> Scene:
     """Scenes with a flexible follower.
@@ -95,6 +97,7 @@ def scenes(
         compliant: with a soft slider joint; else with a rigid one.
         rollers: with two soft rollers that differ, clearance or preload between them in some, friction in some, and a material that
             damps: without any, rattling in a clearance makes trajectories part.
+        tool: with a table of forces on the tip, friction of the tool's slide in some, and a spring with stops that holds the follower.
         bent: some begin with a bent, vibrating follower; else all with a straight one.
     """
     d = draw(numbers(0.2, 1.0))
@@ -102,7 +105,7 @@ def scenes(
     L = (d + LA) * draw(numbers(1.1, 1.5))
     rhoA, EI = draw(numbers(0.1, 1.0)), draw(numbers(1.0, 20.0))
     beam, beam_inertia = rhoA * L, rhoA * L**3 / 3.0
-    tip = draw(st.none() | tips(beam, L, EI))
+    tip = draw(tips(beam, L, EI) if tool else st.none() | tips(beam, L, EI))
     heavy = 1.0 + 4.0 * (tip.mass if tip else 0.0) / beam
     slow = math.sqrt(EI / (rhoA * heavy)) / L**2  # rad/s, about a quarter of the cantilever's lowest angular frequency
     speed = slow * draw(numbers(0.5, 1.8)) * draw(st.sampled_from([1.0, -1.0]))
@@ -116,6 +119,12 @@ def scenes(
     if rollers:
         slider = replace(slider, **draw(joints(L, EI, beam * LA * speed**2, LA * abs(speed))))
         base_friction, material = beam_inertia * speed**2 * draw(perhaps(0.01, 0.1)), draw(numbers(1e-3, 1e-2)) / slow
+    spring = None
+    if tool and tip:
+        force = 0.03 * EI / L**2
+        slide = {"friction_force": force * draw(perhaps(0.1, 1.0)), "friction_speed": 0.1 * LA * abs(speed)}
+        tip = replace(Tip(mass=tip.mass, inertia=tip.inertia, center_of_mass=tip.center_of_mass), force_table=draw(tables(force)), **slide)
+        spring = draw(springs(d, L, EI, beam * slow))
     arm = LA * draw(numbers(0.0, 1.0))
     mass = beam * draw(numbers(1.0, 20.0))
     gravity = LA * speed**2 * draw(perhaps(0.02, 0.2))
@@ -148,6 +157,7 @@ def scenes(
             ),
             tip=tip,
             slider=slider,
+            spring=spring,
             gravity=(gravity * math.cos(direction), gravity * math.sin(direction)),
         ),
         bend=L * draw(_either_sign(0.002, 0.02)) if bent else 0.0,
@@ -192,6 +202,37 @@ def tips(beam: float, length: float, stiffness: float) -> st.SearchStrategy[Tip]
     angles = numbers(-math.pi, math.pi)
     spans = numbers(1.5, 5.0) | st.just(2.0 * math.pi)
     return st.builds(tip, numbers(0.05, 0.5), perhaps(0.01, 0.05), perhaps(0.01, 0.04), perhaps(0.005, 0.03), angles, angles, spans)
+
+
+@st.composite
+def tables(draw: st.DrawFn, force: float) -> ForceTable:
+    """Tables of a force (N) over the crank's turn, in the fixed frame or turning with the follower's end."""
+    begin, gaps = draw(numbers(-math.pi, math.pi)), draw(st.lists(numbers(0.5, 1.5), min_size=5, max_size=8))
+    angles = begin + 2.0 * math.pi * np.cumsum([0.0, *gaps[:-1]]) / sum(gaps)
+    values = st.lists(numbers(-1.0, 1.0).map(lambda share: share * force), min_size=len(gaps), max_size=len(gaps)).map(tuple)
+    return ForceTable(tuple(map(float, angles)), draw(values), draw(values), draw(st.booleans()))
+
+
+@st.composite
+def springs(draw: st.DrawFn, distance: float, length: float, stiffness: float, damping: float) -> Spring:
+    """Springs from a follower of a length (m) and EI (N m²), whose pivot is at a distance (m) from O, to a point beside its swing."""
+    place = length * draw(numbers(0.4, 1.0))
+    aside = draw(numbers(1.0, 1.8)) * draw(st.sampled_from([1.0, -1.0]))  # rad, from the direction of P to O
+    away = length * draw(numbers(0.5, 1.0))
+    anchor = distance - away * math.cos(aside), away * math.sin(aside)
+    straight = math.hypot(distance - place - anchor[0], anchor[1])  # m, its length with the follower on the line OP
+    stops = draw(st.booleans())
+    return Spring(
+        stiffness=stiffness / length**3 * draw(numbers(0.1, 3.0)),
+        anchor=anchor,
+        place=place,
+        free_length=straight * draw(numbers(0.7, 1.1)),
+        damping=damping * draw(perhaps(0.01, 0.1)),
+        shortest=0.95 * straight if stops else None,
+        longest=1.05 * straight if stops else None,
+        stop_stiffness=3.0 * stiffness / length**3 if stops else 0.0,
+        stop_ramp=0.1 * straight,
+    )
 
 
 @st.composite

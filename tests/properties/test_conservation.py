@@ -77,6 +77,13 @@ def test_energy_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> 
     assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, REFERENCE.half_waves)
 
 
+@pytest.mark.parametrize("method", [REFERENCE, pytest.param(FIXED_SHAPES, marks=pytest.mark.verify)], ids=str)
+@for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True, tool=True))
+def test_energy_is_balanced_with_a_tool_and_a_spring(method: Method, scene: Scene) -> None:
+    trajectory = method.run(scene)
+    assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, method.half_waves)
+
+
 @for_all(few=6, many=40, scene=scenes(drive="prescribed", turning_slider=True))
 def test_work_of_a_prescribed_speed_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> None:
     trajectory = REFERENCE.run(scene)

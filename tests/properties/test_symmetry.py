@@ -17,6 +17,7 @@ from tests.properties.runs import (
     EXPLICIT,
     EXUDYN,
     MUJOCO,
+    REFERENCE,
     STEPS_ADD_UP,
     TOLERANCE,
     Array,
@@ -76,12 +77,19 @@ def mirrored(scene: Scene) -> Scene:
     else:
         drive = replace(drive, torque=-drive.torque, initial_speed=-drive.initial_speed)
     tip = scene.mechanism.tip
-    if tip:
+    if tip and (table := tip.force_table):
+        angles, first, second = (each[::-1] for each in (table.angles, table.first, table.second))
+        other_table = replace(table, angles=tuple(-angle for angle in angles), first=first, second=tuple(-each for each in second))
+        tip = replace(tip, force_table=other_table)
+    elif tip:
         tip = replace(tip, force=(tip.force[0], -tip.force[1]), force_from=-tip.force_to, force_to=-tip.force_from)
+    spring = scene.mechanism.spring
+    if spring:
+        spring = replace(spring, anchor=(spring.anchor[0], -spring.anchor[1]))
     slider = scene.mechanism.slider
     slider = replace(slider, joint_stiffness_plus=slider.joint_stiffness_minus, joint_stiffness_minus=slider.joint_stiffness_plus)
     turned = replace(crank, drive=drive, initial_angle=-crank.initial_angle)
-    other = scene.with_part(crank=turned, gravity=(g1, -g2), tip=tip, slider=slider)
+    other = scene.with_part(crank=turned, gravity=(g1, -g2), tip=tip, slider=slider, spring=spring)
     return replace(other, bend=-scene.bend, bend_rate=-scene.bend_rate)
 
 
@@ -118,6 +126,12 @@ def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
 @pytest.mark.parametrize("method", [*EXPLICIT, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
 @for_all(few=4, many=25, scene=scenes())
 def test_the_mirror_image_moves_like_the_mirror_image(method: Method, scene: Scene) -> None:
+    assert_close(image(method.run(mirrored(scene)).columns), method.run(scene), scene, method, REPEATED[method.engine.name])
+
+
+@pytest.mark.parametrize("method", [REFERENCE, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
+@for_all(few=4, many=25, scene=scenes(tool=True))
+def test_the_mirror_image_with_a_tool_and_a_spring(method: Method, scene: Scene) -> None:
     assert_close(image(method.run(mirrored(scene)).columns), method.run(scene), scene, method, REPEATED[method.engine.name])
 
 
