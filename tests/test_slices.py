@@ -78,6 +78,7 @@ def test_each_case_belongs_to_one_slice_what_is_shared_to_the_same_and_what_is_m
     assert sorted(passed(ran(suite, "--slice", "4/3"))) == sorted([*slices[1], "test_marked.py::test_each"])
 
 
+@pytest.mark.verify
 def test_with_several_processes_a_group_stays_in_one(suite: Path) -> None:
     told = ran(suite, "-n", "2", "--dist", "loadgroup", "--slice", "7/1")
     lines = [line for line in told.splitlines() if "PASSED" in line]

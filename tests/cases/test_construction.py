@@ -48,6 +48,7 @@ def test_a_soft_contact_shows_in_the_gap_and_a_low_frequency(told: Any) -> None:
     assert "give the contact a time constant of two steps" in text
 
 
+@pytest.mark.verify
 def test_friction_shows_in_a_slow_crank(told: Any) -> None:
     assert told(friction=0.1).startswith("probably friction, or another drive: a turn of the crank takes ")
 
@@ -68,6 +69,7 @@ def test_a_polygon_shows_in_neither(told: Any) -> None:
     assert told().startswith("probably friction, the corners of a chain of links, or a long step: neither the first mode's frequency")
 
 
+@pytest.mark.verify
 def test_hinges_that_are_too_stiff_are_no_mistake_in_a_column(told: Any) -> None:
     found = told(stiffness=3.0, whole=True)
     assert list(found) == ["tip_deflection"]

@@ -42,6 +42,7 @@ def truth(scene: Mechanism, duration: float = 0.4) -> Trajectory:
     return ReferenceEngine().prepare(scene, standard_start(scene), ReferenceSettings(modes=5)).advance(duration, 1e-3)
 
 
+@pytest.mark.verify
 def test_foreshortening_is_most_of_what_the_linear_beam_lacks() -> None:
     """At run 24's speed; measured over 2 s: 5.9 % and 1.0 % with two modes (docs/methods.md)."""
     expected = truth(turning())

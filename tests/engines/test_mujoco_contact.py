@@ -29,6 +29,7 @@ def run(name: str, scene: Mechanism = RUN_24, duration: float = 0.5) -> Result:
     return simulate(engine(name), scene, standard_start(scene), duration, 1e-3)
 
 
+@pytest.mark.verify
 def test_errors_are_within_the_claims() -> None:
     """Against `reference`, whose own claims add to these. Signs and units of every column are right if this holds."""
     found, true = run("mujoco-contact"), run("reference")
@@ -43,6 +44,7 @@ def test_errors_are_within_the_claims() -> None:
         assert relative_error(found.trajectory[name], true.trajectory[name]) < 1e-3, name
 
 
+@pytest.mark.verify
 def test_the_error_falls_with_the_square_of_the_links() -> None:
     start, true = standard_start(RUN_24), run("reference").trajectory["tip_deflection"]
     errors = [

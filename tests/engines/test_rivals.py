@@ -195,6 +195,7 @@ def test_frequencies_rise_with_the_stiffness_to_the_rigid_ones() -> None:
     np.testing.assert_allclose(rigid, [20.354, 62.287, 112.95], rtol=0.02)  # converged, from the supported beam; 12 shapes lie above
 
 
+@pytest.mark.verify
 def test_shapes_that_stay_confirm_the_compliant_joint_of_those_that_follow() -> None:
     """Other shapes, same joint: 24 clamped-free modes leave 2.5e-4 of the deflection in run 24, seven that follow 8e-5."""
     scene = run_24(slider=Slider(joint_stiffness=2e4, joint_damping=5.0))

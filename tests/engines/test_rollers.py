@@ -185,6 +185,7 @@ def test_exudyn_does_not_rub() -> None:
         ExudynEngine().check(run_24(slider=Slider(friction=0.3)))
 
 
+@pytest.mark.verify
 def test_the_spring_along_the_tangent_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     """It holds the carriage, of hardly any mass, at a place without force: a hundredth of it changes 2e-10, a millionth 1.8e-6."""
     stiff = cable(PLAY, 0.22)

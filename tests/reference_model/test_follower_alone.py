@@ -160,6 +160,7 @@ def test_modes_that_are_enough_do_not_change_what_is_recovered() -> None:
     assert np.max(np.abs(a["tip_deflection"] - b["tip_deflection"])) < 1e-3 * np.max(np.abs(b["tip_deflection"]))
 
 
+@pytest.mark.verify
 def test_two_formulations_agree() -> None:
     """Tangent angle in clamped modes of beam and tip body against deflection in cubic elements: nothing in common but the scene.
 

@@ -280,6 +280,7 @@ def test_determinant_of_the_monodromy_matrix_is_liouvilles() -> None:
     assert np.prod(linear_multipliers(model, SPEED)).real == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.verify
 def test_elements_on_a_moving_spring_have_the_same_multipliers() -> None:
     """Another formulation of the same beam: elements that stay, and a spring at the support, whose softness is most of what differs."""
     scene = turning(**UNDAMPED)

@@ -54,6 +54,7 @@ def check(table: pd.DataFrame, whole: bool = True) -> None:
     assert not (table["claim"].isna() & table["reached"] & (table["asked"] != "default")).any()
 
 
+@pytest.mark.verify
 def test_random_scenes_are_sensible_and_the_same_each_time() -> None:
     scenes = list(itertools.islice(random_scenes(SEED), 2))
     assert scenes == list(itertools.islice(random_scenes(SEED), 2))

@@ -27,6 +27,7 @@ def at(groups: Groups, name: str) -> list[Trial]:
     return measured(groups, name, truth_of(case_of(groups)))
 
 
+@pytest.mark.verify
 def test_a_method_that_gets_there_has_both_times_and_a_model_that_does_not_has_its_distance() -> None:
     for level, reach in zip(LEVELS, at(CENTRE, "reference"), strict=True):
         assert (reach.scene, reach.level, reach.status) == (name_of(CENTRE), level, REACHED)

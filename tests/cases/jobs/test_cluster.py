@@ -118,6 +118,7 @@ def numbers(folder: Path) -> list[Job[Any]]:
     return [Job(f"{number}", eval, (code.format(number),), inputs=number) for number in range(12)]
 
 
+@pytest.mark.verify
 def test_a_worker_that_is_killed_loses_its_job_and_the_results_are_the_same_bit_for_bit(scheduler: "LocalCluster", tmp_path: Path) -> None:
     worker = started(scheduler.scheduler_address, nanny=False)
     jobs, mark = numbers(tmp_path), tmp_path / "pid"

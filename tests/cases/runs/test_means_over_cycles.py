@@ -68,6 +68,7 @@ def test_estimates_compare_the_mean_extremes_and_the_mean_signals() -> None:
     assert estimate(peaks) == pytest.approx(np.mean(peaks.max(axis=1) - signals.max(axis=1)))
 
 
+@pytest.mark.verify
 def test_a_rattling_slider_repeats_in_statistics_only() -> None:
     """A rigid follower, which strikes the rollers several times in a turn."""
     rigid = load_case("example", {"follower.bending_stiffness": "inf"}).mechanism

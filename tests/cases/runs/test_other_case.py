@@ -61,6 +61,7 @@ def test_cases_whose_crank_turns_at_another_pace_are_refused_with_the_case() -> 
         recorded("thesis-07", load_case("thesis-24"))
 
 
+@pytest.mark.verify
 def test_a_coarse_model_is_no_other_case() -> None:
     """One cubic has a first frequency that is 13 % too high: that of run 22, whose crank turns within 0.4 % as fast."""
     case = load_case("thesis-24")

@@ -97,6 +97,7 @@ def test_the_stability_is_told_as_far_as_the_error_shows_it(multiplier: Multipli
     assert (multiplier.sentence == "") == (status == Ending.SETTLED)
 
 
+@pytest.mark.verify
 def test_a_machine_without_damping_is_neutral() -> None:
     """Phase volume neither shrinks nor grows in it: all multipliers lie on the unit circle."""
     mechanism = library_case("hard-undamped").mechanism
@@ -109,6 +110,7 @@ def test_a_machine_without_damping_is_neutral() -> None:
     assert found.values[0, 1] == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("modes", "tolerance", "speed"), [(3, 1e-5, 1.0), (4, 1e-6, 1.1)])
 def test_last_digits_do_not_decide_whether_a_machine_is_neutral(modes: int, tolerance: float, speed: float) -> None:
     """All multipliers are equally large, so the last digits decide which is the largest: on the real axis or anywhere on the circle."""

@@ -14,6 +14,7 @@ from tests.engines.exudyn.runs import arm, errors_of, simulate
 from tests.engines.scenes import run_24
 
 
+@pytest.mark.verify
 def test_damping_acts_relative_to_the_turning_base_however_far_the_beam_bends():
     """Against the reference, whose damping is relative to the base frame by its equations; the beam bends by a third of its length."""
     soft = run_24(follower={"bending_stiffness": 0.1 * run_24().follower.bending_stiffness})

@@ -227,6 +227,7 @@ def test_only_the_parts_of_the_scene_are_built():
     assert ENGINE.describe(rigid_mechanism(), settings).bodies == ("crank", "follower: rigid, with the base and the tip")
 
 
+@pytest.mark.verify
 def test_work_of_the_drive_is_known_though_the_arm_rings_faster_than_the_rows() -> None:
     """Of 10 J of kinetic energy 3.5e-3 J are strain: rows of 1 ms would lose 0.1 of these, steps what falls with their square."""
     mechanism = load_case("hard-shaper-steel").mechanism

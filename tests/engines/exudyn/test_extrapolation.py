@@ -17,6 +17,7 @@ def fine() -> dict[str, np.ndarray]:
     return dict(simulate(run_24(), 0.3, elements=12, step=6.25e-5).columns)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("step", "gain"), [(5e-4, 5.0), (1e-3, 4.0)])
 def test_an_extrapolated_table_is_better_than_the_finer_one_of_its_two(fine, step, gain):
     """Measured 6.3 times with 0.5 ms; with 1 ms the coarser run passes every other row."""

@@ -43,6 +43,7 @@ def test_a_flexible_coupler_of_a_parallelogram_passes_the_line() -> None:
     np.testing.assert_allclose(one, other, atol=1e-5)
 
 
+@pytest.mark.verify
 def test_a_stiff_coupler_moves_as_a_rigid_one() -> None:
     """The difference falls with 1/EI."""
     four_bar = described("four_bar").four_bar

@@ -210,6 +210,7 @@ def test_a_killed_run_takes_its_workers_with_it_and_the_next_one_continues(place
     assert nothing_half_done(place)
 
 
+@pytest.mark.verify
 def test_an_interrupted_run_ends_at_once_and_keeps_what_it_has(place: Path) -> None:
     program = run(place, "sound", "hangs", process_group=0)
     wait_until(lambda: len(stored(place)) == 1 and "hangs" in simulations(place), program)

@@ -95,6 +95,7 @@ def at_speed(speed: float) -> Mechanism:
     return run_24(crank={"drive": PrescribedSpeed(speed=speed)})
 
 
+@pytest.mark.verify
 def test_marching_jumps_where_the_fold_is() -> None:
     """Run 24's machine in two modes: a march stays on the branch 0.4 rpm below its fold and leaves it 0.4 rpm above.
 

@@ -76,6 +76,7 @@ def test_code_is_kept_beside_the_sources(installed: Path, tmp_path: Path) -> Non
     assert sentence == ""
 
 
+@pytest.mark.verify
 def test_code_of_an_installation_that_cannot_be_written_is_kept_for_the_user(installed: Path, tmp_path: Path) -> None:
     read_only(installed)
     folder, sentence = told(installed, tmp_path)
@@ -87,6 +88,7 @@ def test_code_of_an_installation_that_cannot_be_written_is_kept_for_the_user(ins
     assert told(installed, tmp_path, compiles=False, NUMBA_CACHE_DIR=str(other)) == (other, "")
 
 
+@pytest.mark.verify
 def test_without_a_home_it_lives_as_long_as_the_process_and_that_is_said(installed: Path, tmp_path: Path) -> None:
     read_only(installed)
     folder, sentence = told(installed, Path("/proc/nowhere"))

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.package_copy import ROOT, copied_package
 
 MODULE = '''"""How fast the cranks turn."""
@@ -54,6 +56,7 @@ def insert(file: Path, line: str, after: str) -> None:
     file.write_text(text.replace(after, after + line))
 
 
+@pytest.mark.verify
 def test_a_chapter_needs_a_module_a_template_and_its_name_in_one_file(tmp_path: Path) -> None:
     package = copied_package(tmp_path / "copy", "reference_model", "engines", "cases", "reports")
     (package / "reports/chapters/speeds.py").write_text(MODULE)

@@ -143,6 +143,7 @@ def test_run_says_it_in_words_and_in_json(shaper: CaseResult) -> None:
     assert document.keys() == MEASURES.keys()
 
 
+@pytest.mark.verify
 def test_without_the_torque_there_is_no_chapter(shaper: CaseResult) -> None:
     assert "drive" not in [chapter.id for chapter in chapters_of(one_run())]  # the thesis
     without = shaper

@@ -280,6 +280,7 @@ def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None
     assert page.locator("#methods-thesis-24 .reading").first.inner_text().startswith("reference: modes 2; 2.0")
 
 
+@pytest.mark.verify
 def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
     results = [made_up_result("example"), made_up_result("shaper-cutting")]
     write(content_of(results=results, facts=machine_facts()), tmp_path)
