@@ -41,7 +41,7 @@ class Equations:
     """
 
     def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
-        each, loops = system.coordinates, system.loops
+        each, loops, self.feedback = system.coordinates, system.loops, feedback
         self.q, self.v, self.a = (column(*(getattr(c, kind) for c in each)) for kind in "qva")
         self._z, self._w = column(self.q, system.time), column(self.v, 1)
         n, gravity = len(each), system.gravity

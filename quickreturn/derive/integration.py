@@ -21,7 +21,16 @@ STUCK: Final = 1e-3
 
 
 def integrated(
-    rates: Rates, y: Array, times: Array, tolerance: float, sizes: Array, method: str, watch: Watch, name: str, ends: str = ""
+    rates: Rates,
+    y: Array,
+    times: Array,
+    tolerance: float,
+    sizes: Array,
+    method: str,
+    watch: Watch,
+    longest: float,
+    name: str,
+    ends: str = "",
 ) -> tuple[Array, list[Passage]]:
     """The states at given times, shape (times, len(y)), and the passages.
 
@@ -33,6 +42,7 @@ def integrated(
         sizes: scale of each state's error.
         method: a name in METHODS.
         watch: of the loops.
+        longest: s, longest step.
         name: of the system, for messages.
         ends: what else may have ended the motion, for messages.
 
@@ -43,7 +53,8 @@ def integrated(
         raise DescriptionError(f"method {method!r} is not known; take one of {', '.join(METHODS)}")
 
     def begun(time: float, state: Array, first_step: float | None = None) -> Any:
-        return METHODS[method](rates, time, state, times[-1], rtol=tolerance, atol=tolerance * sizes, first_step=first_step)
+        accuracy: Any = {"rtol": tolerance, "atol": tolerance * sizes, "max_step": longest}
+        return METHODS[method](rates, time, state, times[-1], first_step=first_step, **accuracy)
 
     states, row, passages = np.tile(y, (len(times), 1)), 1, list[Passage]()
     solver = begun(0.0, y)

@@ -125,12 +125,14 @@ class System:
             self.mass_points(name, mass, ca.SX(0), ca.SX(0), place, 0.0)
         if angle is not None:
             self.turning.append((ca.SX(inertia), ca.SX(angle)))
+            self._stays(f"inertia of {name!r}", inertia)
             self.states(f"inertia of {name!r}", inertia, "kg*m^2")
             self.states(f"angle of {name!r}", angle, "rad")
 
     def mass_points(self, name: str, mass: Any, x: Any, y: Any, origin: Any, angle: Any) -> None:
         """Add mass points (kg) at the places (x, y), columns, of a moving frame."""
         self.points.append(Points(ca.SX(mass), x, y, ca.SX(origin), ca.SX(angle)))
+        self._stays(f"mass of {name!r}", mass)
         self.states(f"mass of {name!r}", mass, "kg")
         self.states(f"place of {name!r}", column(x, y, origin), "m")
 
@@ -176,6 +178,13 @@ class System:
         """State that an expression has a unit; `Model` checks it. `what` names the expression in the message."""
         in_si(unit)
         self.stated.append((what, ca.SX(expression), unit))
+
+    def _stays(self, what: str, value: Any) -> None:
+        """Raise DescriptionError if a mass or an inertia depends on a coordinate: its bias acceleration would lack a part."""
+        if ca.depends_on(ca.SX(value), column(*(symbol for c in self.coordinates for symbol in (c.q, c.v, c.a)))):
+            raise DescriptionError(
+                f"the {what} depends on a coordinate; describe a mass that moves by its place, such as turned(angle, radius)"
+            )
 
     def _index(self, coordinate: ca.SX) -> int:
         for k, each in enumerate(self.coordinates):

@@ -52,6 +52,14 @@ def no_inertia_alone(system: System, p: Any, angle: Any) -> None:
     system.body("both", mass=p.mass, place=vector(place, 0))
 
 
+def inertia_that_changes(system: System, p: Any, angle: Any) -> None:
+    system.body("ball", inertia=p.mass * system.coordinate("radius", "m") ** 2, angle=angle)
+
+
+def mass_that_changes(system: System, p: Any, angle: Any) -> None:
+    system.body("bucket", p.mass * (1 + angle), turned(angle, p.length))
+
+
 def too_far(system: System, p: Any, angle: Any) -> None:
     rod = system.coordinate("rod", "rad")
     x = system.coordinate("x", "m")
@@ -115,6 +123,8 @@ MISTAKES: dict[Callable[..., None], str] = {
     units_in_a_function: "units do not fit: the energy of 'well' is not in J; ",
     no_inertia: "coordinate 'idle' of 'crank' has no inertia, and no loop holds it; give a body whose place or angle follows it",
     no_inertia_alone: "of 'crank' has no inertia, and no loop holds it",
+    inertia_that_changes: "the inertia of 'ball' depends on a coordinate; describe a mass that moves by its place",
+    mass_that_changes: "the mass of 'bucket' depends on a coordinate; ",
     too_far: "loop 'pin' of 'crank' cannot close at the start: 0.3 m remain",  # a rod of 10 cm to a line 40 cm away
     too_few: "the loops of 'crank' have 2 rows and give ['angle']: projection needs as many coordinates, each once; name",
     opening: "loop 'motor' of 'crank' opens at the start by 3 rad a second; leave out the rates of the coordinates that it gives",

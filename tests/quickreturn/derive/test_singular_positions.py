@@ -33,6 +33,25 @@ def test_the_double_four_bar_moves_as_its_equation_of_one_degree_says(form: Form
     assert np.ptp(found["energy_balance"]) < 1e-5 * found["kinetic_energy"].max()
 
 
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
+def test_loops_are_closed_in_rows_within_long_steps(tolerance: float) -> None:
+    """The rods turn slowly from the top, in steps as long as the feedback of the loops allows; in longer ones rows opened by 4 mm."""
+    found = Model(parallelograms([1.0, 1.0], [1.0, 1.0], 1.0, 1.0)).simulate({"arm_0": np.pi / 2, "arm_0_rate": -1.0}, 3.0, 0.02, tolerance)
+    right = angle_of_parallelograms([1.0, 1.0], 1.0, 1.0, (np.pi / 2, -1.0), found["time"].to_numpy())
+    for arm in ("arm_0", "arm_1", "arm_2"):
+        np.testing.assert_allclose(found[arm], right, atol=10.0 * tolerance)
+
+
+def test_a_start_close_beside_a_singular_position_is_told_as_that() -> None:
+    """One row of the loop nearly vanishes there: its rounding is no gap."""
+    model = Model(parallelograms([1.0], [1.0], 1.0, 1.0))
+    with pytest.raises(DescriptionError, match="'loop 0' of 'parallelograms' cannot determine the motion at the start: the position is"):
+        model.simulate({"arm_0": 1e-7, "arm_1": 1e-7, "arm_0_rate": -3.0}, 1.0, 0.1)
+    start = {"arm_0": 1e-3, "arm_1": 1e-3, "arm_0_rate": -3.0}
+    right = angle_of_parallelograms([1.0], 1.0, 1.0, (1e-3, -3.0), np.array([0.0, 1.0]))[-1]
+    assert model.simulate(start, 1.0, 0.1)["arm_0"].iloc[-1] == pytest.approx(right, abs=1e-7)
+
+
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(k, marks=pytest.mark.verify) for k in range(2, 8))])
 def test_generated_rows_of_parallelograms_pass_the_line(seed: int) -> None:
     random = np.random.default_rng(seed)
