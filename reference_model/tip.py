@@ -22,7 +22,7 @@ _IN_PLACE_OF_TABLE: Final = {
 
 @dataclass(frozen=True)
 class ForceTable:
-    """A force at four crank angles or more, and between them the periodic cubic spline (DERIVATION.md, equation 4.11)."""
+    """A force at four crank angles or more, and between two of them a cubic that stays between both (DERIVATION.md, equation 4.11)."""
 
     angles: tuple[float, ...]  # of the crank, rad, ascending; the first one comes again after the last one, a turn later
     first: tuple[float, ...]  # N, along n1, or along the follower's tangent at its flexible end

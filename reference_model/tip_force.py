@@ -20,7 +20,8 @@ def tool_force(
 ) -> tuple[float, float, float]:
     """Fraction of the force that acts at a crank angle, and the force in full, N, in its frame; each model compiles it.
 
-    Both are twice continuously differentiable: the fraction rises and falls by a polynomial, the table is a spline, which acts in full.
+    The fraction rises and falls by a polynomial and is twice continuously differentiable. A table acts in full; its force is continuously
+    differentiable.
 
     Args:
         crank_angle: rad.
@@ -55,7 +56,7 @@ def constants(tip: Tip) -> dict[str, Any]:
     """The constants of the force for the equations of motion, by their symbols: N and rad.
 
     `force_table`, shape (points, 9), has the angle of each point from the first one, and for either component the coefficients of the
-    spline behind it by powers of the angle from there, the third power first; (0, 9) without a table.
+    cubic behind it by powers of the angle from there, the third power first; (0, 9) without a table.
     """
     table = tip.force_table
     return {
@@ -69,14 +70,21 @@ def constants(tip: Tip) -> dict[str, Any]:
 
 
 def _pieces(table: ForceTable, scale: float) -> Array:
-    """See `constants`."""
-    from scipy.interpolate import CubicSpline  # it takes 0.3 s to import
-
+    """See `constants`: the monotone cubics of Fritsch and Butland (equation 4.11)."""
     angles = np.array(table.angles) - table.angles[0]
-    values = np.array([table.first, table.second])
-    closed = np.concatenate([values, values[:, :1]], axis=1)
-    spline = CubicSpline(np.append(angles, 2.0 * math.pi), closed, axis=1, bc_type="periodic")
-    return np.ascontiguousarray(np.column_stack([angles, *scale * spline.c.transpose(2, 1, 0)]))
+    values = scale * np.array([table.first, table.second])
+    gap = np.diff(np.append(angles, 2.0 * math.pi))
+    rise = (np.roll(values, -1, axis=1) - values) / gap
+    gap_before, rise_before = np.roll(gap, 1), np.roll(rise, 1, axis=1)
+    same_way = rise * rise_before > 0.0  # the force rises, or falls, through the point; elsewhere the point is its peak
+    divisor = np.where(same_way, rise, 1.0), np.where(same_way, rise_before, 1.0)
+    mean = 3.0 * (gap + gap_before) / ((gap + 2.0 * gap_before) / divisor[0] + (2.0 * gap + gap_before) / divisor[1])
+    slope = np.where(same_way, mean, 0.0)
+    slope_behind = np.roll(slope, -1, axis=1)
+    cubic = (slope + slope_behind - 2.0 * rise) / gap**2
+    square = (3.0 * rise - 2.0 * slope - slope_behind) / gap
+    powers = np.stack([cubic, square, slope, values], axis=2)  # of either component, point by point
+    return np.ascontiguousarray(np.column_stack([angles, *powers]))
 
 
 def tip_force(tip: Tip, crank_angle: Array, end_angle: Array | float) -> NDArray[np.complex128]:

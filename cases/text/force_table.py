@@ -18,7 +18,7 @@ ANGLE: Final = "crank_angle"
 #: Columns of a force in the fixed frame, and of one that turns with the follower's end.
 FIXED: Final = ("force_n1", "force_n2")
 FOLLOWING: Final = ("force_along", "force_normal")
-FEWEST: Final = 4  # points of a periodic cubic
+FEWEST: Final = 4  # points; fewer say nothing about a turn
 _LARGEST: Final = 32_000  # bytes of a table, so that a case file can hold its text
 _ACCEPTED: Final = '"crank_angle [deg], force_n1 [N], force_n2 [N]", or force_along and force_normal in place of the last two'
 

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import PchipInterpolator
 
 from quickreturn.derive import Beam, System, turned, vector
 from quickreturn.derive.system import column
@@ -70,21 +70,21 @@ def constants(scene: Mechanism) -> dict[str, float]:
 
 
 class ForceRows(Table):
-    """A tool's force over the crank's turn, by scipy's periodic spline."""
+    """A tool's force over the crank's turn, by scipy's monotone cubics through the points of three turns."""
 
     def __init__(self, index: int, unit: str, away: ca.SX) -> None:
         super().__init__(index, unit, away, -1e9, 2e9, np.zeros((1, 4, 2)))
-        self.spline = CubicSpline([0.0, 2.0 * pi], np.zeros((2, 2)), extrapolate="periodic")
+        self.curve, self.begin = PchipInterpolator([0.0, 2.0 * pi], np.zeros((2, 2))), 0.0
 
     def follow(self, table: ForceTable, scale: float) -> None:
         """Give the force that a table holds."""
         points = [(angle, scale * a, scale * b) for angle, a, b in zip(table.angles, table.first, table.second, strict=True)]
-        closed = np.array([*points, (points[0][0] + 2.0 * pi, *points[0][1:])])
-        self.spline = CubicSpline(closed[:, 0], closed[:, 1:], bc_type="periodic")
+        turns = np.array([(angle + turn * 2.0 * pi, *force) for turn in (-1, 0, 1) for angle, *force in points])
+        self.curve, self.begin = PchipInterpolator(turns[:, 0], turns[:, 1:]), points[0][0]
 
     def at(self, s: float, slope: bool = False) -> Array:
         """Both components at a crank angle, or their derivatives by it."""
-        return np.asarray(self.spline(s, int(slope)))
+        return np.asarray(self.curve(self.begin + (s - self.begin) % (2.0 * pi), int(slope)))
 
 
 class Follower(NamedTuple):
