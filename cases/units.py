@@ -66,6 +66,7 @@ MASS: Final = Dimension("a mass", (0, 1, 0, 0), "kg", ("kg", "lbf*s^2/in"))
 TIME: Final = Dimension("a time", (0, 0, 1, 0), "s", ("s", "ms"))
 ANGLE: Final = Dimension("an angle", (0, 0, 0, 1), "rad", ("deg", "rad"))
 ANGULAR_SPEED: Final = Dimension("an angular speed", (0, 0, -1, 1), "rad/s", ("rad/s", "deg/s", "rpm"))
+ANGULAR_ACCELERATION: Final = Dimension("an angular acceleration", (0, 0, -2, 1), "rad/s^2", ("rad/s^2", "deg/s^2"))
 ACCELERATION: Final = Dimension("an acceleration", (1, 0, -2, 0), "m/s^2", ("m/s^2", "in/s^2"))
 TORQUE: Final = Dimension("a torque", (2, 1, -2, 0), "N*m", ("lbf*in", "N*m"))
 MOMENT_OF_INERTIA: Final = Dimension("a moment of inertia", (2, 1, 0, 0), "kg*m^2", ("kg*m^2", "lbf*s^2*in"))
@@ -88,8 +89,8 @@ ELASTIC_MODULUS: Final = Dimension("an elastic modulus", (-1, 1, -2, 0), "Pa", (
 DENSITY: Final = Dimension("a density", (-3, 1, 0, 0), "kg/m^3", ("kg/m^3", "g/cm^3", "lbf*s^2/in^4"))
 
 _NEEDED: Final = (
-    LENGTH, MASS, TIME, ANGLE, ANGULAR_SPEED, ACCELERATION, ENERGY, TORQUE, MOMENT_OF_INERTIA, ROTARY_DAMPING, MASS_PER_LENGTH,
-    BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING, VELOCITY, CONTACT_DAMPING, FORCE, ELASTIC_MODULUS,
+    LENGTH, MASS, TIME, ANGLE, ANGULAR_SPEED, ANGULAR_ACCELERATION, ACCELERATION, ENERGY, TORQUE, MOMENT_OF_INERTIA, ROTARY_DAMPING,
+    MASS_PER_LENGTH, BENDING_STIFFNESS, DAMPING_PER_LENGTH, STIFFNESS, DAMPING, VELOCITY, CONTACT_DAMPING, FORCE, ELASTIC_MODULUS,
     DENSITY, PURE,
 )  # fmt: skip
 #: By the SI unit with which a quantity is declared.

@@ -156,6 +156,8 @@ COLUMNS: Final = MappingProxyType(
         "pivot_force_y": Observable("N", "the same along n2", _ENGINES(6e-3)),
         "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", _ENGINES(5e-5), of_slider=True),
         "crank_force_y": Observable("N", "the same along n2", _ENGINES(1e-4), of_slider=True),
+        "follower_rate": Observable("rad/s", "rate of `follower_angle`", _ENGINES(6e-4)),
+        "follower_acceleration": Observable("rad/s^2", "rate of `follower_rate`", _HEAVY_ENDS),
         "spring_force": Observable("N", "force of the spring with its damper and stops, positive where it pulls", _SPRING),
     }
 )

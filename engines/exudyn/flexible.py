@@ -109,6 +109,8 @@ class CableModel(Model):
         if follower.material_damping > 0.0:  # turned and stretched alike a line keeps this curvature: what is left is that of the rates
             moments = cable.curvatures(q + follower.material_damping * rates, places, *kinks)[len(strains) :]
         return {
+            "follower_rate": frame[1],
+            "follower_acceleration": frame[2],
             "tip_x": q[:, -1, 0],
             "tip_y": q[:, -1, 1],
             "tip_deflection": dot(across, q[:, -1, :2] - q[:, 0, :2]),

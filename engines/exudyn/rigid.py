@@ -146,6 +146,8 @@ class RigidModel(Model):
             "crank_angle": q1,
             "crank_speed": q1_rate,
             "follower_angle": q2,
+            "follower_rate": q2_rate,
+            "follower_acceleration": q2_acceleration,
             "slider_position": place,
             "tip_x": d + length * along[:, 0],
             "tip_y": length * along[:, 1],

@@ -186,6 +186,15 @@ def _bearing_forces(
 
 
 @compiled
+def _tangent_at_base(values: Array, first: int) -> float:
+    """Angle of the beam's tangent at the base, or its rate, from those of the hinges; `first` is that at the base.
+
+    It differs from the first link's by h²/24 dκ/dx.
+    """
+    return values[first] + ((values[first + 2] - values[first + 1]) / 24.0 if len(values) - first > 2 else 0.0)
+
+
+@compiled
 def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None:
     """Fill a `columns.ROW` from the present state, after `mj_forward`. `gauges`: arc lengths of the strain gauges, m, shape (3,)."""
     n, hinges = ctx.coordinates, ctx.hinges
@@ -202,9 +211,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     at_tip = centre_line_coefficients(ctx.follower_length, hinges, ctx.link_length, 0)
     tip = (at_tip * e).sum()
     tip_acceleration = (at_tip * (1j * accelerations - rates**2) * e).sum()
-    base_angle = qpos[first]
-    if hinges >= 2:
-        base_angle += (qpos[first + 2] - qpos[first + 1]) / 24.0  # the beam's tangent differs from the link's by h²/24 dκ/dx
+    base_angle = _tangent_at_base(qpos, first)
     strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
     pulled = _pulled_across(ctx, e)
     smooth, bending_rates = _smooth_moments(ctx, qpos, qvel, pulled), qvel[first + 1 :] / ctx.link_length
@@ -216,6 +223,8 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
 
     row.crank_angle, row.crank_speed = angle, crank_speed
     row.follower_angle, row.slider_position = base_angle, ctx.slider_position
+    # the acceleration is that of the base block: the rest of the tangent's is far smaller than what the hinges' fastest vibrations make of it
+    row.follower_rate, row.follower_acceleration = _tangent_at_base(qvel, first), accelerations[0]
     row.tip_x, row.tip_y = ctx.pivot_distance + tip.real, tip.imag
     along = complex(math.cos(base_angle), math.sin(base_angle))
     across = 1j * along

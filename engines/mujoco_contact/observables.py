@@ -69,6 +69,8 @@ def columns(scene: Mechanism, rows: list[Row], links: int, began_at: float) -> C
         "crank_angle": angles[:, 0],
         "crank_speed": rates[:, 0],
         "follower_angle": alpha[:, 0],
+        "follower_rate": alpha_rate[:, 0],
+        "follower_acceleration": alpha_acceleration[:, 0],
         "slider_position": place,
         "tip_x": scene.pivot_distance + tip.real,
         "tip_y": tip.imag,

@@ -19,7 +19,17 @@ Array = NDArray[np.float64]
 Vectors = NDArray[np.complex128]
 
 #: Outputs of the description that become columns of a trajectory unchanged.
-AS_THEY_ARE: Final = ("crank_angle", "crank_speed", "tip_acceleration", "slider_force", "crank_torque", "kinetic_energy", "strain_energy")
+AS_THEY_ARE: Final = (
+    "crank_angle",
+    "crank_speed",
+    "follower_rate",
+    "follower_acceleration",
+    "tip_acceleration",
+    "slider_force",
+    "crank_torque",
+    "kinetic_energy",
+    "strain_energy",
+)
 
 
 class _Span(NamedTuple):

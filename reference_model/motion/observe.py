@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
 from quickreturn.reference_model.motion.fields import cumulate, directions
-from quickreturn.reference_model.motion.layout import TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
+from quickreturn.reference_model.motion.layout import BASE_TURN, TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
 from quickreturn.reference_model.motion.plane import angle_of, cross, direction, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, spring_energy
@@ -37,6 +37,7 @@ def observe(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, row: A
     f = w.facts
     slider_point = f.slider_point
     row.crank_angle, row.crank_speed, row.tip_acceleration = y.q[0], y.u[0], _tip_acceleration(p, t, w)
+    row.follower_rate, row.follower_acceleration = f.q2_rate, w.a[2 * t.points + BASE_TURN]
     row.slider_force, row.crank_torque = f.normal, f.torque
     row.dissipated_energy, row.drive_work = y.work[DISSIPATED], y.work[BY_DRIVE]
     row.constraint_gap, row.gap_rate, row.joint_power, row.spring_force = f.unclosed, f.gap_rate, 0.0, f.tension

@@ -59,6 +59,8 @@ def observables(mechanism: Mechanism, shapes: t.Shapes, states: Array, signals: 
         "crank_angle": q1,
         "crank_speed": q1_rate,
         "follower_angle": line.follower_angle + base,
+        "follower_rate": line.follower_speed + signals[:, t.BASE, RATE],
+        "follower_acceleration": line.follower_acceleration + signals[:, t.BASE, ACCELERATION],
         "slider_position": distance + signals[:, t.VECTORS + t.SHORTENED, VALUE],
         "tip_x": place.real,
         "tip_y": place.imag,

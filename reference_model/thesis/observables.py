@@ -34,6 +34,7 @@ def observe(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, 
     """
     n = p.n
     row.crank_angle, row.crank_speed, row.follower_angle, row.slider_position = y.q[0], y.u[0], place.q2, place.s
+    row.follower_rate, row.follower_acceleration = k.q2_rate, w.acceleration[1]
     end = len(p.tables.edges) - 1
     tip_1, tip_2 = p.L - w.F_edges[end], w.end[1]
     cosine, sine = math.cos(place.q2), math.sin(place.q2)

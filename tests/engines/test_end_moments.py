@@ -37,12 +37,12 @@ def columns(engine: str) -> Columns:
     return usable_engine(engine).prepare(HEAVY, standard_start(HEAVY), SETTINGS[engine]).advance(0.3, 5e-4).columns
 
 
-@pytest.mark.parametrize("name", ["moment_base", "moment_tip"])
+@pytest.mark.parametrize("name", ["moment_base", "moment_tip", "follower_acceleration"])
 @pytest.mark.parametrize("others", [("mujoco",), pytest.param(("mujoco", "exudyn"), marks=pytest.mark.verify)], ids="+".join)
 def test_three_engines_ask_for_the_same_moments_at_the_ends(name: str, others: tuple[str, ...]) -> None:
     """`reference` sums the loads outboard, the others take the laws of the bodies, with angles of a cable's slopes and of links."""
     right, witness = columns("reference"), COLUMNS[name].witness.largest
-    assert np.max(np.abs(right[name])) > 0.1 * np.max(np.abs(right["moment_06"]))
+    assert name == "follower_acceleration" or np.max(np.abs(right[name])) > 0.1 * np.max(np.abs(right["moment_06"]))
     size = np.sqrt(np.mean(right[name] ** 2))
     apart = {each: float(np.sqrt(np.mean((columns(each)[name] - right[name]) ** 2)) / size) for each in others}
     assert max(apart.values()) < witness, apart

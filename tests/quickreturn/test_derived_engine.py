@@ -36,6 +36,8 @@ SCENES: Final[dict[str, Mechanism]] = {
 #: Part of a column's RMS by which motions with the same two shapes differ: both integrate to 1e-10, and the tables are the same. Found:
 #: up to 2e-6 of the tip acceleration and of what is recovered from it, with a joint that gives way, whose vibration `reference` slows.
 SAME: Final = 1e-5
+#: The same of the base's acceleration, in which the fastest vibrations are largest. Found: 1.4e-5 with a joint that gives way.
+SAME_AT_BASE: Final = 5e-5
 #: m by which a rigid joint may open: what the integration's error leaves of the loop.
 OPENED: Final = 1e-6
 #: With a prescribed speed `derived` counts the work of the drive's own force, `reference` that of the force that equilibrium asks for. Few
@@ -62,6 +64,8 @@ def test_all_columns_are_those_of_reference_with_the_same_shapes(name: str) -> N
             within = OPENED
         elif column == "drive_work" and not scene.crank_is_free:
             within *= WORK_OF_EQUILIBRIUM / SAME
+        elif column == "follower_acceleration":
+            within *= SAME_AT_BASE / SAME
         np.testing.assert_allclose(ours[column], expected, rtol=0.0, atol=within + 1e-12, err_msg=column)
     stored = ours["kinetic_energy"] + ours["strain_energy"] + ours["gravity_energy"]
     balance = stored + ours["dissipated_energy"] - ours["drive_work"]
