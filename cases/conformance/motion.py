@@ -216,6 +216,11 @@ def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[
         ("tip_deflection", ("tip_x", "tip_y", "follower_angle"), np.cos(q2) * y - np.sin(q2) * x, 1e-3),
         ("tip_acceleration", ("tip_x", "tip_y", "follower_angle"), np.cos(q2) * a[1] - np.sin(q2) * a[0], 0.3),
         ("slider_position", ("crank_angle",), _to_slider(run.columns, scene), 1e-3),
+        *(
+            (name, (other,), np.gradient(run[other], h), part)
+            for name, other, part in (("follower_rate", "follower_angle", 0.01), ("follower_acceleration", "follower_rate", 0.05))
+            if {name, other} <= run.columns.keys()
+        ),
     )
     for name, others, expected, part in identities:
         check = f"identity: {name} from {', '.join(others)}"

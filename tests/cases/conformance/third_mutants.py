@@ -266,6 +266,9 @@ def _twice_shifted(m: Mechanism) -> dict[str, Any]:
 
 #: Name -> the engine, a regular expression that the cause of a failed check must match, and the group of that check.
 THIRD: dict[str, tuple[type[ReferenceEngine], str, str]] = {
+    "the base's rate in degrees": (column("follower_rate", np.degrees), "degrees per second", "motion"),
+    "the base's acceleration reversed": (column("follower_acceleration", np.negative), "wrong sign", "motion"),
+    "the base's acceleration late": (column("follower_acceleration", lambda values: np.r_[values[0], values[:-1]]), "row", "motion"),
     "rows of the last own step": (RowsOfTheLastStep, r"with 2.5 ms between rows", "motion"),
     "force 0.4 rows late": (column("slider_force", _later(0.4)), "slider_force comes 0.4 rows late", "motion"),
     "strain half a row late": (column("strain_2", _later(0.5)), "strain_2 comes 0.5 rows late", "motion"),
