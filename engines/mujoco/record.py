@@ -223,7 +223,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
 
     row.crank_angle, row.crank_speed = angle, crank_speed
     row.follower_angle, row.slider_position = base_angle, ctx.slider_position
-    # the acceleration is that of the base block: the rest of the tangent's is far smaller than what the hinges' fastest vibrations make of it
+    # the acceleration is the base block's: the rest of the tangent's is far smaller than what the fastest hinges would make of it
     row.follower_rate, row.follower_acceleration = _tangent_at_base(qvel, first), accelerations[0]
     row.tip_x, row.tip_y = ctx.pivot_distance + tip.real, tip.imag
     along = complex(math.cos(base_angle), math.sin(base_angle))
