@@ -34,7 +34,7 @@ def check_units(system: System) -> None:
         now = c.guess + 0.1 * c.size * (1.0 + 0.1 * k)
         symbols += [(c.q, now, c.unit), (c.v, 0.2 * c.size, f"({c.unit})/s"), (c.a, 0.3 * c.size, f"({c.unit})/s^2")]
         symbols += [(system.frozen[k], now, c.unit)] if k in system.frozen else []
-    symbols += [(force, 1.0, f"J/({loop.unit})") for loop in system.loops for force in ca.vertsplit(loop.force)]
+    symbols += [(force, 1.0, f"J/({loop.by_unit})") for loop in system.loops for force in ca.vertsplit(loop.force)]
     for table in system.tables:
         middle = table.at(0.5 * (table.low + table.high))
         symbols += [(table.row[k], middle[k], unit) for k, unit in table.units.items()]

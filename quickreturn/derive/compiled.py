@@ -47,6 +47,7 @@ class CompiledEquations:
         self._buffer.set_arg(0, self._at.data)
         self._buffer.set_res(0, self._G.data)
         self._matrices = ca.Function("matrices", at, [e.gap, e.G, e.M[:n, :n]])
+        self._levers = ca.Function("levers", at, [e.M[:n, :n], e.G[:, :n], e.C[:, :n]])
         moving = [column(system.time, e.q, e.v, self.constants, *rows)]
         self._motion = ca.Function("motion", moving, [e.gap, e.G, e.bias, e.M[:n, :n], e.Q[:n]])
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
@@ -102,6 +103,24 @@ class CompiledEquations:
         """The gaps of the loops, their Jacobian, their bias, the mass matrix and the forces; v: all rates. See `Equations`."""
         gap, G, bias, M, Q = (np.array(each) for each in self._motion(self._place(time, np.append(q, v), p)))
         return gap.ravel(), G, bias.ravel(), M, Q.ravel()
+
+    def levers(self, time: float, q: Array, p: Array) -> tuple[float, float]:
+        """How forces that act elsewhere move what they hold: a number that changes sign in a pole of the forces, and the distance to one.
+
+        The number is the determinant of S = [A^T M A, -(C A)^T; G A, 0] in the motions A that the other loops allow. The distance is
+        the smallest singular value of S. If nothing else moves, it is that of C A, or infinite where G A is nearer to losing rank.
+        """
+        M, G, C = (np.array(each) for each in self._levers(self._place(time, q, p)))
+        sizes, rows = np.array([c.size for c in self.system.coordinates]), self.equations.elsewhere
+        others = np.delete(G, rows, axis=0) * sizes
+        A = sizes[:, None] * np.linalg.svd(others)[2][len(others) :].T
+        held, moved = ((J @ A / np.maximum(np.linalg.norm(J * sizes, axis=1), 1e-300)[:, None]) for J in (G[rows], C[rows]))
+        free, empty = A.T @ M @ A, np.zeros((len(rows), len(rows)))
+        S = np.block([[free / max(np.trace(free), 1e-300), -moved.T], [held, empty]])
+        distance, least, other = (float(np.linalg.svd(J)[1][-1]) for J in (S, moved, held))
+        if A.shape[1] == len(rows):
+            distance = least if least < other else np.inf
+        return float(np.linalg.det(S)), distance
 
     def _place(self, time: float, q: Array, p: Array) -> Array:
         return np.concatenate([[time], q, p, *(table.at(q[table.index]) for table in self.system.tables)])

@@ -5,9 +5,10 @@ Time is one more coordinate, whose rate is 1: z = (q, t), w = (v, 1). With e any
     partial velocity   V = de/dz                         rate               e' = V w
     bias acceleration  A = the second derivative of e along w, which is e'' without q''
     mass matrix        M = sum m V^T V                   forces             Q = sum V^T F - sum m V^T (A - gravity)
-    loops gap(z) = 0   G = d gap/dz,  G (q'', 0) = -b    equations          M (q'', 0) = Q + G^T force
+    loops gap(z) = 0   G = d gap/dz,  G (q'', 0) = -b    equations          M (q'', 0) = Q + C^T force
 
-as in the thesis, equation 4.5. The row of time is the power of prescribed motions.
+as in the thesis, equation 4.5. The row of time is the power of prescribed motions. C is the Jacobian of what the forces of loops act on. It
+is that of the gap, G, unless a force acts elsewhere than the motion that it makes (inverse dynamics).
 """
 
 from typing import Any, Literal
@@ -31,6 +32,8 @@ class Equations:
     Attributes:
         M, Q: mass matrix and forces, with the row of time last.
         gap, G, bias: of all loops.
+        C: Jacobian of what their forces act on.
+        elsewhere: rows of loops whose forces act elsewhere.
         q, v, a: coordinates, their rates and accelerations.
         free: indices of the speeds that the state contains.
         forces, lost, done: symbols of the loops' forces, the dissipated energy and the work.
@@ -62,11 +65,14 @@ class Equations:
         if ca.depends_on(Q, column(self.a, *(loop.force for loop in loops))):
             raise DescriptionError(f"a load of {system.name!r} depends on an acceleration or on a loop's force; only outputs may")
         gap, forces = column(*(loop.gap for loop in loops)), column(*(loop.force for loop in loops))
-        expressions = [M, Q, gap, ca.jacobian(gap, self._z), self._bias(gap), 0.5 * ca.bilin(M, self._w, self._w), potential, work, heat]
+        on, rows = column(*(loop.by for loop in loops)), [loop.elsewhere for loop in loops for _ in range(loop.gap.numel())]
+        self.elsewhere = [k for k, elsewhere in enumerate(rows) if elsewhere]
+        G, C = ca.jacobian(gap, self._z), ca.jacobian(on, self._z)
+        expressions = [M, Q, gap, G, C, self._bias(gap), 0.5 * ca.bilin(M, self._w, self._w), potential, work, heat]
         # after all derivatives: frozen values become present ones
         present = column(*system.frozen.values()), column(*(self.q[k] for k in system.frozen))
         expressions = _replaced([*expressions, *(e for e, _ in system.outputs.values())], *present)
-        self.M, self.Q, self.gap, self.G, self.bias, kinetic, potential, work, heat, *results = expressions
+        self.M, self.Q, self.gap, self.G, self.C, self.bias, kinetic, potential, work, heat, *results = expressions
 
         self._given = [k for loop in loops for k in loop.gives]
         if form == "projection":
@@ -75,17 +81,28 @@ class Equations:
                     f"the loops of {system.name!r} have {gap.numel()} rows and give {[each[k].name for k in self._given]}: projection needs"
                     " as many coordinates, each once; name them by gives=[...], or take the form 'multipliers'"
                 )
+            names = [each[k].name for k in self._given]
+            if ca.sprank(self.G[:, self._given]) < gap.numel():
+                raise DescriptionError(
+                    f"the loops of {system.name!r} do not contain all that they give, {names}; name others by gives=[...]"
+                )
+            if ca.sprank(self.C[:, self._given]) < gap.numel():
+                raise DescriptionError(
+                    f"the forces of the loops of {system.name!r} do not act on all that these give, {names}; name by gives=[...] those"
+                    " on which they act, or take the form 'multipliers'"
+                )
             self.free = [k for k in range(n) if k not in self._given]
             self.acceleration, self.force, velocity, q_rate = self._projected(feedback)
         else:
             self.free, velocity, q_rate = list(range(n)), self.v, self.v
             self.acceleration, self.force = self._with_multipliers(feedback)
-        driven = self.M[n, :n] @ self.acceleration - self.Q[n] - ca.dot(self.G[:, n], self.force)
+        driven = self.M[n, :n] @ self.acceleration - self.Q[n] - ca.dot(self.C[:, n], self.force)
+        driven += ca.dot(self.force[self.elsewhere], (self.C @ self._w)[self.elsewhere])
         lost, done = ca.SX.sym("dissipated"), ca.SX.sym("work")
         self.state = column(self.q, self.v[self.free], lost, done)
         self.rates = column(q_rate, self.acceleration[self.free], heat, work + driven)
         shown = {c.name: (c.q, c.unit) for c in each} | {c.rate_name: (c.v, per(c.unit, "s")) for c in each}
-        shown |= {force.name(): (force, per("J", loop.unit)) for loop in loops for force in ca.vertsplit(loop.force)}
+        shown |= {force.name(): (force, per("J", loop.by_unit)) for loop in loops for force in ca.vertsplit(loop.force)}
         shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}
         energies = (kinetic, potential, lost, done, kinetic + potential + lost - done)
         shown |= {name: (e, "J") for name, e in zip(COMMON_COLUMNS[1:], energies, strict=True)}
@@ -116,31 +133,41 @@ class Equations:
         return _symmetric(M), -Vx.T @ (m * Ax) - Vy.T @ (m * Ay), moment
 
     def _projected(self, feedback: float) -> tuple[ca.SX, ...]:
-        """The equations projected on the free speeds u: v = B u + c, q'' = B u' + c0, and B^T (M q'' - Q) = 0 has no force of a loop."""
+        """The equations projected on the free speeds u: v = B u + c, q'' = B u' + c0, and A^T (M q'' - Q) = 0 has no force of a loop.
+
+        G B = 0 and C A = 0, so A is B unless a force acts elsewhere.
+        """
         n, free, given = self.q.numel(), self.free, self._given
         inverse = ca.inv_minor(self.G[:, given]) if given else ca.SX(0, 0)
+        lever = ca.inv_minor(self.C[:, given]) if self.elsewhere else inverse
         B, c, c0, back = ca.SX(n, len(free)), ca.SX(n, 1), ca.SX(n, 1), ca.SX(n, 1)
         B[free, :] = ca.SX.eye(len(free))
         if given:
             B[given, :], c[given] = -inverse @ self.G[:, free], -inverse @ self.G[:, n]
             c0[given], back[given] = -inverse @ self.bias, -feedback * (inverse @ self.gap)
         M, Q = self.M[:n, :n], self.Q[:n]
-        acceleration = B @ _solved(_symmetric(B.T @ (M @ B)), B.T @ (Q - M @ c0)) + c0
+        if self.elsewhere and free:
+            A = ca.SX(B)
+            A[given, :] = -lever @ self.C[:, free]
+            acceleration = B @ ca.solve(A.T @ (M @ B), A.T @ (Q - M @ c0)) + c0
+        else:
+            acceleration = B @ _solved(_symmetric(B.T @ (M @ B)), B.T @ (Q - M @ c0)) + c0
         velocity = B @ column(*(self.v[k] for k in free)) + c
-        force = inverse.T @ (M @ acceleration - Q)[given] if given else ca.SX(0, 1)
+        force = lever.T @ (M @ acceleration - Q)[given] if given else ca.SX(0, 1)
         return acceleration, force, velocity, velocity + back
 
     def _with_multipliers(self, feedback: float) -> tuple[ca.SX, ca.SX]:
         """The equations with the loops' forces as unknowns; the mass matrix may be singular if loops give coordinates without inertia."""
         n = self.q.numel()
-        M, Q, G = self.M[:n, :n], self.Q[:n], self.G[:, :n]
+        M, Q, G, C = self.M[:n, :n], self.Q[:n], self.G[:, :n], self.C[:, :n]
         if not G.size1():
             return _solved(M, Q), ca.SX(0, 1)
         wanted = -self.bias - 2.0 * feedback * (self.G @ self._w) - feedback**2 * self.gap
         # adding G^T G times a positive weight on both sides changes no solution and makes the matrix positive definite
         weight = ca.trace(M) / ca.trace(G.T @ G)
-        held = _solved(M + weight * (G.T @ G), ca.horzcat(Q + weight * (G.T @ wanted), G.T))
-        force = _solved(G @ held[:, 1:], wanted - G @ held[:, 0])
+        held = _solved(M + weight * (G.T @ G), ca.horzcat(Q + weight * (G.T @ wanted), C.T))
+        solved = ca.solve if self.elsewhere else _solved
+        force = solved(G @ held[:, 1:], wanted - G @ held[:, 0])
         return held[:, 0] + held[:, 1:] @ force, force
 
 

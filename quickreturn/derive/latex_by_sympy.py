@@ -17,14 +17,14 @@ _LARGEST_DENOMINATOR = 16
 
 
 def latex(system: System) -> str:
-    """One equation for each coordinate, M q'' = Q + G^T force, and one for each loop.
+    """One equation for each coordinate, M q'' = Q + C^T force, and one for each loop.
 
     Raises:
         DescriptionError: the system is too large.
     """
     e, n = Equations(system, "multipliers"), len(system.coordinates)
     a, force = e.a, column(*(loop.force for loop in system.loops))
-    balance = column(e.M[:n, :n] @ a, e.Q[:n] + e.G[:, :n].T @ force, e.gap)
+    balance = column(e.M[:n, :n] @ a, e.Q[:n] + e.C[:, :n].T @ force, e.gap)
     names = [(system.time, "t"), *((symbol, _written(name)) for name, (symbol, _, _) in system.parameters.items())]
     for c in system.coordinates:
         names += [(symbol, form % _written(c.name)) for symbol, form in ((c.q, "%s"), (c.v, r"\dot{%s}"), (c.a, r"\ddot{%s}"))]

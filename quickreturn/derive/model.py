@@ -1,12 +1,14 @@
 """Evaluates derived equations numerically: finds a start, integrates, and computes the named outputs."""
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Final
 
 import casadi as ca
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from quickreturn.derive.checks import check_condition, check_inertia
 from quickreturn.derive.compiled import Array, CompiledEquations, Values
@@ -21,11 +23,21 @@ CLOSED: Final = 1e-8
 OPENS: Final = 1e-5
 #: Smallest part of a Newton step that is tried to close the loops: a step is halved until it leads nearer.
 SMALLEST_PART: Final = 1e-6
+#: Largest change of an angle in a step of that search, rad: longer ones lead to other ways to close the loops.
+TURN: Final = 0.5
+#: Change of an angle (rad) from its guess, or of a length over its guess, that needs no second look.
+NEARBY: Final = 0.3
+#: Other starts from which a nearer way to close the loops is sought.
+TRIALS: Final = 12
+#: Change of an angle from its guess that is told, rad.
+FAR: Final = np.pi / 2
 #: Relative rounding of a potential energy whose parts cancel.
 ROUNDING: Final = 1e-12
 #: Longest step of DOP853 times the rate of the feedback. At 6 the method is unstable; in a single step of 26 rows between its ends opened
 #: the loops by 1e-3 at a tolerance of 1e-7.
 LONGEST: Final = 5.0
+#: Smallest part of a motion, over its size, in which a force that acts elsewhere must move what it acts on.
+HELPLESS: Final = 1e-9
 #: Part of a passage beside the singular position in which forces of loops are lost in rounding, whose square they are divided by.
 LOST: Final = 1e-3
 
@@ -45,7 +57,8 @@ class Model(CompiledEquations):
     def start(self, values: Values, parameters: Values | None = None) -> Array:
         """The state at time 0 for given coordinates and rates, by name in their units. The others are zero or follow from the loops.
 
-        Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values.
+        Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values. A warning says when the loops
+        could also close nearer to the guess, or an angle is more than 90 degrees from it.
 
         Raises:
             DescriptionError: an unknown name, or a loop that does not close.
@@ -56,7 +69,46 @@ class Model(CompiledEquations):
         v = np.array([values.get(c.rate_name, 0.0) * in_si(c.unit)[0] for c in coordinates])
         given = [k for loop in self.system.loops for k in loop.gives]
         seek, turn = ([k for k in given if coordinates[k][which] not in values] for which in (0, 1))
-        return self.closed(q, v, self.values(parameters), seek, turn)
+        p = self.values(parameters)
+        return self.closed(self._assembled(q, p, seek) if seek else q, v, p, seek, turn)
+
+    def _assembled(self, guess: Array, p: Array, seek: list[int]) -> Array:
+        """Coordinates that close the loops; warns of an angle far from its guess, and if others are nearer to the guess."""
+        q, gap, G = self._nearest(guess, p, seek)
+        opened, angle, away = float(np.linalg.norm(self.loops(guess, p)[0])), self._angles(seek), np.abs(q - guess)[seek]
+        closes = np.linalg.norm(gap) <= CLOSED * opened
+        if closes and np.all(away <= NEARBY * np.where(angle, 1.0, np.abs(guess[seek]))):
+            return q
+        reach = np.maximum(np.linalg.norm(G[:, seek], axis=0), 1e-300)  # what a coordinate moves
+        random, distance = np.random.default_rng(0), float(np.linalg.norm(reach * away)) if closes else 2.0 * opened
+        others = []
+        for _ in range(TRIALS):
+            begin, way = guess.copy(), random.normal(size=len(seek))
+            begin[seek] += random.uniform() * distance * way / np.linalg.norm(way) / reach
+            if np.all(np.isfinite(self.loops(begin, p)[1])):  # within tables and roots
+                other, gap, _ = self._nearest(begin, p, seek)
+                others += [other] if np.linalg.norm(gap) <= CLOSED * opened else []
+        nearest = min(others, key=lambda each: float(np.linalg.norm(reach * (each - guess)[seek])), default=q)
+        if not closes:
+            q = nearest
+        elif np.linalg.norm(reach * (nearest - guess)[seek]) < 0.9 * distance:
+            self._tell(q, nearest, seek, "could also start nearer to the guess, with {names} = {others} in place of {values}")
+            return q
+        if far := [k for k in seek if self._angles([k])[0] and abs(q[k] - guess[k]) > FAR]:
+            self._tell(q, guess, far, "starts far from the guess, with {names} = {values} in place of {others}")
+        return q
+
+    def _angles(self, which: Sequence[int]) -> NDArray[np.bool_]:
+        """Which of some coordinates are angles."""
+        return np.array([not any(in_si(self.system.coordinates[k].unit)[1]) for k in which], dtype=bool)
+
+    def _tell(self, q: Array, other: Array, which: list[int], sentence: str) -> None:
+        """Warn of coordinates q that may not be meant."""
+        coordinates = [self.system.coordinates[k] for k in which]
+        written = ([f"{x / in_si(c.unit)[0]:.4g} {c.unit}" for x, c in zip(each[which], coordinates, strict=True)] for each in (q, other))
+        values, others = map(", ".join, written)
+        told = sentence.format(names=", ".join(c.name for c in coordinates), values=values, others=others)
+        warnings.warn(f"{self.system.name!r} {told}; give the guess that you mean", stacklevel=4)
 
     def closed(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> Array:
         """State at time 0 for coordinates q and rates v, SI. Coordinates `seek` and rates `turn` (indices) change until the loops close.
@@ -64,21 +116,8 @@ class Model(CompiledEquations):
         Raises:
             DescriptionError: a loop does not close.
         """
-        v, part = v.copy(), 1.0
-        gap, G, _ = self.loops(q, p)
-        for _ in range(100):
-            step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
-            if np.max(np.abs(step), initial=0.0) < 1e-14 or part < SMALLEST_PART:
-                break
-            there = q.copy()
-            there[seek] += part * step
-            for table in self.system.tables:
-                there[table.index] = np.clip(there[table.index], table.low, table.high)
-            moved = self.loops(there, p)
-            if np.linalg.norm(moved[0]) < np.linalg.norm(gap):
-                q, (gap, G, _), part = there, moved, min(1.0, 2.0 * part)
-            else:
-                part *= 0.5
+        v = v.copy()
+        q, gap, G = self._nearest(q, p, seek)
         of_rows = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
         ends = np.cumsum([0, *(loop.gap.numel() for loop in self.system.loops)])
         # one row of a loop may vanish in a singular position, and no other unit is in it
@@ -92,6 +131,26 @@ class Model(CompiledEquations):
         problem = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
         self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), problem)
         return self.state(q, v)
+
+    def _nearest(self, q: Array, p: Array, seek: Sequence[int]) -> tuple[Array, Array, Array]:
+        """Coordinates that close the loops, by Newton's method from q, and the gap and its Jacobian there."""
+        part, angle = 1.0, self._angles(seek)
+        gap, G, _ = self.loops(q, p)
+        for _ in range(100):
+            step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
+            if np.max(np.abs(step), initial=0.0) < 1e-14 or part < SMALLEST_PART:
+                break
+            step /= max(1.0, np.max(np.abs(step[angle]), initial=0.0) / TURN)
+            there = q.copy()
+            there[seek] += part * step
+            for table in self.system.tables:
+                there[table.index] = np.clip(there[table.index], table.low, table.high)
+            moved = self.loops(there, p)
+            if np.linalg.norm(moved[0]) < np.linalg.norm(gap):
+                q, (gap, G, _), part = there, moved, min(1.0, 2.0 * part)
+            else:
+                part *= 0.5
+        return q, gap, G
 
     def _refuse_rows(self, rows: Array, allowed: Array, problem: str) -> None:
         """Raise DescriptionError if a row of the loops exceeds its allowed size, for the one that exceeds it most."""
@@ -125,9 +184,11 @@ class Model(CompiledEquations):
                 balance changes; the sentence says when.
         """
         y, p = self.start(start, parameters), self.values(parameters)
+        self._check_drives([0.0], y[None], p)
         self.check(y, p, tolerance)
         times = np.linspace(0.0, duration, round(duration / step) + 1)
         states, passages = self.integrate(lambda t, y: self.rates(t, y, p), y, times, p, tolerance, self.error_sizes(), method)
+        self._check_drives(times, states, p)
         frame = self.observe(times, states, p, passages)
         self._check_energy(frame, y, p, tolerance)
         return frame
@@ -139,11 +200,13 @@ class Model(CompiledEquations):
 
         The first entries of y are the state of the system. `passes`: whether to pass singular positions. See `simulate`.
         """
-        watch, tables = Watch(self, p, tolerance, passes), self.system.tables
+        e, tables = self.equations, self.system.tables
+        # a passage knows accelerations that forces leave only where these act on the loops themselves
+        watch = Watch(self, p, tolerance, passes and not (e.elsewhere and e.gap.numel() < e.q.numel()))
         watch.begin(y)
         ends = ", ".join(self.system.coordinates[table.index].name for table in tables)
         cause = f" ({ends} may have left its table)" if ends else ""
-        feedback = self.equations.feedback if self.equations.gap.numel() and method == "DOP853" else 0.0
+        feedback = e.feedback if e.gap.numel() and method == "DOP853" else 0.0
         longest = LONGEST / feedback if feedback else np.inf
         return integrated(rates, y, times, tolerance, sizes, method, watch, longest, self.system.name, cause)
 
@@ -164,6 +227,21 @@ class Model(CompiledEquations):
                 f" by {change[first]:.3g} J, with {energy:.3g} J in motion; take a tolerance below {tolerance:g}, or a smaller `size` of"
                 " the coordinates"
             )
+
+    def _check_drives(self, times: Iterable[float], states: Array, p: Array) -> None:
+        """Raise DescriptionError if forces that act elsewhere than they hold have a pole in a state, or between two."""
+        if not self.equations.elsewhere:
+            return
+        last = 0.0, np.inf
+        for time, y in zip(times, states, strict=True):
+            value, distance = self.levers(time, y[: len(self.system.coordinates)], p)
+            if distance < HELPLESS or (value * last[0] < 0.0 and min(distance, last[1]) < np.inf):
+                names = " and ".join(repr(loop.name) for loop in self.system.loops if loop.elsewhere)
+                raise DescriptionError(
+                    f"the force of loop {names} of {self.system.name!r} cannot make its motion at {time:g} s: what it acts on stands still"
+                    " in the motion there, or does not reach it without delay; end the motion before, or let the force act on another part"
+                )
+            last = value, distance
 
     def check(self, y: Array, p: Array, tolerance: float = 1e-9) -> None:
         """Check that a start determines the motion.

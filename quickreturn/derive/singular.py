@@ -143,7 +143,7 @@ class Watch:
 
     def ends(self, time: float) -> None:
         """Raise DescriptionError: the motion ends in a singular position."""
-        why = "and do not determine how it goes on" if self._passes else "where sensitivities end"
+        why = "and do not determine how it goes on" if self._passes else "where sensitivities, and drives that act elsewhere, end"
         raise DescriptionError(
             f"the motion of {self._model.system.name!r} comes to a singular position at {time:.6g} s: {self.loops()} lose rank there,"
             f" {why}; shorten the duration, or change a length, the start or the loops"

@@ -66,8 +66,8 @@ class Statics:
         q = self._model.start(start, self._parameters)[: len(self._names)]
         force = np.zeros(self._model.equations.gap.numel())
         for _ in range(100):
-            balance, gap, G, _, _, K = self._at(q, force)
-            J = np.block([[-K[np.ix_(moving, moving)], G[:, moving].T], [G[:, moving], np.zeros((len(gap), len(gap)))]])
+            balance, gap, G, C, _, _, K = self._at(q, force)
+            J = np.block([[-K[np.ix_(moving, moving)], C[:, moving].T], [G[:, moving], np.zeros((len(gap), len(gap)))]])
             lacking = np.concatenate([balance[moving], gap])
             step = np.linalg.lstsq(J, -lacking, rcond=None)[0]
             if np.linalg.norm(J @ step + lacking) > 1e-6 * np.linalg.norm(lacking) + 1e-12 * np.linalg.norm(J):
@@ -86,13 +86,18 @@ class Statics:
         """Linear equations for small motions about a configuration at rest; the loops give its other coordinates.
 
         Raises:
-            DescriptionError: the position is singular, and motions cross there.
+            DescriptionError: the position is singular, and motions cross there; or a loop's force acts elsewhere.
         """
+        if names := [loop.name for loop in self._model.system.loops if loop.elsewhere]:
+            raise DescriptionError(
+                f"small motions of {self._model.system.name!r}: loops {names} act elsewhere than they hold; leave them out, and hold the"
+                " coordinates instead"
+            )
         q = self._model.start(at, self._parameters)[: len(self._names)]
         nothing = np.zeros(self._model.equations.gap.numel())
-        balance, _, G, _, _, _ = self._at(q, nothing)
+        balance, _, G, *_ = self._at(q, nothing)
         force = np.asarray(np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0], dtype=np.float64)
-        _, _, G, M, D, K = self._at(q, force)
+        _, _, G, _, M, D, K = self._at(q, force)
         Z = self._possible(q, G)
         return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z)
 
@@ -109,10 +114,10 @@ class Statics:
         left, singular, right = np.linalg.svd(A / norms[:, None])
         rank = int(np.sum(singular > SINGULAR))
         directions, square = right[rank:].T, np.outer(sizes, sizes)
-        still = self._at(q, np.zeros(len(G)))[5]
+        still = self._at(q, np.zeros(len(G)))[-1]
         force = max(1.0, float(np.linalg.norm(still * square)))  # so large that rounding of the stiffness counts as nothing
         for combination in left[:, rank:].T:
-            curvature = still - self._at(q, force * combination[: len(G)] / norms[: len(G)])[5]
+            curvature = still - self._at(q, force * combination[: len(G)] / norms[: len(G)])[-1]
             values, vectors = np.linalg.eigh(directions.T @ (square * (curvature + curvature.T)) @ directions)
             forbids = np.abs(values) > SINGULAR * force
             if len({*np.sign(values[forbids])}) > 1:
@@ -124,7 +129,7 @@ class Statics:
         return np.asarray(sizes[:, None] * directions)
 
     def _at(self, q: Array, force: Array) -> list[Array]:
-        """Balance, gaps, G, M, D and K."""
+        """Balance, gaps, G, C, M, D and K."""
         values = self._evaluate(self._inputs(q, force))
         return [np.array(each).ravel() if k < 2 else np.array(each) for k, each in enumerate(values)]
 
@@ -139,15 +144,15 @@ _FUNCTIONS: Final[WeakKeyDictionary[Model, tuple[Any, Any]]] = WeakKeyDictionary
 
 
 def _functions(model: Model) -> tuple[Any, Any]:
-    """CasADi functions of a system at rest: balance of forces, gaps, G, M, D and K; and its outputs."""
+    """CasADi functions of a system at rest: balance of forces, gaps, G, C, M, D and K; and its outputs."""
     e, system, n = model.equations, model.system, len(model.system.coordinates)
     force, now = ca.SX.sym("force", e.gap.numel()), ca.SX.sym("now", n)
-    M, Q, G, gap = e.M[:n, :n], e.Q[:n], e.G[:, :n], e.gap
+    M, Q, G, C, gap = e.M[:n, :n], e.Q[:n], e.G[:, :n], e.C[:, :n], e.gap
     # values of a table change with its coordinate
     moved = column(*(t.row + t.row_slope * (e.q[t.index] - now[t.index]) for t in system.tables))
-    M, Q, G, gap = ca.substitute([M, Q, G, gap], [column(*(t.row for t in system.tables))], [moved])
-    balance = Q + G.T @ force
-    expressions = [balance, gap, G, M, -ca.jacobian(Q, e.v), -ca.jacobian(balance, e.q)]
+    M, Q, G, C, gap = ca.substitute([M, Q, G, C, gap], [column(*(t.row for t in system.tables))], [moved])
+    balance = Q + C.T @ force
+    expressions = [balance, gap, G, C, M, -ca.jacobian(Q, e.v), -ca.jacobian(balance, e.q)]
     tables = [each for t in system.tables for each in (t.row, t.row_slope)]
     inputs = column(system.time, e.q, now, e.v, force, model.constants, *tables)
     still = [column(e.a, e.lost, e.done, e.forces)], [column(ca.SX.zeros(n + 2), force)]

@@ -60,6 +60,13 @@ class Loop(NamedTuple):
     unit: str
     gives: list[int]
     force: ca.SX
+    by: ca.SX  # places or angles on which the forces act: the gap, or another part's
+    by_unit: str
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether the forces act on something else than the gap."""
+        return self.by is not self.gap
 
 
 class System:
@@ -155,17 +162,31 @@ class System:
         self.energies.append(ca.SX(value))
         self.states(f"energy of {name!r}", value, "J")
 
-    def loop(self, name: str, gap: Any, unit: str = "m", gives: Iterable[ca.SX] = ()) -> ca.SX:
+    def loop(self, name: str, gap: Any, unit: str = "m", gives: Iterable[ca.SX] = (), by: tuple[Any, str] | None = None) -> ca.SX:
         """Add a closed loop, or a prescribed motion: `gap` stays zero. It determines as many coordinates (`gives`) as it has rows.
 
+        Args:
+            name: name of the loop.
+            gap: expressions that stay zero.
+            unit: unit of the gap.
+            gives: coordinates that the loop determines.
+            by: a place or an angle with as many rows, and its unit, on which the forces act in place of the gap: the torque at one link
+                that makes a motion given at another.
+
         Returns:
-            The forces that keep it closed. They act along `gap`: on its first place, and reversed on the subtracted place.
+            The forces that keep it closed. They act along `gap`, on its first place, and reversed on the subtracted place; or on `by`.
         """
         gap = ca.SX(gap)
+        on, on_unit = (ca.SX(by[0]), by[1]) if by else (gap, unit)
+        if on.numel() != gap.numel():
+            raise DescriptionError(
+                f"loop {name!r} of {self.name!r} has {gap.numel()} rows and acts on {on.numel()}: it needs as many forces"
+            )
         names = [f"{name}_force"] if gap.numel() == 1 else [f"{name}_force_{k}" for k in range(1, gap.numel() + 1)]
         self._new(*names)
-        self.loops.append(Loop(name, gap, unit, [self._index(each) for each in gives], column(*map(ca.SX.sym, names))))
+        self.loops.append(Loop(name, gap, unit, [self._index(each) for each in gives], column(*map(ca.SX.sym, names)), on, on_unit))
         self.states(f"gap of loop {name!r}", gap, unit)
+        self.states(f"place or angle on which loop {name!r} acts", on, on_unit)
         return self.loops[-1].force
 
     def output(self, name: str, expression: Any, unit: str) -> None:

@@ -146,7 +146,7 @@ def test_a_singular_start_and_a_loop_that_repeats_another_are_named() -> None:
 def test_sensitivities_end_in_a_singular_position() -> None:
     system = parallelograms([1.0], [1.0], 0.5, 1.0)
     system.load("wind", system.coordinates[0].q, system.constants(torque=(1.0, "N*m")).torque)
-    with pytest.raises(DescriptionError, match=r"comes to a singular position at 0\.\d+ s: loop 'loop 0' lose.*where sensitivities end"):
+    with pytest.raises(DescriptionError, match=r"comes to a singular position at 0\.\d+ s: loop 'loop 0' lose.*where sensitivities"):
         sensitivities(Model(system), ["torque"], {"arm_0": 0.5, "arm_0_rate": -5.0}, 1.0, 0.1)
 
 

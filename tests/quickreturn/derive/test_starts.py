@@ -1,5 +1,7 @@
 """Starts that a check must not refuse: equilibria, where forces cancel, and shapes of many families; and what it must refuse."""
 
+import re
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +13,7 @@ from numpy.polynomial import Polynomial, legendre
 from quickreturn.derive import Beam, DescriptionError, Model, Statics, System, natural_shapes, vector
 from quickreturn.derive import machine_code as of_machine
 from tests.quickreturn.derive.descriptions import described
+from tests.quickreturn.derive.linkages import four_bar
 
 Shape = Callable[[Any], Any]
 
@@ -80,6 +83,43 @@ def test_forces_of_loops_at_rest_are_outputs() -> None:
     rest = Statics(Model(system)).equilibrium({})
     assert rest.outputs["hook_force"] == pytest.approx(2.0 * 9.81)
     assert dict(rest) == {"y": 0.0}
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.verify) for k in range(1, 6))])
+def test_an_assembly_far_from_the_guess_is_told(seed: int) -> None:
+    """A four-bar closes in two ways at a crank angle: the truth has both, and which one is nearer to the guess."""
+    random = np.random.default_rng(seed)
+    model = Model(four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5)))
+    pin = 0.4 * np.exp(0.5j)
+    chord, c = 1.0 - pin, abs(1.0 - pin)
+    along = (0.9**2 - 0.8**2 + c**2) / (2.0 * c)
+    joints = [pin + chord / c * (along + side * 1j * np.sqrt(0.9**2 - along**2)) for side in (1, -1)]
+    both = np.array([[np.angle(joint - pin), np.angle(joint - 1.0)] for joint in joints])
+    told = 0
+    for guess in random.uniform(-2.0, 2.0, (10, 2)):
+        model.system.coordinates[1:] = [c._replace(guess=g) for c, g in zip(model.system.coordinates[1:], guess, strict=True)]
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            found = model.start({"crank": 0.5})[1:3]
+        assert min(np.max(np.abs(np.exp(1j * found) - np.exp(1j * each))) for each in both) < 1e-9
+        if np.max(np.abs(found - guess)) > np.pi / 2:
+            assert re.match(
+                "'four-bar' (starts far from|could also start nearer to) the guess, with .*; give the guess", str(caught[0].message)
+            )
+        told += len(caught)
+        if np.max(np.abs(both - guess), axis=1).min() < 0.3:
+            assert not caught
+    assert 0 < told < 10
+
+
+def test_from_guesses_in_line_the_loops_close() -> None:
+    """There Newton's method finds no way; it begins again beside them."""
+    system = four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5))
+    system.coordinates[:] = [c._replace(guess=0.0) for c in system.coordinates]
+    with pytest.warns(UserWarning, match="starts far from the guess, with rocker = 1.77 rad in place of 0 rad"):
+        found = Model(system).start({})
+    joint = 0.4 + 0.9 * np.exp(1j * found[1])
+    assert abs(joint - 1.0 - 0.8 * np.exp(1j * found[2])) < 1e-9
 
 
 @pytest.mark.parametrize("count", [5, 6])
