@@ -97,7 +97,7 @@ def _load_lines(case: CaseLoads) -> list[str]:
     if forces:
         lines.append(f"{case.lead}: largest {', '.join(forces)}")
     if case.resonance is not None:
-        lines.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.resonance.sentence(units)}")
+        lines.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.resonance.sentence(units, case.share)}")
     return [line.replace(TIED, " ") for line in lines]
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.loads.axial import axial_stress
 from quickreturn.cases.loads.peak import ErrorAt, of_column, of_vector
-from quickreturn.cases.loads.resonance import Resonance, resonance, shift_of_motion
+from quickreturn.cases.loads.resonance import HARDLY, Resonance, ordinal, resonance, share_of, share_words, shift_of_motion
 from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
 from quickreturn.cases.measures.number import Number
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -17,7 +17,20 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 if TYPE_CHECKING:
     from quickreturn.cases.runs.request import Run
 
-__all__ = ["ErrorAt", "Factor", "Loads", "Resonance", "loads_of", "loads_of_run", "resonance", "shift_of_motion"]
+__all__ = [
+    "HARDLY",
+    "ErrorAt",
+    "Factor",
+    "Loads",
+    "Resonance",
+    "loads_of",
+    "loads_of_run",
+    "ordinal",
+    "resonance",
+    "share_of",
+    "share_words",
+    "shift_of_motion",
+]
 
 Array = NDArray[np.float64]
 

@@ -1,11 +1,13 @@
 """Distance of the crank's speed from a resonance of the first mode."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_angles
@@ -22,6 +24,12 @@ ANGLES: Final = 25
 #: of run 24's machine the first mode is 0.01 to 0.14 from a multiple of the crank's speed.
 BETWEEN: Final = 0.25
 CLOSE: Final = 0.1
+#: Harmonics on either side of one that count as its own: the first mode's frequency changes over the turn and spreads vibrations over them.
+BESIDE: Final = 2
+#: Share of the tip's acceleration below which harmonics hardly drive the first mode. On the curves of run 24's machine (60 to 200 rpm,
+#: orders 16 to 5) and of a pusher (119 to 161 rpm, orders 38 to 29) they raise a peak where they have 24 % or more at the speed at which
+#: they meet the mode, and none with 23 % or less; halfway to the next such speed they have a seventh of that, or more.
+HARDLY: Final = 0.02
 
 
 @dataclass(frozen=True)
@@ -57,12 +65,14 @@ class Resonance:
         """Relative change from the crank's speed to the resonant one; negative if that is lower."""
         return self.ratio / self.harmonic - 1.0
 
-    def sentence(self, units: "Units") -> str:
-        """Which harmonic of the crank's speed is nearest, and at which speed the two meet."""
-        ending = {1: "st", 2: "nd", 3: "rd"}.get(self.harmonic % 10 if self.harmonic % 100 not in (11, 12, 13) else 0, "th")
+    def sentence(self, units: "Units", share: float | None = None) -> str:
+        """Which harmonic of the crank's speed is nearest, and its effect or the speed at which the two meet; `share`: see `share_of`."""
+        nearest = f"the {ordinal(self.harmonic)} harmonic is nearest to the first mode"
+        if share is not None and share < HARDLY:
+            return f"{nearest} and hardly drives it: {share_words(self.harmonic, share)}"
         speed, change = units.of("rad/s").text(self.resonant_speed), "faster" if self.detuning > 0.0 else "slower"
-        nearest = f"the {self.harmonic}{ending} harmonic is nearest to the first mode"
-        return f"{nearest}; the two meet at {speed}, {100.0 * abs(self.detuning):.2g} % {change}"
+        known = "" if share is None else f"; {share_words(self.harmonic, share)}"
+        return f"{nearest}; the two meet at {speed}, {100.0 * abs(self.detuning):.2g} % {change}{known}"
 
 
 @cache
@@ -73,6 +83,30 @@ def resonance(mechanism: Mechanism) -> Resonance | None:
         return None
     frequencies = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in turn_angles(mechanism, ANGLES)])
     return Resonance(float(np.trapezoid(frequencies) / (frequencies.size - 1)), float(frequencies.min()), pace / (2.0 * math.pi))
+
+
+def share_of(order: int, cycle: Mapping[str, NDArray[np.float64]]) -> float | None:
+    """Part of the tip's varying acceleration (RMS) that the harmonics within `BESIDE` of an order have in a settled turn.
+
+    None where the turn has no such column, or fewer than four rows in a period of these harmonics.
+    """
+    time, rows = cycle["time"], cycle["time"].size - 1
+    if "tip_acceleration" not in cycle or rows < 4 * (order + BESIDE):
+        return None
+    even = np.linspace(time[0], time[-1], rows, endpoint=False)
+    amplitudes = np.abs(np.fft.rfft(np.interp(even, time, cycle["tip_acceleration"])))[1:-1]
+    whole = float(np.linalg.norm(amplitudes))
+    return float(np.linalg.norm(amplitudes[max(0, order - BESIDE - 1) : order + BESIDE])) / whole if whole else None
+
+
+def share_words(order: int, share: float) -> str:
+    """What the harmonics about an order make of the tip's acceleration (a clause)."""
+    return f"harmonics {max(1, order - BESIDE)} to {order + BESIDE} make {100.0 * share:.2g} % of the tip's acceleration"
+
+
+def ordinal(number: int) -> str:
+    """A number in an order: "33rd"."""
+    return f"{number}{ {1: 'st', 2: 'nd', 3: 'rd'}.get(number % 10 if number % 100 not in (11, 12, 13) else 0, 'th') }"
 
 
 def driven(mechanism: Mechanism) -> tuple[int, int]:

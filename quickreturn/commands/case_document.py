@@ -56,7 +56,7 @@ def _derived(case: Case) -> dict[str, dict[str, Any]]:
     elif first := resonance(scene):
         found["first_bending_frequency"] = (first.lowest, "Hz", "crank held, the least over its turn")
         found["mean_bending_frequency"] = (first.first_mode, "Hz", "crank held, the mean over its turn")
-        found["resonance"] = (first.ratio, "", f"that mean over the crank's frequency: {first.sentence(case.units)}")
+        found["resonance"] = (first.ratio, "", f"vibrations in a turn: {first.sentence(case.units)} (`run` says how strongly it is driven)")
     return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
 
 

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import Final
 
-from quickreturn.cases.loads import Loads
+from quickreturn.cases.loads import HARDLY, Loads
 from quickreturn.cases.shown import Units
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.results.around import Around, resonance_sentence
 from quickreturn.reports.results.loads import NAMES, STRAIN, CaseLoads, Load, axial_words, from_p, numbers_of_case
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
@@ -21,20 +22,26 @@ def strength(content: Content) -> Chapter | None:
     cases = [case for case in content.loads if case.lead]
     if not cases:
         return None
+    curves = {around.case.name: around for around in content.around}
     sections = [
         {
             "title": case.case.title,
             "stress": stress_sentences(case),
             "fatigue": fatigue_sentences(case),
             "lacking": lacking(case.loads[case.lead]),
-            "mode": mode_sentences(case),
+            "mode": mode_sentences(case, curves.get(case.case.name)),
         }
         for case in cases
     ]
-    return Chapter("strength", "Will it hold?", finding(cases), {"sections": sections, "table": strength_table(content.loads)})
+    return Chapter(
+        "strength",
+        "Will it hold?",
+        finding(cases, curves.get(cases[0].case.name)),
+        {"sections": sections, "table": strength_table(content.loads)},
+    )
 
 
-def finding(cases: Sequence[CaseLoads]) -> str:
+def finding(cases: Sequence[CaseLoads], around: Around | None = None) -> str:
     """The largest stress in the first case, the least safety factor, and the distance to resonance, as far as they are known."""
     case = cases[0]
     loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
@@ -43,7 +50,9 @@ def finding(cases: Sequence[CaseLoads]) -> str:
     text = f"{quantity(stress.value, units.of('Pa'))} at {from_p(stress, units)}"
     for against, factor in loads.factors[:1]:
         text += f", safety {factor.text} against {against}"
-    if resonance:
+    if around is not None and around.curve:
+        text += f"; nearest resonance peak {around.way(around.peak.value)}" if around.peak else f"; {around.nearest_peak} of resonance"
+    elif resonance and not (case.share is not None and case.share < HARDLY):
         text += f"; harmonic {resonance.harmonic} is {size(resonance.detuning)} from resonance"
     return f"{case.case.name}: {text}" if len(cases) > 1 else text
 
@@ -97,7 +106,7 @@ def lacking(loads: Loads) -> tuple[str, list[str]]:
     return "No safety factor" if len(missing) > 1 else f"No factor against {''.join(missing.values())}", [*missing]
 
 
-def mode_sentences(case: CaseLoads) -> str:
+def mode_sentences(case: CaseLoads, around: Around | None = None) -> str:
     """The first mode beside the crank's frequency; "" where there is no such mode."""
     resonance, units = case.resonance, case.case.units
     if resonance is None:
@@ -105,9 +114,9 @@ def mode_sentences(case: CaseLoads) -> str:
     first, lowest, crank = (quantity(each, units.of("Hz")) for each in (resonance.first_mode, resonance.lowest, resonance.crank))
     return (
         f"The first mode, with the crank held, has {first} in the mean over the turn,"
-        f" {number(resonance.ratio, '.2f')} times the crank’s {crank}. At a whole number that harmonic drives it;"
-        f" of the crank’s speed {resonance.sentence(units)}. The frequency changes over the turn, from {lowest} up, so a"
-        " resonance is blunt. The rotation of the crank, and its compliance under a driving torque, change the mean by"
+        f" {number(resonance.ratio, '.2f')} times the crank’s {crank}. At a whole number that harmonic drives it."
+        f" {resonance_sentence(case, around)} The frequency changes over the turn, from {lowest} up, so a resonance is blunt. The"
+        " rotation of the crank, and its compliance under a driving torque, change the mean by"
         f" {size(case.shift_of_motion / resonance.first_mode)}; this is taken as its error."
     )
 

@@ -12,6 +12,7 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.cases.shown import Unit
 from quickreturn.reports.page.answer import Answer, Cubic, Fastest
 from quickreturn.reports.page.content import Subject
+from quickreturn.reports.results.around import Around, resonance_sentence
 from quickreturn.reports.results.loads import CaseLoads, axial_words, from_p
 from quickreturn.reports.words import (
     case_label,
@@ -53,12 +54,14 @@ class FirstScreen:
         warning: a sentence on results that miss their accuracy; "" if there are none.
         sentences: what was found.
         figures: numbers in large type, each with its meaning.
+        resonance: a sentence on how near a resonance is; "" if there is none.
     """
 
     title: str
     warning: str
     sentences: Sequence[str]
     figures: Sequence[Figure]
+    resonance: str = ""
 
 
 def agreement_screen(answer: Answer, subject: Subject, title: str, first_mode: Figure | None) -> FirstScreen:
@@ -168,15 +171,15 @@ def _fastest(found: Fastest) -> Figure:
     return duration(seconds), f"{solving}: {name}{own}{other}"
 
 
-def machine_screen(case: CaseLoads) -> FirstScreen:
-    """What the person who builds a machine asks first."""
+def machine_screen(case: CaseLoads, around: Around | None = None) -> FirstScreen:
+    """What the person who builds a machine asks first; `around`: its resonance curve."""
     if not case.lead:
         none = "No engine gives the stress of this machine’s arm: the chapter Provenance gives the reasons."
         return FirstScreen(case.case.title, "", [none], [])
     missed = f"These numbers miss their accuracy: {'; '.join(case.missed)}." if case.missed else ""
     beside = " An error beside a number below is the engine’s own estimate of it."
     texts = [case.verdict, largest_stress_words(case), departure_words(case)]
-    return FirstScreen(case.case.title, missed and missed + beside, texts, machine_figures(case))
+    return FirstScreen(case.case.title, missed and missed + beside, texts, machine_figures(case), resonance_sentence(case, around))
 
 
 def largest_stress_words(case: CaseLoads) -> str:
@@ -208,7 +211,7 @@ def machine_figures(case: CaseLoads) -> list[Figure]:
     if resonance:
         mean = f"first mode (mean {quantity(resonance.first_mode, units.of('Hz'))}) over the crank’s frequency"
         off = off_by(case.shift_of_motion, resonance.first_mode)
-        shown.append((number(resonance.ratio, ".2f"), f"{mean}, resonance at whole numbers; {off}"))
+        shown.append((number(resonance.ratio, ".2f"), f"{mean}; {off}"))
     return shown
 
 

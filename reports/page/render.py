@@ -67,6 +67,8 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     view.drawn = [series.of for chapter in chapters for plot in chapter.plots for series in plot.series]
     shown = shown_first(results)
     title_of_case = shown.case.title if len(results) == 1 else ""
+    curves = {around.case.name: around for around in content.around if around.curve}
+    stressed = content.loads if any(loads.lead for loads in content.loads) else []
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
         "report.html",
@@ -77,8 +79,8 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         screen=agreement_screen(answer, content.subject, title_of_case, _first_mode(shown)),
-        machines=[(loads, machine_screen(loads)) for loads in content.loads] if any(loads.lead for loads in content.loads) else [],
-        curves=[around.case.name for around in content.around if around.curve],
+        machines=[(loads, machine_screen(loads, curves.get(loads.case.name))) for loads in stressed],
+        curves=curves,
         shown=shown.case.name,
         chapters=chapters,
     )

@@ -14,17 +14,18 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.keys import PATHS
-from quickreturn.cases.loads import resonance
+from quickreturn.cases.loads import Resonance, ordinal, resonance
 from quickreturn.cases.measures.catalogue import MEASURES, Measure
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.cases.resonance_curve.range import SPEED
-from quickreturn.cases.resonance_curve.search import job_around
+from quickreturn.cases.resonance_curve.search import PROMINENT, job_around
 from quickreturn.cases.runs.stability import UNSTABLE
 from quickreturn.cases.shown import Unit, Units
 from quickreturn.cases.uncertainty.parameters import Parameter
 from quickreturn.engines.base import Refusal
 from quickreturn.reference_model.rigid import mean_crank_speed
-from quickreturn.reports.words import MINUS, TIED, in_words, listed, number, size
+from quickreturn.reports.results.loads import CaseLoads
+from quickreturn.reports.words import MINUS, TIED, in_words, listed, number, percent, size
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Around:
 
     def order_at(self, speed: float) -> int | None:
         """The multiple of a crank speed (rad/s) that is nearest to the first mode."""
-        first = resonance(self.case.mechanism)
+        first = self._first_mode
         return None if first is None else replace(first, crank=abs(speed) / (2.0 * math.pi)).harmonic
 
     def shown(self, value: float) -> str:
@@ -107,12 +108,37 @@ class Around:
     @property
     def nearest(self) -> str:
         """The peak and the special point nearest to the machine's own value, as a clause each."""
-        curve, peak, change = self.solved_curve, self.peak, self.change
-        low, high = sorted((curve.range.low, curve.range.high), key=abs)
-        within = f"between {self.shown(low)} and {self.shown(high)}"
-        of_peak = f"nearest peak at {self.shown(peak.value)} ({peak.name}), {self.way(peak.value)}" if peak else f"no peak {within}"
+        change = self.change
         of_change = f"{change.kind} at {self.shown(change.value)}, {self.way(change.value)}" if change else ""
-        return f"{of_peak}; {of_change or f'no fold and no loss of stability {within}'}"
+        return f"{self.nearest_peak}; {of_change or f'no fold and no loss of stability {self._within}'}"
+
+    @property
+    def nearest_peak(self) -> str:
+        """The peak nearest to the machine's own value, or that there is none (a clause)."""
+        peak = self.peak
+        return f"nearest peak at {self.shown(peak.value)} ({peak.name}), {self.way(peak.value)}" if peak else f"no peak {self._within}"
+
+    @property
+    def _within(self) -> str:
+        low, high = sorted((self.solved_curve.range.low, self.solved_curve.range.high), key=abs)
+        return f"between {self.shown(low)} and {self.shown(high)}"
+
+    @property
+    def without_effect(self) -> str:
+        """A clause on the harmonic nearest to the first mode if the two meet within the curve and make no peak of it; "" otherwise."""
+        curve, first = self.solved_curve, self._first_mode
+        if first is None or curve.range.key != SPEED:
+            return ""
+        if not curve.range.low <= math.copysign(first.resonant_speed, self.own) <= curve.range.high:
+            return ""
+        if any((peak.order, peak.mode) == (first.harmonic, 1) for peak in curve.peaks):
+            return ""
+        least = percent(PROMINENT - 1.0, ".0f")
+        return f"the {ordinal(first.harmonic)} harmonic, the nearest to the first mode, raises no peak of {least} or more"
+
+    @property
+    def _first_mode(self) -> Resonance | None:
+        return resonance(self.case.mechanism)
 
     @property
     def sentences(self) -> list[str]:
@@ -130,7 +156,9 @@ class Around:
             if low <= self.own <= high:
                 ends = " to ".join(map(self.shown, sorted((low, high), key=abs)))
                 told.append(f"Motions that are unstable ({kind}) reach from {ends}, and your machine lies within that range.")
-        return [*told, f"{self.nearest[0].upper()}{self.nearest[1:]}."]
+        told.append(f"{self.nearest[0].upper()}{self.nearest[1:]}.")
+        silent = self.without_effect
+        return [*told, f"{silent[0].upper()}{silent[1:]}."] if silent else told
 
     @property
     def lines(self) -> list[str]:
@@ -144,6 +172,16 @@ class Around:
         places = {"nearest_peak": self.peak, "nearest_change": self.change}
         far = {name: {"distance": each.value - self.own, "relative": self.faster(each.value)} for name, each in places.items() if each}
         return {"value": self.own, "motions": motions, **far, "sentences": self.lines}
+
+
+def resonance_sentence(case: CaseLoads, around: Around | None) -> str:
+    """How near a resonance is: by the curve if there is one, or else by the harmonic nearest to the first mode; "" if nothing vibrates."""
+    if case.resonance is None:
+        return ""
+    if around is None or around.curve is None:
+        return f"Of the crank’s speed {case.resonance.sentence(case.case.units, case.share)}."
+    begin = "has its" if around.peak else "has"
+    return f"The resonance curve {'; '.join(filter(None, (f'{begin} {around.nearest_peak}', around.without_effect)))}."
 
 
 def motion_sentences(motions: Sequence[tuple[float, str]], measure: Measure, units: Units) -> str:

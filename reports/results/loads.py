@@ -1,13 +1,13 @@
 """Loads on the parts of a machine, by each engine on each case, and by the leading engine; their numbers, and sentences on them."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import UNITS, Factor, Loads, Resonance, loads_of_run, resonance, shift_of_motion
+from quickreturn.cases.loads import UNITS, Factor, Loads, Resonance, loads_of_run, resonance, share_of, shift_of_motion
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.shown import Unit, Units
@@ -71,6 +71,7 @@ class CaseLoads:
     loads: dict[str, Loads]  # by engine, for those with a usable cycle
     models: frozenset[str] = frozenset()  # engines whose discretization is their model: a difference is not an error of theirs
     missed: tuple[str, ...] = ()  # a clause for each engine that misses its accuracy
+    shares: Mapping[str, float | None] = field(default_factory=dict)  # by engine, of the harmonic nearest to the first mode: `share_of`
 
     @property
     def lead(self) -> str:
@@ -84,6 +85,11 @@ class CaseLoads:
     def resonance(self) -> Resonance | None:
         """The first mode beside the crank's frequency; None where there is no such mode."""
         return resonance(self.case.mechanism)
+
+    @property
+    def share(self) -> float | None:
+        """What the harmonics about the nearest one to the first mode have of the tip's acceleration, by the leading engine."""
+        return self.shares.get(self.lead)
 
     @property
     def verdict(self) -> str:
@@ -108,7 +114,12 @@ def loads_of_case(result: "CaseResult") -> CaseLoads:
     mechanism = result.case.mechanism
     by_engine = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
     models = frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration")
-    return CaseLoads(result.case, by_engine, models, accuracies_missed(result))
+    return CaseLoads(result.case, by_engine, models, accuracies_missed(result), _shares(result))
+
+
+def _shares(result: "CaseResult") -> dict[str, float | None]:
+    first = resonance(result.case.mechanism)
+    return {name: share_of(first.harmonic, run.cycle) for name, run in result.runs.items() if run.usable} if first else {}
 
 
 def accuracies_missed(result: "CaseResult") -> tuple[str, ...]:
@@ -131,7 +142,7 @@ def leading_loads(result: "CaseResult") -> CaseLoads:
     for name in names:
         loads = loads_of_run(mechanism, result.runs[name])
         if loads is not None and loads.stress is not None:
-            return CaseLoads(result.case, {name: loads})
+            return CaseLoads(result.case, {name: loads}, shares=_shares(result))
     return CaseLoads(result.case, {})
 
 

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import resonance, shift_of_motion
+from quickreturn.cases.loads import HARDLY, resonance, share_of, share_words, shift_of_motion
 from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.number import Number
@@ -170,11 +170,15 @@ def ringing(turn: Turn) -> Said | None:
         return ("Nothing rings: the arm is rigid.", {}) if turn.case.mechanism.follower.is_rigid else None
     numbers = {"first_mode": first.first_mode, "harmonic": float(first.harmonic), "detuning": first.detuning}
     mean, away = turn.shown(first.first_mode, "Hz"), size(first.detuning)
-    near = f"{first.harmonic} times the crank's speed is the multiple nearest to its mean frequency, {mean} with the crank held: {away} off"
+    near = f"{first.harmonic} times the crank's speed is nearest to its mean frequency, {mean} with the crank held: {away} off"
+    share = share_of(first.harmonic, turn.run.cycle)
+    if share is not None:
+        hardly = ", which is next to nothing" if share < HARDLY else ""
+        near, numbers["share"] = f"{near}; {share_words(first.harmonic, share)}{hardly}", share
     amplitudes = {half: turn.of(f"{half}.amplitude.tip_acceleration") for half in HALVES}
     known = {half: found for half, found in amplitudes.items() if found is not None}
     if not known:
-        return f"The first mode's vibration cannot be told from the rest of the motion; {near}.", numbers
+        return f"The size of the first mode's ringing cannot be fitted, which is neither good nor bad; {near}.", numbers
     half = max(known, key=lambda each: known[each].value)
     loudest = f"The first mode rings most {WHEN[half]} the return, with {turn.told(known[half], 'm/s^2')} at the tip (RMS of the envelope)"
     return f"{loudest}; {near}.", numbers | _numbers("amplitude", known[half])
@@ -233,10 +237,14 @@ def limit(turn: Turn) -> Said | None:
         return "At higher speeds no multiple of the crank's speed meets the first mode.", {"ratio": first.ratio, "ratio_error": claim}
     speed, faster = 2.0 * math.pi * first.first_mode / order, first.ratio / order - 1.0
     numbers = {"resonant_speed": speed, "faster": faster, "faster_error": claim / order, "order": float(order)}
-    meets = (
-        f"at {turn.shown(speed, 'rad/s')}, {size(faster)} faster, {order} times the crank's speed meets its frequency with the crank held"
-    )
-    return f"The next resonance of the first mode upwards: {meets} (the higher that number, the weaker); {_growth(turn, numbers)}.", numbers
+    meets = f"at {turn.shown(speed, 'rad/s')}, {size(faster)} faster, {order} times the crank's speed meets the first mode's frequency"
+    share, growth = share_of(order, turn.run.cycle), _growth(turn, numbers)
+    if share is None:
+        return f"The next resonance upwards: {meets} with the crank held (the higher that number, the weaker); {growth}.", numbers
+    numbers["share"] = share
+    if share < HARDLY:
+        return f"No resonance is near at higher speeds: {meets}, but hardly drives it: {share_words(order, share)}; {growth}.", numbers
+    return f"The next resonance upwards: {meets} with the crank held; here {share_words(order, share)}; {growth}.", numbers
 
 
 def _growth(turn: Turn, numbers: dict[str, float]) -> str:

@@ -10,7 +10,7 @@ import pytest
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.key import hash_of
-from quickreturn.cases.loads import loads_of, resonance
+from quickreturn.cases.loads import loads_of, resonance, share_of
 from quickreturn.cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out, missing
 from quickreturn.cases.loads.axial import axial_forces
 from quickreturn.cases.loads.stress import arm_stress, safety, section_modulus
@@ -284,6 +284,16 @@ def test_what_the_material_bears_does_not_change_what_a_result_is_stored_under()
     case = load_case("example", {"follower.yield_strength": "250 MPa"})
     assert case.values["follower"]["yield_strength"] == 250e6
     assert "yield_strength" not in load_case("thesis-24").values["follower"]
+
+
+def test_the_share_of_a_harmonic_is_that_of_its_neighbourhood() -> None:
+    angle = np.linspace(0.0, 2.0 * math.pi, 721)
+    orders = {0: 5.0, 1: 3.0, 30: 1.0, 31: 0.3, 33: 0.4, 36: 2.0}
+    cycle = {"time": 0.1 * angle, "tip_acceleration": sum(size * np.cos(order * angle) for order, size in orders.items())}
+    assert share_of(33, cycle) == pytest.approx(math.hypot(0.3, 0.4) / math.hypot(3.0, 1.0, 0.3, 0.4, 2.0), rel=1e-9)  # without the mean
+    assert share_of(1, cycle) == pytest.approx(3.0 / math.hypot(3.0, 1.0, 0.3, 0.4, 2.0), rel=1e-9)
+    assert share_of(180, cycle) is None, "too few rows"
+    assert share_of(33, {"time": angle}) is None
 
 
 def test_resonance_of_a_uniform_beam_is_that_of_the_textbook() -> None:

@@ -21,7 +21,8 @@ from quickreturn.reports.chapters.resonance import finding, plot
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
-from quickreturn.reports.results.around import Around, curves_around, motion_sentences
+from quickreturn.reports.results.around import Around, curves_around, motion_sentences, resonance_sentence
+from tests.reports.made_up_loads import made_up_loads, with_resonance
 from tests.reports.made_up_resonance import FOLD, OWN, PEAK, RPM, height, made_up_around, speed
 from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.reported_results import reported_result
@@ -91,7 +92,8 @@ def test_the_chapter_tells_the_motions_apart(around: Around) -> None:
     assert f"{float(f'{height(0.0):.2g}'):g} m/s² (unstable: fold)" in told
     assert "Its history decides which of the stable ones it follows." in told
     assert "its mean speed, which is prescribed here in place of its drive" in told
-    assert "the resonance curve around it" in told  # on the first screen
+    assert plain(f"The resonance curve has its {around.nearest_peak}") in told  # on the first screen
+    assert "The curve around its speed." in told
 
 
 def test_the_heading_gives_the_distances_from_the_nearest_peak_and_fold(around: Around) -> None:
@@ -102,6 +104,18 @@ def test_the_heading_gives_the_distances_from_the_nearest_peak_and_fold(around: 
     told = f"your machine runs at 120 rpm; nearest peak at {peak} ({named}), {distances[0]}; fold at {fold}, {distances[1]}"
     assert plain(finding([around])) == told == finding_of(own_page(around), "resonance")
     assert plain(finding([around, around])) == f"example: {told}"
+
+
+def test_a_harmonic_without_a_peak_is_no_alarm(around: Around) -> None:
+    bare = Around(around.case, dataclasses.replace(around.solved_curve, peaks=()))
+    told = "the 9th harmonic, the nearest to the first mode, raises no peak of 10 % or more"
+    assert plain(bare.without_effect) == told
+    assert plain(bare.sentences[-1]) == f"T{told[1:]}."
+    screen = plain(resonance_sentence(made_up_loads(), bare))
+    assert screen == f"The resonance curve has no peak between 102 rpm and 138 rpm; {told}."
+    of_it = dataclasses.replace(around.solved_curve.peaks[0], order=9)
+    assert Around(around.case, dataclasses.replace(around.solved_curve, peaks=(of_it,))).without_effect == ""
+    assert resonance_sentence(with_resonance(made_up_loads(), None), bare) == ""
 
 
 def test_a_machine_near_nothing_and_one_without_a_curve_say_so(around: Around) -> None:

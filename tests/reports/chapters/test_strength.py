@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from quickreturn.cases.loads import loads_of_run, resonance
+from quickreturn.cases.loads import loads_of_run, resonance, share_of
 from quickreturn.cases.loads.fatigue import Fatigue
 from quickreturn.cases.loads.stress import ArmStress, section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
@@ -18,6 +18,7 @@ from quickreturn.reports.page.view import cycles
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of_case, numbers_of_case
 from quickreturn.reports.words import quantity
 from tests.reports.made_up_loads import made_up_loads, with_resonance, without
+from tests.reports.made_up_resonance import made_up_around
 from tests.reports.pages import finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
@@ -56,6 +57,13 @@ def test_the_heading_gives_stress_safety_and_resonance(known: CaseLoads) -> None
     neither = with_resonance(neither, None)
     assert plain(finding([neither])) == stress
     assert plain(finding([neither, known])) == f"example: {stress}"  # of the first of several
+    hardly = dataclasses.replace(known, shares={"reference": 0.003})
+    assert plain(finding([with_resonance(hardly)])) == f"{stress}, safety 2 against yielding", "no alarm"
+    curve = made_up_around()
+    assert curve.peak is not None
+    assert plain(finding([known], curve)).endswith(f"; nearest resonance peak {plain(curve.way(curve.peak.value))}")
+    bare = dataclasses.replace(curve, curve=dataclasses.replace(curve.solved_curve, peaks=()))
+    assert plain(finding([known], bare)).endswith("; no peak between 102 rpm and 138 rpm of resonance")
 
 
 def test_the_heading_is_about_the_first_case_of_the_page(example: CaseResult) -> None:
@@ -105,7 +113,10 @@ def test_the_sentences_on_fatigue_give_place_notch_mean_and_cycles(known: CaseLo
 def test_the_sentences_on_the_first_mode_give_both_frequencies(known: CaseLoads) -> None:
     told = plain(mode_sentences(known))
     assert told.startswith("The first mode, with the crank held, has 18.40 Hz in the mean over the turn, 9.20 times the crank’s 2.000 Hz.")
-    assert "of the crank’s speed the 9th harmonic is nearest to the first mode; the two meet at 122.7 rpm, 2.2 % faster." in told
+    assert "Of the crank’s speed the 9th harmonic is nearest to the first mode; the two meet at 122.7 rpm, 2.2 % faster." in told
+    hardly = dataclasses.replace(known, shares={"reference": 0.003})
+    words = "the 9th harmonic is nearest to the first mode and hardly drives it: harmonics 7 to 11 make 0.3 % of the tip's acceleration."
+    assert words in plain(mode_sentences(with_resonance(hardly)))
     assert told.endswith(
         "from 12.10 Hz up, so a resonance is blunt. The rotation of the crank, and its compliance under a driving torque, change"
         " the mean by 0.5 %; this is taken as its error."
@@ -134,7 +145,8 @@ def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseRes
     assert f"{1e3 * place:.0f} mm from P" in told
     first = resonance(example.case.mechanism)
     assert first is not None
-    assert first.sentence(example.case.units) in told
+    share = share_of(first.harmonic, example.runs["reference"].cycle)
+    assert first.sentence(example.case.units, share) in told
     assert f"{first.ratio:.2f}first mode" in told  # a large number and the words under it
     assert loads_of_case(example).verdict in told
     assert told.index("largest stress") < told.index("Engines show or hide")
