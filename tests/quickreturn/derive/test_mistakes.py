@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from quickreturn.derive import Beam, DescriptionError, Model, Statics, System, latex, natural_frequencies, sensitivities, turned, vector
+from quickreturn.derive.checks import check_units
 from tests.quickreturn.derive.descriptions import described
 
 
@@ -156,6 +157,17 @@ def test_a_mistake_is_named_in_one_sentence(mistake: Callable[..., None]) -> Non
 def test_without_a_mistake_the_crank_turns() -> None:
     system, _, _ = crank()
     assert Model(system).simulate({"angle_rate": 2.0}, 0.1, 0.1)["angle"].iloc[-1] == pytest.approx(0.2, rel=1e-9)
+
+
+def test_units_are_no_mistake_where_terms_cancel() -> None:
+    """A gap that is zero but for rounding does not change as its unit says."""
+    for rate in (0.127 / 0.113, 1.0, 1.27):  # q is tried 0.127 beyond its guess, time at 0.113
+        system = System("wheel")
+        p = system.constants(rate=(float(rate), "rad/s"), begin=(90.0, "deg"), inertia=(1.0, "kg*m^2"))
+        angle = system.coordinate("angle", "rad", guess=np.pi / 2)
+        system.body("wheel", inertia=p.inertia, angle=angle)
+        system.loop("drive", angle - p.begin - p.rate * system.time, "rad", gives=[angle])
+        check_units(system)
 
 
 def test_unknown_names_are_listed() -> None:
