@@ -66,7 +66,7 @@ def integrated(
             message = solver.step()
         if solver.status == "failed":
             if watch.smallest < STUCK:
-                watch.ends(solver.t)
+                watch.ends(solver.t, solver.y)
             raise DescriptionError(f"the integration of {name!r} gets stuck after {solver.t:g} s{ends}: {message}")
         if not watch.follows(solver.t, solver.y):
             solver = begun(solver.t_old, before, 0.5 * (solver.t - solver.t_old))

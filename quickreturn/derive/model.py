@@ -184,13 +184,13 @@ class Model(CompiledEquations):
                 balance changes; the sentence says when.
         """
         y, p = self.start(start, parameters), self.values(parameters)
-        self._check_drives([0.0], y[None], p)
+        self.check_drives([0.0], y[None], p)
         self.check(y, p, tolerance)
         times = np.linspace(0.0, duration, round(duration / step) + 1)
         states, passages = self.integrate(lambda t, y: self.rates(t, y, p), y, times, p, tolerance, self.error_sizes(), method)
-        self._check_drives(times, states, p)
+        self.check_drives(times, states, p)
         frame = self.observe(times, states, p, passages)
-        self._check_energy(frame, y, p, tolerance)
+        self.check_motion(frame, y, p, tolerance)
         return frame
 
     def integrate(
@@ -210,7 +210,7 @@ class Model(CompiledEquations):
         longest = LONGEST / feedback if feedback else np.inf
         return integrated(rates, y, times, tolerance, sizes, method, watch, longest, self.system.name, cause)
 
-    def _check_energy(self, frame: pd.DataFrame, y: Array, p: Array, tolerance: float) -> None:
+    def check_motion(self, frame: pd.DataFrame, y: Array, p: Array, tolerance: float) -> None:
         """Raise DescriptionError if the energy balance changes by more than errors of integration explain."""
         n, size = len(self.system.coordinates), self.error_sizes()
         potential = frame["potential_energy"]
@@ -228,7 +228,7 @@ class Model(CompiledEquations):
                 " the coordinates"
             )
 
-    def _check_drives(self, times: Iterable[float], states: Array, p: Array) -> None:
+    def check_drives(self, times: Iterable[float], states: Array, p: Array) -> None:
         """Raise DescriptionError if forces that act elsewhere than they hold have a pole in a state, or between two."""
         if not self.equations.elsewhere:
             return

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
 from quickreturn.derive.compiled import CompiledEquations
-from quickreturn.derive.units import DescriptionError
+from quickreturn.derive.units import DescriptionError, in_si
 
 Array = NDArray[np.float64]
 
@@ -25,6 +25,8 @@ NEAR: Final = 0.05
 NEARER: Final = 0.3
 #: Smallest singular value at which the motion ends. The relative rounding of an acceleration is 1e-16 over its square.
 SINGULAR: Final = 1e-6
+#: Number of coordinates that tell the place, at most.
+NAMED: Final = 6
 #: Nodes of a passage, an even number: none is in the middle. Its error is of the order of twice as many.
 NODES: Final = 8
 #: Farthest a node is moved to close the loops, over the tolerance of the integration, in a passage that counts as smooth.
@@ -97,9 +99,13 @@ class Watch:
 
     def loops(self) -> str:
         """The loops that lose rank, in words."""
-        shares = np.array([np.linalg.norm(self._left[self._rows == k]) for k in range(len(self._model.system.loops))])
-        names = [repr(loop.name) for loop, share in zip(self._model.system.loops, shares, strict=True) if share > 0.1 * shares.max()]
+        names = [repr(self._model.system.loops[k].name) for k in self._losing()]
         return f"loop {names[0]}" if len(names) == 1 else f"loops {', '.join(names[:-1])} and {names[-1]}"
+
+    def _losing(self) -> list[int]:
+        """Indices of the loops that lose rank."""
+        shares = np.array([np.linalg.norm(self._left[self._rows == k]) for k in range(len(self._model.system.loops))])
+        return np.flatnonzero(shares > 0.1 * shares.max()).tolist()
 
     def follows(self, time: float, y: Array) -> bool:
         """Whether a later state may replace the present one: not if a singular position comes much nearer, or is left behind."""
@@ -135,17 +141,21 @@ class Watch:
         if found is None:
             self._next = NEARER * self.smallest
             if self.smallest < SINGULAR / NEARER:
-                self.ends(time)
+                self.ends(time, y)
         else:
             self._next = NEAR
             self._look(self._block(found.times[-1], found.states[-1]) / self._scales)
         return found
 
-    def ends(self, time: float) -> None:
-        """Raise DescriptionError: the motion ends in a singular position."""
+    def ends(self, time: float, y: Array) -> None:
+        """Raise DescriptionError: the motion ends in a singular position, near the state y."""
+        moved = self._model.jacobian(time, y[: len(self._sizes)], self._p)[np.isin(self._rows, self._losing()), :-1].any(axis=0)
+        coordinates = [(c, x) for c, x, moves in zip(self._model.system.coordinates, y, moved, strict=False) if moves][:NAMED]
+        place = ", ".join(f"{c.name} = {x / in_si(c.unit)[0]:.4g} {c.unit}" for c, x in coordinates)
         why = "and do not determine how it goes on" if self._passes else "where sensitivities, and drives that act elsewhere, end"
         raise DescriptionError(
-            f"the motion of {self._model.system.name!r} comes to a singular position at {time:.6g} s: {self.loops()} lose rank there,"
+            f"the motion of {self._model.system.name!r} comes to a singular position at {time:.6g} s, with {place}: there {self.loops()}"
+            f" {'loses' if len(self._losing()) == 1 else 'lose'} rank"
             f" {why}; shorten the duration, or change a length, the start or the loops"
         )
 

@@ -1,5 +1,6 @@
 """Equilibrium, and small vibrations about a configuration at rest."""
 
+import warnings
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple
 from weakref import WeakKeyDictionary
@@ -16,6 +17,10 @@ from quickreturn.derive.system import column
 from quickreturn.derive.units import DescriptionError, in_si
 
 Array = NDArray[np.float64]
+#: Distance from rest, over the size of a coordinate, from which frequencies are told to be those of no rest.
+AWAY: Final = 0.1
+#: Rounding of forces that cancel, over their sizes.
+ROUNDING: Final = 1e-9
 
 
 class Linear(NamedTuple):
@@ -85,6 +90,8 @@ class Statics:
     def linearised(self, at: Values) -> Linear:
         """Linear equations for small motions about a configuration at rest; the loops give its other coordinates.
 
+        A warning says when forces would move it from there.
+
         Raises:
             DescriptionError: the position is singular, and motions cross there; or a loop's force acts elsewhere.
         """
@@ -97,9 +104,24 @@ class Statics:
         nothing = np.zeros(self._model.equations.gap.numel())
         balance, _, G, *_ = self._at(q, nothing)
         force = np.asarray(np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0], dtype=np.float64)
-        _, _, G, _, M, D, K = self._at(q, force)
+        pushed = balance
+        balance, _, G, _, M, D, K = self._at(q, force)
         Z = self._possible(q, G)
+        self._tell_if_moving(Z, Z.T @ K @ Z, Z.T @ balance, float(np.linalg.norm(Z.T @ np.abs(pushed))))
         return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z)
+
+    def _tell_if_moving(self, Z: Array, K: Array, balance: Array, pushed: float) -> None:
+        """Warn of forces that are out of balance: they move a coordinate without end, or by more than AWAY of its size."""
+        coordinates, shift = self._model.system.coordinates, np.linalg.lstsq(K, balance, rcond=1e-12)[0]
+        endless = float(np.linalg.norm(balance - K @ shift)) > ROUNDING * pushed
+        far = np.abs(Z @ (balance if endless else shift)) / np.array([c.size for c in coordinates])
+        if endless or np.max(far, initial=0.0) > AWAY:
+            name = coordinates[int(np.argmax(far))].name
+            warnings.warn(
+                f"{self._model.system.name!r} is not at rest there: forces move {name!r}; vibrations are small about an equilibrium"
+                " (Statics(model).equilibrium)",
+                stacklevel=4,
+            )
 
     def _possible(self, q: Array, G: Array) -> Array:
         """The small motions that loops and held coordinates allow, as columns.

@@ -127,7 +127,9 @@ def stretched() -> System:
 def test_a_drive_that_pulls_beyond_the_reach_ends_with_time_and_loops(form: Form) -> None:
     model = Model(stretched(), form)
     motion = {"rod_rate": -4.0, "x_rate": 0.0, "angle_rate": 2.0} if form == "multipliers" else {}
-    with pytest.raises(DescriptionError, match=r"'press' comes to a singular position at 0\.261[78]\d* s: loop.*'pin'"):
+    with pytest.raises(
+        DescriptionError, match=r"at 0\.261[78]\d* s, with angle = 0\.523\d rad, rod = -1\.5\d* rad, x = 0\.17\d+ m: there loop.*'pin'"
+    ):
         model.simulate(motion, 1.0, 0.01)
     assert model.simulate(motion, 0.25, 0.05)["rod"].iloc[-1] == pytest.approx(-np.arcsin(2 * np.sin(0.5)), abs=1e-6)
 
@@ -146,7 +148,10 @@ def test_a_singular_start_and_a_loop_that_repeats_another_are_named() -> None:
 def test_sensitivities_end_in_a_singular_position() -> None:
     system = parallelograms([1.0], [1.0], 0.5, 1.0)
     system.load("wind", system.coordinates[0].q, system.constants(torque=(1.0, "N*m")).torque)
-    with pytest.raises(DescriptionError, match=r"comes to a singular position at 0\.\d+ s: loop 'loop 0' lose.*where sensitivities"):
+    with pytest.raises(
+        DescriptionError,
+        match=r"comes to a singular position at 0\.\d+ s, with arm_0 = .*: there loop 'loop 0' loses rank where sensitivities",
+    ):
         sensitivities(Model(system), ["torque"], {"arm_0": 0.5, "arm_0_rate": -5.0}, 1.0, 0.1)
 
 
@@ -181,7 +186,8 @@ def test_at_a_dead_point_a_held_block_holds_the_crank() -> None:
     model = Model(with_pendulum(slider_crank(1.0, 2.0, (1.0, 1.0, 1.0), "crank"), 0.5))
     pendulum = np.sqrt(G / 0.5) / (2.0 * np.pi)
     np.testing.assert_allclose(natural_frequencies(model, {}, hold=["block"]), [pendulum], rtol=1e-9)
-    assert len(natural_frequencies(model, {})) == 2
+    with pytest.warns(UserWarning, match="'slider-crank' is not at rest there: forces move 'crank'"):
+        assert len(natural_frequencies(model, {})) == 2
     alone = Model(slider_crank(1.0, 2.0, (1.0, 1.0, 1.0), "crank"))
     assert len(natural_frequencies(alone, {}, hold=["block"])) == 0
 
@@ -202,5 +208,8 @@ def test_a_loop_that_repeats_another_takes_no_motion_away() -> None:
     once, twice = (slider_crank(1.0, 2.0, (1.0, 1.0, 1.0), "crank") for _ in range(2))
     loop = twice.loops[0]
     twice.loop("again", loop.gap, gives=[])
+    for each in (once, twice):
+        each.gravity = vector(0, 0)
+        each.spring("spring", each.coordinates[0].q - 0.3, each.constants(stiffness=(2.0, "N*m/rad")).stiffness)
     at = {"crank": 0.3}
     np.testing.assert_allclose(natural_frequencies(Model(twice, "multipliers"), at), natural_frequencies(Model(once), at), rtol=1e-9)

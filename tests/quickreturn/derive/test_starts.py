@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, legendre
 
-from quickreturn.derive import Beam, DescriptionError, Model, Statics, System, natural_shapes, vector
+from quickreturn.derive import Beam, DescriptionError, Model, Statics, System, natural_frequencies, natural_shapes, turned, vector
 from quickreturn.derive import machine_code as of_machine
 from tests.quickreturn.derive.descriptions import described
 from tests.quickreturn.derive.linkages import four_bar
@@ -120,6 +120,25 @@ def test_from_guesses_in_line_the_loops_close() -> None:
         found = Model(system).start({})
     joint = 0.4 + 0.9 * np.exp(1j * found[1])
     assert abs(joint - 1.0 - 0.8 * np.exp(1j * found[2])) < 1e-9
+
+
+def test_frequencies_where_forces_move_the_system_are_told() -> None:
+    """A pendulum at 57 degrees; a wheel with a motor, at any angle."""
+    system = System("pendulum")
+    system.gravity = vector(0, -9.81)
+    p = system.constants(mass=(1.0, "kg"), length=(1.0, "m"), torque=(0.0, "N*m"))
+    angle, wheel = system.coordinate("angle", "rad"), system.coordinate("wheel", "rad")
+    system.body("bob", p.mass, turned(angle, 0.0, -p.length))
+    system.body("wheel", inertia=p.mass * p.length**2, angle=wheel)
+    system.load("motor", wheel, p.torque)
+    model = Model(system)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        np.testing.assert_allclose(natural_frequencies(model, {}), [0.0, np.sqrt(9.81) / (2 * np.pi)], atol=1e-12)
+        natural_frequencies(model, {}, hold=["wheel"], parameters={"torque": 1.0})
+    for at, torque, name in (({"angle": 1.0}, 0.0, "angle"), ({}, 1.0, "wheel")):
+        with pytest.warns(UserWarning, match=f"'pendulum' is not at rest there: forces move '{name}'"):
+            natural_frequencies(model, at, parameters={"torque": torque})
 
 
 @pytest.mark.parametrize("count", [5, 6])
