@@ -91,8 +91,11 @@ def _kept(engine: str | AnyEngine) -> dict[str, Any]:
 
 
 def _loads(scene: Scene, columns: Columns, largest_errors: Mapping[str, float]) -> Loads:
-    """Loads with the largest errors of the columns: a peak may err by more than the column does in the mean."""
-    return loads_of(scene, columns, lambda name, _: largest_errors.get(name))
+    """Loads with the largest errors of the columns: a peak may err by more than the column does in the mean.
+
+    A trajectory contains the transient of its start, and so says nothing on fatigue.
+    """
+    return loads_of(scene, columns, lambda name, _: largest_errors.get(name), cyclic=False)
 
 
 @dataclass(frozen=True)

@@ -178,7 +178,9 @@ class Solution(Displayed):
         if self.error_parts:
             yield "shown by", Rows([(f"{part}",) for part in self.error_parts])
         if (loads := self.loads).stress is not None:
-            yield "arm", stress_text(loads, self.case).replace(TIED, " ")
+            yield "arm", f"with the transient of its start, {stress_text(loads, self.case)}".replace(TIED, " ")
+            if self.case.scene.crank is not None:
+                yield "", "`run` gives the settled machine, with its safety against fatigue"
         elif {*MOMENTS} <= set(self.trajectory.columns):
             yield "arm", f"no stress along it: {missing(self.case.scene, self.trajectory.columns)}"
         then = " (comes from the store; times of its computation)" if self.stored else ""

@@ -15,7 +15,7 @@ from quickreturn.cases.shown import Units
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.results.drive import drive_of, drive_sentences
-from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, stress_text
+from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, notch_lines, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
 
 #: Largest number of departures that the text shows for a pair of engines.
@@ -90,7 +90,7 @@ def _load_lines(case: CaseLoads) -> list[str]:
     if not case.lead:
         return []
     loads, units = case.loads[case.lead], case.case.units
-    lines = [f"{case.lead}: {stress_text(loads, case.case)}"]
+    lines = [f"{case.lead}: {told}" for told in (stress_text(loads, case.case), *notch_lines(loads, case.case))]
     forces = [
         f"{FORCES[name]} {quantity(peak.value, units.of(UNITS[name]))}" for name, peak in loads.peaks.items() if name in FORCES and peak
     ]

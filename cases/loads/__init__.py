@@ -48,7 +48,8 @@ class Loads:
     peaks: Mapping[str, Number | None]
     axial_stress: Number | None  # largest magnitude of the stress by the normal force alone, along the arm, Pa
     yield_factor: Factor | None  # yield strength over the largest stress
-    fatigue_factor: Factor | None  # fatigue strength over the equivalent amplitude (`fatigue`)
+    fatigue_factor: Factor | None  # fatigue strength over the equivalent amplitude (`fatigue`); None for a trajectory that is no cycle
+    notch_factors: tuple[Factor | None, ...] = ()  # the same at each notch
 
     @property
     def factors(self) -> list[tuple[str, Factor]]:
@@ -62,13 +63,14 @@ class Loads:
         return None if self.stress is None else self.stress.largest.times(1.0 / self.modulus)
 
 
-def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Loads:
+def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt, *, cyclic: bool = True) -> Loads:
     """Loads on the parts in a cycle or a trajectory.
 
     Args:
         scene: the mechanism, or a follower alone.
         columns: of the cycle or trajectory, SI, each of shape (rows,).
         claim: error of a column at a crank angle, by the engine's own estimate.
+        cyclic: whether the motion repeats, so that fatigue can be judged.
     """
     follower, stress = scene.follower, arm_stress(scene, columns, claim)
     peaks = {name: of_vector(name, columns, claim) or of_column(name, columns, claim) for name in UNITS}
@@ -78,7 +80,8 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Load
         peaks,
         axial_stress(scene, columns, claim),
         None if stress is None else safety(follower.yield_strength, stress.largest),
-        None if stress is None else safety(follower.fatigue_strength, stress.fatigue.equivalent),
+        safety(follower.fatigue_strength, stress.fatigue.equivalent) if stress and cyclic else None,
+        tuple(safety(follower.fatigue_strength, notch.equivalent) for notch in stress.notches) if stress and cyclic else (),
     )
 
 

@@ -64,10 +64,15 @@ class Factor:
     @property
     def text(self) -> str:
         """The factor, with its interval where the error of the stress forbids a judgement."""
-        value = f"{self.value:.3g}"
         if self.judged or self.lowest is None or self.highest is None:
-            return value
-        return f"{value} ({self.lowest:.3g} or more)" if math.isinf(self.highest) else f"{value} ({self.lowest:.3g} to {self.highest:.3g})"
+            return _digits(self.value)
+        interval = f"{_digits(self.lowest)} {'or more' if math.isinf(self.highest) else f'to {_digits(self.highest)}'}"
+        return f"{_digits(self.value)} ({interval})"
+
+
+def _digits(value: float) -> str:
+    """Three digits, without an exponent below a million: "3440"."""
+    return f"{float(f'{value:.3g}'):g}"
 
 
 @dataclass(frozen=True)
@@ -80,6 +85,7 @@ class ArmStress:
     amplitude: Number
     mean: float  # mean of the extremes at that place
     fatigue: Fatigue  # at the place where it is worst
+    notches: tuple[Fatigue, ...]  # at each notch, in the order of the file
     places: Array  # arc lengths from P, m, shape (places,)
     lowest: Array  # least stress at each place over the rows, shape (places,), at the surface that is longer where W'' > 0
     highest: Array  # greatest stress, likewise
@@ -110,10 +116,12 @@ def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Ar
     field, ratio = arm.field(known.places), goodman_ratio(follower)
     fields = [(field, np.ones(field.places.size))]
     widest = worst = _worst(arm, fields, 0.0)
-    if follower.notch_places:
-        fields.append((arm.field(np.array(follower.notch_places)), np.array(follower.notch_factors)))
-    if ratio > 0.0 or len(fields) > 1:
-        worst = _worst(arm, fields, ratio)
+    notches = [
+        (arm.field(np.array([place])), np.array([factor]))
+        for place, factor in zip(follower.notch_places or (), follower.notch_factors or (), strict=True)
+    ]
+    if ratio > 0.0 or notches:
+        worst = _worst(arm, [*fields, *notches], ratio)
     largest, axial = _largest(arm, field)
     surface = field.at_surface(1.0)
     return ArmStress(
@@ -122,6 +130,7 @@ def arm_stress(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt) -> Ar
         amplitude=widest.equivalent,
         mean=widest.mean,
         fatigue=worst,
+        notches=tuple(_worst(arm, [notch], ratio, even=False) for notch in notches),
         places=known.places,
         lowest=surface.min(axis=0),
         highest=surface.max(axis=0),
@@ -242,13 +251,14 @@ def _largest(arm: _Arm, field: _Field) -> tuple[Number, Number]:
     return replace(peak, measurement=peak.measurement + beyond + float((sizes + field.open).max() - sizes.max())), axial
 
 
-def _worst(arm: _Arm, fields: Sequence[tuple[_Field, Array]], ratio: float) -> Fatigue:
+def _worst(arm: _Arm, fields: Sequence[tuple[_Field, Array]], ratio: float, *, even: bool = True) -> Fatigue:
     """Fatigue at the place of the surface where the equivalent amplitude is largest.
 
     Args:
         arm: gives the stress in all rows.
-        fields: stress at places, with the notch factor at each, shape (places,); the places of the first one are even.
+        fields: stress at places, with the notch factor at each, shape (places,).
         ratio: see `equivalent_amplitude`.
+        even: whether the places of the first field are even.
     """
     found = list[tuple[float, _Field, float, int, float]]()
     for field, factors in fields:
@@ -263,7 +273,7 @@ def _worst(arm: _Arm, fields: Sequence[tuple[_Field, Array]], ratio: float) -> F
     low, high = extremes(time, series, time[0], time[-1])
     amplitude, mean = (high.value - low.value) / 2.0, (high.value + low.value) / 2.0
     left_open = (low.uncertainty + high.uncertainty) / 2.0 + float(field.open[:, at].max())
-    if field is fields[0][0]:
+    if even and field is fields[0][0]:
         left_open += field.beyond(side, int(np.abs(field.at_surface(side)[:, at]).argmax()), at)
     error = replace(arm.peak(place, side), measurement=left_open).times(factor + (ratio if mean > 0.0 else 0.0))
     return Fatigue(

@@ -75,7 +75,7 @@ def finding(agreement: Mapping[str, int], alike: Sequence[str], sharpness: Mappi
         besides = f" ({silent} more say nothing)" if silent else ""
         text = (
             f"{in_words(len(alike)).capitalize()} agree within what they claim in {every}{counted(agree, 'comparison')} with"
-            f" {alike[0]}{besides}, in which an error of {_found(sharpness, 'found_somewhere')} would have shown"
+            f" {alike[0]}{besides}, which would show an error of {_found(sharpness, 'found_somewhere')}"
         )
     return text if cubic is None else f"{text}; the 1999 model’s frequency is {size(cubic)} off the converged one at worst"
 

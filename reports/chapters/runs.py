@@ -40,7 +40,9 @@ def finding(troubles: int, resolved: Mapping[str, tuple[int, int]]) -> str:
     """The number of simulations that are not simply settled; engine -> number of half cycles with a resolvable first mode, and of all."""
     settled = f"{troubles} of the simulations {'is' if troubles == 1 else 'are'} not simply settled" if troubles else "All settled"
     counts = ", ".join(f"{name} {halves} of {number}" for name, (halves, number) in resolved.items() if number)
-    return f"{settled}; half cycles with a resolvable first mode: {counts}" if counts else settled
+    if not any(halves for halves, _ in resolved.values()):
+        return f"{settled}; the first mode rings too little to be measured" if counts else settled
+    return f"{settled}; half turns in which the first mode rings enough to be measured: {counts}"
 
 
 def resolvable(results: Sequence[CaseResult], engine: str) -> tuple[int, int]:

@@ -8,7 +8,7 @@ from quickreturn.cases.shown import Units
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.around import Around, resonance_sentence
-from quickreturn.reports.results.loads import NAMES, STRAIN, CaseLoads, Load, axial_words, from_p, numbers_of_case
+from quickreturn.reports.results.loads import STRAIN, CaseLoads, Load, axial_words, from_p, name_of, notch_lines, numbers_of_case
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import counted, degrees, listed, number, off_by, quantity, size, span
@@ -66,7 +66,7 @@ def stress_sentences(case: CaseLoads) -> str:
     assert stress.crank_angle is not None
     strain = f" (a surface strain of {quantity(loads.strain.value, STRAIN)})" if loads.strain.value else ""
     axial = axial_words(loads.stress.axial, units)
-    alone = "; the engine gives no normal force, so that this is bending alone" if not axial else f", {axial}"
+    alone = "; the engine gives no normal force, so that this is bending alone" if not axial else f": {axial}"
     at_most, half_range = (quantity(each, units.of("Pa")) for each in (stress.value, amplitude.value))
     return (
         f"{case.verdict} By {case.lead}, the arm is stressed most {from_p(stress, units)}, with {at_most} when the crank stands at"
@@ -96,7 +96,7 @@ def fatigue_sentences(case: CaseLoads) -> str:
     told += f". A turn has {counted(cycles, 'cycle')} of stress there, with ranges of {listed(ranges)}."
     if follower.fatigue_strength is not None and follower.tensile_strength is None:
         told += " The mean stress does not count: that takes tensile_strength."
-    return told
+    return " ".join([told, *(f"{line[0].upper()}{line[1:]}." for line in notch_lines(case.loads[case.lead], case.case))])
 
 
 def lacking(loads: Loads) -> tuple[str, list[str]]:
@@ -125,7 +125,7 @@ def strength_table(cases: Sequence[CaseLoads]) -> Table:
     """All numbers of all cases."""
     units = cases[0].case.units
     columns: ColumnList = (
-        *(CASE, "engine", Column("quantity", words=NAMES.__getitem__)),
+        *(CASE, "engine", Column("quantity", words=name_of)),
         Column("value", unit="[SI]", form=".4g"),
         Column("error", "off by", unit="[SI]", form=".2g", meaning="by the spacing of rows and places, and the engine's own estimate"),
         Column("unit", in_page=False),
@@ -153,5 +153,8 @@ def strength_table(cases: Sequence[CaseLoads]) -> Table:
 def _off(load: Load) -> str:
     """The error in words; of a safety factor its interval, which is not even about the value."""
     if load.lowest is not None:
-        return f"{load.lowest:.3g} or more" if load.highest is None else span(load.lowest, load.highest, ".3g")
+        if load.highest is None:
+            return f"{load.lowest:.3g} or more"
+        ends = span(load.lowest, load.highest, ".3g")
+        return off_by(load.highest - load.value, load.value) if len({*ends.split(" to ")}) == 1 else ends
     return "" if load.error is None else off_by(load.error, load.value)

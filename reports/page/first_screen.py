@@ -202,8 +202,8 @@ def machine_figures(case: CaseLoads) -> list[Figure]:
     loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
     stress = _largest(loads)
     assert loads.stress is not None
-    parts = axial_words(loads.stress.axial, units) or "by bending alone"
-    shown = [(quantity(stress.value, units.of("Pa")), f"largest stress in the arm, {parts}{_error(stress)}"), safety_figure(case)]
+    parts = axial_words(loads.stress.axial, units) or "bending alone"
+    shown = [(quantity(stress.value, units.of("Pa")), f"largest stress in the arm: {parts}{_error(stress)}"), safety_figure(case)]
     for key, what in _LOADS.items():
         peak = loads.peaks[key]
         if peak and peak.value:

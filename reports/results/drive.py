@@ -102,24 +102,24 @@ def _flywheel(case: Case, texts: Mapping[str, str], needed: float) -> str:
     crank = case.mechanism.crank
     if case.mechanism.crank_is_free:
         return f"The speed of the crank fluctuates by {texts['variation.crank_speed']} of its mean, from the least to the largest."
-    energy = f"The energy that the torque gives fluctuates by {texts['flywheel.energy']} about that of its mean"
+    energy = f"With a motor of constant torque, crank and flywheel store and release {texts['flywheel.energy']} in a turn"
     if crank.wanted_fluctuation is None:
-        return f"{energy}; with crank.wanted_fluctuation in the case file, this says what flywheel a motor of constant torque needs."
+        return f"{energy}; with crank.wanted_fluctuation in the case file, this says what inertia they need."
     wanted, has = percent(crank.wanted_fluctuation, ".3g"), quantity(case.mechanism.crank_inertia, case.units.of("kg*m^2"))
     alone = ", which is enough" if case.mechanism.crank_inertia >= needed else ""
     return (
-        f"{energy}: for a speed that a motor of constant torque keeps within {wanted}, from the least to the largest, crank and flywheel"
-        f" need {texts['flywheel.inertia']} about O together; the crank has {has}{alone}."
+        f"{energy}. For a speed whose range is {wanted} of its mean they need an inertia of {texts['flywheel.inertia']} about O together;"
+        f" the crank has {has}{alone}."
     )
 
 
 def _bearings(texts: Mapping[str, str]) -> str:
     loads = [
-        f"{texts[ball]} ({texts[ball.replace('ball', 'roller')]}) {where}"
+        f"{texts[ball]} {where} ({texts[ball.replace('ball', 'roller')]} with rollers)"
         for ball, where in (("equivalent.pivot_force.ball", "at P"), ("equivalent.crank_force.ball", "at O"))
         if ball in texts
     ]
     if not loads:
         return ""
     swing = f"P turns by {texts['turn.pivot_angle']} in a turn of the crank, to and fro"
-    return f"The equivalent load of a ball (roller) bearing is {listed(loads)}; {swing}."
+    return f"Ball bearings are chosen by an equivalent load of {listed(loads)}; {swing}."

@@ -39,15 +39,25 @@ NAMES: Final = {
     "mean_first_frequency": "first mode, mean over the turn",
     "frequency_ratio": "the same over the crank's frequency",
 }
+#: What follows "notch_1_" in the name of a number at the first notch -> its name in the page.
+_AT_NOTCH: Final = {"equivalent_amplitude": "equivalent amplitude", "fatigue_factor": "safety against fatigue"}
 #: Unit in which the page shows the strain of the arm.
 STRAIN: Final = Unit("µε", in_si("microstrain"))
+
+
+def name_of(quantity: str) -> str:
+    """The name of a number in the page."""
+    if quantity in NAMES:
+        return NAMES[quantity]
+    _, number, what = quantity.split("_", 2)
+    return f"{_AT_NOTCH[what]} at notch {number}"
 
 
 @dataclass(frozen=True)
 class Load:
     """A load; fields that are unknown, or that it does not have, are None."""
 
-    quantity: str  # key of `NAMES`
+    quantity: str  # see `name_of`
     value: float  # the number
     unit: str  # SI
     error: float | None = None  # estimated error, SI; of a safety factor the farther end of its interval, None where that has none
@@ -152,7 +162,7 @@ def verdict(loads: Loads) -> str:
     factors = {against: factor for against, factor in both.items() if factor is not None}
     if not factors:
         return ""
-    values = " and ".join(f"{factor.text} against {against}" for against, factor in factors.items())
+    values = " and ".join(f"{_safety(factor)} against {against}" for against, factor in factors.items())
     if unjudged := [factor for factor in factors.values() if not factor.judged]:
         errors = [factor.error for factor in unjudged if factor.error is not None]
         why = f"is{TIED}{size(max(errors))} of it" if errors else "is not known"
@@ -171,10 +181,34 @@ def from_p(peak: Number, units: Units) -> str:
 
 
 def axial_words(axial: Number | None, units: Units) -> str:
-    """How much of a largest stress the normal force has (a clause); "" where it is not known."""
+    """Whether a largest stress is tension, and how much of it comes from the normal force (a clause); "" where that is not known."""
     if axial is None:
         return ""
-    return f"{quantity(abs(axial.value), units.of('Pa'))} of it by the normal force, which {'pulls' if axial.value > 0.0 else 'presses'}"
+    return f"{tension_or_compression(axial)}, {quantity(abs(axial.value), units.of('Pa'))} of it from the normal force"
+
+
+def tension_or_compression(axial: Number) -> str:
+    """The kind of a largest stress, by the part of the normal force in it: the bending beside it has the same sign."""
+    return "tension" if axial.value > 0.0 else "compression" if axial.value < 0.0 else "tension and compression alike"
+
+
+def notch_lines(loads: Loads, case: Case) -> list[str]:
+    """For each notch its safety against fatigue, or the stress that counts there, and whether it decides (a clause each)."""
+    told = list[str]()
+    if loads.stress is None or not loads.notch_factors:
+        return told
+    worst = loads.stress.fatigue
+    for notch, safe in zip(loads.stress.notches, loads.notch_factors, strict=True):
+        decides = (notch.notch_factor, notch.equivalent.place) == (worst.notch_factor, worst.equivalent.place)
+        counts = f"equivalent amplitude {quantity(notch.equivalent.value, case.units.of('Pa'))}"
+        factor = f"safety factor {_safety(safe)} against fatigue" if safe else counts
+        told.append(f"notch {from_p(notch.equivalent, case.units)}: {factor}, {'decides' if decides else 'does not decide'}")
+    return told
+
+
+def _safety(factor: Factor) -> str:
+    """A safety factor with its error; its interval is told where that is too large."""
+    return f"{factor.text} ({off_by(factor.error, 1.0)})" if factor.judged and factor.error is not None else factor.text
 
 
 def stress_text(loads: Loads, case: Case) -> str:
@@ -208,9 +242,12 @@ def numbers(loads: Loads) -> Iterator[Load]:
         yield _peak("equivalent_amplitude", fatigue.equivalent, "Pa")
         yield Load("notch_factor", fatigue.notch_factor, "1", place=fatigue.equivalent.place)
         yield Load("stress_cycles", float(len(fatigue.ranges)), "1", place=fatigue.equivalent.place)
+        for number, notch in enumerate(loads.stress.notches, 1):
+            yield _peak(f"notch_{number}_equivalent_amplitude", notch.equivalent, "Pa")
     if loads.axial_stress is not None:
         yield _peak("axial_stress", loads.axial_stress, "Pa")
     factors: dict[str, Factor | None] = {"yield_factor": loads.yield_factor, "fatigue_factor": loads.fatigue_factor}
+    factors |= {f"notch_{number}_fatigue_factor": factor for number, factor in enumerate(loads.notch_factors, 1)}
     yield from (_factor(name, factor) for name, factor in factors.items() if factor is not None)
     yield from (_peak(name, peak, UNITS[name]) for name in NAMES if (peak := loads.peaks.get(name)) is not None)
 

@@ -21,7 +21,7 @@ from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.relative import rms
-from quickreturn.reports.results.loads import from_p
+from quickreturn.reports.results.loads import from_p, tension_or_compression
 from quickreturn.reports.words import TIED, counted, degrees, in_words, listed, number, off_by, percent, quantity, size
 
 #: Relative difference of the strokes' durations below which they count as alike.
@@ -159,7 +159,9 @@ def stress(turn: Turn) -> Said | None:
     motion = turn.motion.loads.stress
     ends = [abs(float(np.interp(found.place, motion.places, end))) for end in (motion.lowest, motion.highest)] if motion else []
     either = " (bent the other way as much, within the error)" if ends and max(ends) - min(ends) <= 2.0 * found.error else ""
-    sentence = f"The arm is stressed most {where}, with the crank at {degrees(found.crank_angle)}{either}: {turn.told(found, 'Pa')}."
+    axial = motion.axial if motion and not either else None
+    kind = "" if axial is None else f" in {tension_or_compression(axial)}"
+    sentence = f"The arm is stressed most {where}, with the crank at {degrees(found.crank_angle)}{either}{kind}: {turn.told(found, 'Pa')}."
     return sentence, _numbers("stress", found) | {"place": found.place}
 
 
@@ -222,7 +224,8 @@ def decay(turn: Turn) -> Said | None:
     if found.error >= found.value:
         return f"A disturbance dies away within a turn, to less than {percent(math.ceil(1e4 * high) / 1e4, 'g')}.", numbers
     turns = counted(max(1, math.ceil(math.log(GONE) / math.log(high))), "turn")
-    left = f"{percent(found.value, '.2g')} of a disturbance of the crank's speed or of the two lowest modes is left after a turn"
+    of = "of the crank's speed or of the two lowest modes" if turn.case.mechanism.crank_is_free else "of the two lowest modes"
+    left = f"{percent(found.value, '.2g')} of a disturbance {of} is left after a turn"
     return f"{left} ({off_by(found.error, found.value)}), less than {percent(GONE, 'g')} after {turns}.", numbers
 
 

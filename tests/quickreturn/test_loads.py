@@ -50,7 +50,11 @@ def test_a_simulation_says_its_largest_stress() -> None:
     gauges = max(float(np.max(np.abs(solution[f"strain_{k}"]))) for k in (1, 2, 3))
     assert stress.largest.value >= follower.elastic_modulus * gauges
     assert math.isfinite(stress.largest.error)
-    assert f"largest stress {1e-6 * stress.largest.value:.3f} MPa" in repr(solution)
+    assert f"with the transient of its start, largest stress {1e-6 * stress.largest.value:.3f} MPa" in repr(solution)
+    assert "`run` gives the settled machine" in repr(solution)
+    assert "against yielding" in repr(solution)
+    assert " and " not in repr(solution).partition("The arm holds")[2].partition("\n")[0], "no factor against fatigue"
+    assert solution.loads.fatigue_factor is None, "a transient is no cycle"
     crank = stress.largest.crank_angle
     assert crank is not None
     # from 180 deg on for 0.1 s at some 120 rpm

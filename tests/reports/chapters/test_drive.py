@@ -53,20 +53,20 @@ def test_the_sentences_give_the_closed_forms(shaper: CaseResult) -> None:
         f" 60.00 W at most. In a turn {4.0 * math.pi + back:.2f} J go to the machine and {back:.3f} J come back, at 20.00 W at most."
     )
     assert flywheel.startswith(
-        "The energy that the torque gives fluctuates by 8.000 J about that of its mean; with crank.wanted_fluctuation"
+        "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn; with crank.wanted_fluctuation"
     )
     assert re.fullmatch(
-        r"The equivalent load of a ball \(roller\) bearing is \S+ N \(\S+ N\) at P and \S+ N \(\S+ N\) at O; P turns by 57\.65° in a turn"
-        r" of the crank, to and fro\.",
+        r"Ball bearings are chosen by an equivalent load of \S+ N at P \(\S+ N with rollers\) and \S+ N at O \(\S+ N with rollers\); P turns by"
+        r" 57\.65° in a turn of the crank, to and fro\.",
         bearings,
     )
     _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.05))))
     assert flywheel == (  # 8 J / (0.05 (10 rad/s)^2)
-        "The energy that the torque gives fluctuates by 8.000 J about that of its mean: for a speed that a motor of constant torque keeps"
-        " within 5 %, from the least to the largest, crank and flywheel need 1.600 kg m² about O together; the crank has 0.1000 kg m²."
+        "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn. For a speed whose range is 5 % of its mean"
+        " they need an inertia of 1.600 kg m² about O together; the crank has 0.1000 kg m²."
     )
     _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.9))))
-    assert flywheel.endswith("crank and flywheel need 0.08889 kg m² about O together; the crank has 0.1000 kg m², which is enough.")
+    assert flywheel.endswith("they need an inertia of 0.08889 kg m² about O together; the crank has 0.1000 kg m², which is enough.")
 
 
 def test_the_error_of_an_angle_is_an_angle() -> None:

@@ -4,12 +4,12 @@ from quickreturn.reports.chapters.runs import finding, resolvable
 from tests.reports.pages import finding_of, one_run, text_of
 from tests.reports.reported_results import reported_result
 
-HALVES = "half cycles with a resolvable first mode"
+HALVES = "half turns in which the first mode rings enough to be measured"
 
 
 def test_the_heading_counts_what_is_not_settled_and_what_is_resolved() -> None:
     assert finding(0, {"a": (3, 4), "b": (4, 4)}) == f"All settled; {HALVES}: a 3 of 4, b 4 of 4"
-    assert finding(1, {"a": (0, 2)}) == f"1 of the simulations is not simply settled; {HALVES}: a 0 of 2"
+    assert finding(1, {"a": (0, 2)}) == "1 of the simulations is not simply settled; the first mode rings too little to be measured"
     assert finding(2, {"a": (2, 2), "b": (0, 0)}) == f"2 of the simulations are not simply settled; {HALVES}: a 2 of 2"
     assert finding(3, {"a": (0, 0)}) == "3 of the simulations are not simply settled"
     assert finding(0, {}) == "All settled"

@@ -158,11 +158,11 @@ def test_a_machine_is_told_its_stress_and_its_safety() -> None:
     screen = machine_screen(case)
     length = case.case.mechanism.follower.length
     stress = f"The largest stress is 375 mm from P, at {100.0 * 0.375 / length:.0f} % of the arm’s length, when the crank stands at 324°."
-    holds = "The arm holds: the safety factor is 2 against yielding and 3 against fatigue."
+    holds = "The arm holds: the safety factor is 2 (± 5.0 %) against yielding and 3 (± 3.0 %) against fatigue."
     assert [plain(each) for each in screen.sentences] == [holds, stress, ""]
     assert (screen.title, screen.warning) == (case.case.title, "")
     first, second, *_, last = shown(screen.figures)
-    assert first == ("12.35 MPa", "largest stress in the arm, 0.05000 MPa of it by the normal force, which presses; ± 1.0 %")
+    assert first == ("12.35 MPa", "largest stress in the arm: compression, 0.05000 MPa of it from the normal force; ± 1.0 %")
     assert second == ("2", "safety against yielding at 240 MPa; 3 against fatigue at an amplitude of 95 MPa")
     mode = "first mode (mean 18.40 Hz) over the crank’s frequency; ± 0.5 %"
     assert last == ("9.20", mode)

@@ -173,7 +173,7 @@ def test_what_the_bearings_carry() -> None:
     assert said("bearings", turn(columns=columns, extreme_estimates={name: {"pre": 99.0, "post": 99.0} for name in names})) == ""
 
 
-SLOW = "a disturbance of the crank's speed or of the two lowest modes is left after a turn"
+SLOW = "a disturbance of the two lowest modes is left after a turn"
 
 
 @pytest.mark.parametrize(
