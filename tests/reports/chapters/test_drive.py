@@ -56,14 +56,14 @@ def test_the_sentences_give_the_closed_forms(shaper: CaseResult) -> None:
         "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn; with crank.wanted_fluctuation"
     )
     assert re.fullmatch(
-        r"Ball bearings are chosen by an equivalent load of \S+ N at P \(\S+ N with rollers\) and \S+ N at O \(\S+ N with rollers\); P turns by"
-        r" 57\.65° in a turn of the crank, to and fro\.",
+        r"Ball bearings are chosen by an equivalent load of \S+ N at P \(\S+ N with rollers\) and \S+ N at O \(\S+ N with rollers\); P"
+        r" turns by 57\.65° in a turn of the crank, to and fro\.",
         bearings,
     )
     _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.05))))
     assert flywheel == (  # 8 J / (0.05 (10 rad/s)^2)
-        "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn. For a speed whose range is 5 % of its mean"
-        " they need an inertia of 1.600 kg m² about O together; the crank has 0.1000 kg m²."
+        "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn. For a speed whose range is 5 % of its"
+        " mean they need an inertia of 1.600 kg m² about O together; the crank has 0.1000 kg m²."
     )
     _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.9))))
     assert flywheel.endswith("they need an inertia of 0.08889 kg m² about O together; the crank has 0.1000 kg m², which is enough.")
