@@ -12,7 +12,7 @@ PROCESSES ?= 3
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test verify verify-status record lint docs compile clean
+.PHONY: report test verify verify-status record pack lint docs compile clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -41,6 +41,10 @@ verify-status: $(VERIFY)
 # For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
 record: $(READY)
 	$(BIN)/python -m quickreturn.record
+
+# Tables of the pack made anew in build/pack, and judged by those of pack/.
+pack: $(VERIFY)
+	$(BIN)/python -m quickreturn.pack.make build/pack
 
 lint: $(TEST)
 	$(BIN)/ruff check .

@@ -40,6 +40,7 @@ COMMANDS: Final = {
     "uncertainty": "Say how much measures scatter because quantities do: bands, and the share of each quantity.",
     "resonance": "Follow the periodic motion of CASE over the crank's speed or another key.",
     "compare": "Measure recorded tables of CASE and compare them with engines.",
+    "check": "Judge a table by the reference results of PROBLEM.",
     "calibrate": "Find parameters of CASE from a recorded table by least squares.",
     "report": "Write the report on each CASE; without one, on the 24 runs of the thesis.",
     "benchmark": "Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.",

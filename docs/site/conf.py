@@ -25,6 +25,8 @@ include_patterns = [
     "reference_model/*.md",
     "reference_model/*/DERIVATION.md",
     "engines/LADDERS.md",
+    "pack/README.md",
+    "pack/*/problem.md",
 ]
 exclude_patterns = ["docs/site/contents.md", ".*", "build", "tests", "cases", "reports", "quickreturn", "examples"]
 

@@ -100,7 +100,8 @@ def test_the_wheel_holds_every_package_with_its_data_and_no_tests(wheel: Path) -
         assert f"quickreturn/{needed}" in names
     here = {
         f"quickreturn/{path.relative_to(ROOT).as_posix()}"
-        for path in (ROOT / "reports").rglob("*")
+        for folder in ("reports", "pack")
+        for path in (ROOT / folder).rglob("*")
         if path.is_file() and path.suffix != ".pyc"
     }
     assert here <= set(names)

@@ -1,0 +1,155 @@
+// Judges a table by the reference results of a problem: the rules of check.py, in C++17 with the standard library alone.
+//
+//     #include "check.hpp"
+//     for (const auto& each : pack::judged("path/of/pack", "sag", "mine.csv")) ...   // throws pack::BadInput
+//
+// check.cpp makes a program of it.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace pack {
+
+using Column = std::vector<double>;
+using Table = std::map<std::string, Column>;
+
+struct BadInput : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct Verdict {
+    std::string signal, status, told;  // status: within, outside, beyond the horizon, or missing
+};
+
+inline std::string text(double value, int digits = 6) {
+    std::ostringstream out;
+    out.precision(digits);
+    out << value;
+    return out.str();
+}
+
+inline std::string trimmed(const std::string& field) {
+    const char* blanks = " \t\r\"";
+    const auto first = field.find_first_not_of(blanks);
+    return first == std::string::npos ? "" : field.substr(first, field.find_last_not_of(blanks) - first + 1);
+}
+
+inline std::vector<std::string> fields_of(const std::string& line) {
+    std::vector<std::string> fields;
+    std::istringstream in(line + ",");  // so that an empty last field counts
+    for (std::string field; std::getline(in, field, ',');) fields.push_back(trimmed(field));
+    return fields;
+}
+
+inline Table read_table(const std::string& file) {
+    std::ifstream in(file);
+    if (!in) throw BadInput(file + ": cannot be read");
+    std::vector<std::string> names;
+    std::vector<Column> columns;
+    long number = 0;
+    for (std::string line; std::getline(in, line);) {
+        if (number == 0 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
+        if (trimmed(line).empty()) continue;
+        const auto fields = fields_of(line);
+        const std::string row = file + ", row " + std::to_string(++number);
+        if (number == 1) {
+            names = fields;
+            columns.resize(names.size());
+            continue;
+        }
+        if (fields.size() != names.size()) throw BadInput(row + ": " + std::to_string(fields.size()) + " fields, " + std::to_string(names.size()) + " names");
+        for (size_t k = 0; k < fields.size(); ++k) {
+            char* end = nullptr;
+            const double value = fields[k].empty() ? std::numeric_limits<double>::quiet_NaN() : std::strtod(fields[k].c_str(), &end);
+            if (end && *end) throw BadInput(row + ": not numbers: " + line.substr(0, 60));
+            columns[k].push_back(value);
+        }
+    }
+    Table table;
+    for (size_t k = 0; k < names.size(); ++k) table[names[k]] = columns[k];
+    if (!table.count("time")) throw BadInput(file + ": the first line has no `time`; names are separated by commas, without units");
+    const Column& time = table["time"];
+    bool increases = time.size() > 1;
+    for (size_t k = 1; k < time.size(); ++k) increases = increases && time[k - 1] < time[k];
+    if (!increases) throw BadInput(file + ": the times do not increase, or are fewer than two");
+    return table;
+}
+
+// The value at t of the polynomial through the nearest six rows, by Lagrange's formula.
+inline double interpolated(const Column& times, const Column& values, double t) {
+    const long after = std::upper_bound(times.begin(), times.end(), t) - times.begin(), last = static_cast<long>(times.size()) - 6;
+    const long first = std::min(std::max(after - 3, 0L), last);
+    double value = 0;
+    for (long i = first; i < first + 6; ++i) {
+        double weight = 1;
+        for (long j = first; j < first + 6; ++j)
+            if (j != i) weight *= (t - times[j]) / (times[i] - times[j]);
+        value += weight * values[i];
+    }
+    return value;
+}
+
+inline Verdict judged_signal(const std::string& name, double bound, double horizon, const Table& right, const Table& table) {
+    if (!table.count(name)) return {name, "missing", ""};
+    const Column &times = right.at("time"), &values = right.at(name), &time = table.at("time"), &own = table.at(name);
+    const double begin = times.front(), slack = 1e-9 * (times.back() - begin);
+    double before = begin, worst = -1, at = begin, later = std::numeric_limits<double>::quiet_NaN(), gap_from = 0, gap_to = -1;
+    auto pass = [&](double t) {
+        if (gap_to < gap_from && t - before > (horizon - begin) / 50 + slack) gap_from = before, gap_to = t;
+        before = t;
+    };
+    std::string no_number;
+    long beyond = 0;
+    for (size_t k = 0; k < time.size(); ++k) {
+        const double t = time[k];
+        beyond += t > horizon + slack;
+        if (t < begin - slack || t > times.back() + slack) continue;
+        const double error = std::abs(own[k] - interpolated(times, values, t));
+        if (t > horizon + slack) {
+            if (!(error <= bound) && std::isnan(later)) later = t;
+            continue;
+        }
+        pass(t);
+        if (!std::isfinite(error) && no_number.empty()) no_number = "not a number at " + text(t) + " s";
+        if (error > worst) worst = error, at = t;
+        if (worst < 0) worst = 0;
+    }
+    if (worst < 0) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
+    pass(horizon);
+    if (gap_from < gap_to) return {name, "outside", "no row between " + text(gap_from) + " and " + text(gap_to) + " s; the horizon is " + text(horizon) + " s"};
+    if (!no_number.empty()) return {name, "outside", no_number};
+    const std::string off = "off by " + text(worst, 2), limit = ", bound " + text(bound, 2);
+    if (worst > bound) return {name, "outside", off + " at " + text(at) + " s" + limit};
+    if (!std::isnan(later)) return {name, "beyond the horizon", "within up to " + text(horizon) + " s; off from " + text(later) + " s"};
+    return {name, "within", off + limit + (beyond ? "; " + std::to_string(beyond) + " rows beyond the horizon" : "")};
+}
+
+// The verdicts on the signals of a table; `share` of each signal's largest value is added to its bound.
+inline std::vector<Verdict> judged(const std::string& folder, const std::string& problem, const std::string& file, double share = 0) {
+    if (!(share >= 0) || std::isinf(share)) throw BadInput(text(share) + ": the share is a number from 0 on");
+    std::ifstream in(folder + "/" + problem + "/bounds.json");
+    if (!in) throw BadInput(problem + ": no such problem");
+    const std::string bounds((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const Table right = read_table(folder + "/" + problem + "/results.csv"), table = read_table(file);
+    const std::regex entry("\"(\\w+)\": \\{\"bound\": ([^,]+), \"horizon\": ([^,]+), \"scale\": ([^,]+),");  // a line for each signal
+    std::vector<Verdict> verdicts;
+    bool any = false;
+    for (std::sregex_iterator each(bounds.begin(), bounds.end(), entry), end; each != end; ++each) {
+        const double bound = std::stod((*each)[2]) + share * std::stod((*each)[4]);
+        verdicts.push_back(judged_signal((*each)[1], bound, std::stod((*each)[3]), right, table));
+        any = any || verdicts.back().status != "missing";
+    }
+    if (!any) throw BadInput(file + ": has none of the signals of " + problem);
+    return verdicts;
+}
+
+}  // namespace pack

@@ -1,0 +1,138 @@
+function code = check(problem, file, share)
+% Judges a table by the reference results of a problem: the rules of check.py, for MATLAB and Octave without toolboxes.
+%
+%   code = check('sag', 'mine.csv')      prints a line for each signal; 0: none is outside, 1: one is, 2: bad input
+%   code = check('sag', 'mine.csv', 0.01)      adds a hundredth of each signal's largest value to its bound
+%
+% In a shell, from this folder: octave-cli --eval "exit(check('sag', 'mine.csv'))" or matlab -batch "exit(check('sag', 'mine.csv'))"
+  if nargin < 3
+    share = 0;
+  end
+  try
+    verdicts = judged(problem, file, share);
+  catch problem_found
+    fprintf(2, '%s\n', problem_found.message);
+    code = 2;
+    return
+  end
+  code = 0;
+  for k = 1:size(verdicts, 1)
+    fprintf('%-18s %-18s %s\n', verdicts{k, :});
+    if strcmp(verdicts{k, 2}, 'outside')
+      code = 1;
+    end
+  end
+end
+
+function verdicts = judged(problem, file, share)
+  folder = fullfile(fileparts(mfilename('fullpath')), problem);
+  if ~(share >= 0) || isinf(share)
+    error('%g: the share is a number from 0 on', share);
+  end
+  if exist(fullfile(folder, 'bounds.json'), 'file') ~= 2
+    error('%s: no such problem', problem);
+  end
+  % a line for each signal
+  entry = '"(\w+)": \{"bound": ([^,]+), "horizon": ([^,]+), "scale": ([^,]+),';
+  signals = regexp(fileread(fullfile(folder, 'bounds.json')), entry, 'tokens');
+  [names, right] = read_table(fullfile(folder, 'results.csv'));
+  [own_names, table] = read_table(file);
+  verdicts = cell(numel(signals), 3);
+  for k = 1:numel(signals)
+    [name, numbers] = deal(signals{k}{1}, str2double(signals{k}(2:4)));
+    verdicts(k, :) = {name, 'missing', ''};
+    column = find(strcmp(own_names, name), 1);
+    if ~isempty(column)
+      pair = right(:, [find(strcmp(names, 'time'), 1), find(strcmp(names, name), 1)]);
+      own = table(:, [find(strcmp(own_names, 'time'), 1), column]);
+      [verdicts{k, 2}, verdicts{k, 3}] = judged_signal(numbers(1) + share * numbers(3), numbers(2), pair, own);
+    end
+  end
+  if all(strcmp(verdicts(:, 2), 'missing'))
+    error('%s: has none of the signals of %s', file, problem);
+  end
+end
+
+function [names, rows] = read_table(file)
+  if exist(file, 'file') ~= 2
+    error('%s: cannot be read', file);
+  end
+  lines = regexp(fileread(file), '[^\r\n]+', 'match');
+  lines = lines(~cellfun(@(line) isempty(strtrim(line)), lines));
+  names = {};
+  if ~isempty(lines)
+    first = lines{1};
+    if numel(first) > 2 && all(double(first(1:3)) == [239 187 191])
+      first = first(4:end);
+    end
+    first = first(double(first) ~= 65279);  % the mark of UTF-8, where it is read as one sign
+    names = strrep(strtrim(regexp(first, ',', 'split')), '"', '');
+  end
+  if ~any(strcmp(names, 'time'))
+    error('%s: the first line has no `time`; names are separated by commas, without units', file);
+  end
+  rows = zeros(numel(lines) - 1, numel(names));
+  for k = 1:numel(lines) - 1
+    fields = strtrim(regexp(lines{k + 1}, ',', 'split'));
+    if numel(fields) ~= numel(names)
+      error('%s, row %d: %d fields, %d names', file, k + 1, numel(fields), numel(names));
+    end
+    fields(cellfun(@isempty, fields)) = {'nan'};
+    rows(k, :) = str2double(fields);
+    if any(isnan(rows(k, :)) & ~strcmpi(regexprep(fields, '^[+-]', ''), 'nan'))
+      error('%s, row %d: not numbers: %s', file, k + 1, lines{k + 1});
+    end
+  end
+  time = rows(:, strcmp(names, 'time'));
+  if numel(time) < 2 || ~all(diff(time) > 0)
+    error('%s: the times do not increase, or are fewer than two', file);
+  end
+end
+
+function [status, told] = judged_signal(bound, horizon, right, own)
+  [first, last] = deal(right(1, 1), right(end, 1));
+  slack = 1e-9 * (last - first);
+  beyond = sum(own(:, 1) > horizon + slack);
+  own = own(own(:, 1) >= first - slack & own(:, 1) <= last + slack, :);
+  errors = zeros(size(own, 1), 1);
+  for k = 1:numel(errors)
+    errors(k) = abs(own(k, 2) - interpolated(right(:, 1), right(:, 2), own(k, 1)));
+  end
+  now = own(:, 1) <= horizon + slack;
+  if ~any(now)
+    [status, told] = deal('beyond the horizon', sprintf('no row from %g to %g s', first, horizon));
+    return
+  end
+  status = 'outside';
+  times = own(now, 1);
+  marks = [first; times; horizon];
+  gap = find(diff(marks) > (horizon - first) / 50 + slack, 1);
+  odd = find(~isfinite(errors(now)), 1);
+  [worst, at] = max(errors(now));
+  later = find(~now & ~(errors <= bound), 1);
+  if ~isempty(gap)
+    told = sprintf('no row between %g and %g s; the horizon is %g s', marks(gap), marks(gap + 1), horizon);
+  elseif ~isempty(odd)
+    told = sprintf('not a number at %g s', times(odd));
+  elseif worst > bound
+    told = sprintf('off by %.2g at %g s, bound %.2g', worst, times(at), bound);
+  elseif ~isempty(later)
+    [status, told] = deal('beyond the horizon', sprintf('within up to %g s; off from %g s', horizon, own(later, 1)));
+  else
+    [status, told] = deal('within', sprintf('off by %.2g, bound %.2g', worst, bound));
+    if beyond > 0
+      told = sprintf('%s; %d rows beyond the horizon', told, beyond);
+    end
+  end
+end
+
+function value = interpolated(times, values, t)
+% The value at t of the polynomial through the nearest six rows, by Lagrange's formula.
+  first = min(max(sum(times <= t) - 2, 1), numel(times) - 5);
+  rows = first:first + 5;
+  value = 0;
+  for i = rows
+    others = rows(rows ~= i);
+    value = value + values(i) * prod((t - times(others)) ./ (times(i) - times(others)));
+  end
+end

@@ -1,0 +1,127 @@
+"""Judges a table by the reference results of a problem; needs Python alone: python3 check.py PROBLEM FILE [SHARE].
+
+PROBLEM is the name of a folder beside this file; FILE a CSV table with `time` and names of signals in its first line. SHARE, a part of a
+signal's largest value such as 0.01, is added to each bound. Exit code 0: no signal is outside its bound; 1: one is; 2: bad input.
+"""
+
+import bisect
+import itertools
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+PACK = Path(__file__).resolve().parent
+NEIGHBOURS = 6  # rows of the reference results through which a polynomial gives the value at a time of the table
+FEWEST = 50  # the longest gap between rows of the table is the time up to the horizon over this
+
+
+class BadInput(Exception):
+    """The text says what is wrong with the table, or that there is no such problem."""
+
+
+class Verdict(NamedTuple):
+    """`status` is within, outside, beyond the horizon, or missing."""
+
+    signal: str
+    status: str
+    told: str
+
+
+def judged(problem: str, file: Path, share: float = 0.0) -> list[Verdict]:
+    """The verdicts on the signals of a table. Raises BadInput."""
+    folder = PACK / problem
+    if not (folder / "bounds.json").is_file():
+        known = ", ".join(sorted(each.parent.name for each in PACK.glob("*/bounds.json")))
+        raise BadInput(f"{problem}: no such problem; there are {known}")
+    if not 0.0 <= share < math.inf:
+        raise BadInput(f"{share}: the share is a number from 0 on")
+    signals = json.loads((folder / "bounds.json").read_text("utf-8"))["signals"]
+    right, table = read_table(folder / "results.csv"), read_table(file)
+    if not any(name in table for name in signals):
+        raise BadInput(f"{file}: has none of the signals {', '.join(signals)}")
+    return [judged_signal(name, each, right, table, share) for name, each in signals.items()]
+
+
+def read_table(file: Path) -> dict[str, list[float]]:
+    """The columns of a CSV table. Raises BadInput."""
+    try:
+        lines = [line for line in file.read_text("utf-8-sig").splitlines() if line.strip()]
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{file}: cannot be read ({error})") from error
+    names = [name.strip().strip('"') for name in lines[0].split(",")] if lines else []
+    if "time" not in names:
+        raise BadInput(f"{file}: the first line has no `time`; names are separated by commas, without units")
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines[1:], 2):
+        fields = line.split(",")
+        try:
+            rows.append([float(field) if field.strip() else math.nan for field in fields])
+        except ValueError:
+            raise BadInput(f"{file}, row {number}: not numbers: {line.strip()[:60]}") from None
+        if len(fields) != len(names):
+            raise BadInput(f"{file}, row {number}: {len(fields)} fields, {len(names)} names")
+    table = {name: [row[k] for row in rows] for k, name in enumerate(names)}
+    time = table["time"]
+    if len(time) < 2 or not all(a < b for a, b in itertools.pairwise(time)):
+        raise BadInput(f"{file}: the times do not increase, or are fewer than two")
+    return table
+
+
+def judged_signal(name: str, signal: dict[str, Any], right: dict[str, list[float]], table: dict[str, list[float]], share: float) -> Verdict:
+    """The verdict on a signal of the table, whose entry in bounds.json is `signal`."""
+    if name not in table:
+        return Verdict(name, "missing", "")
+    begin, end, horizon, unit = right["time"][0], right["time"][-1], signal["horizon"], signal["unit"]
+    bound, slack = signal["bound"] + share * signal["scale"], 1e-9 * (right["time"][-1] - right["time"][0])
+    rows = [(t, y) for t, y in zip(table["time"], table[name], strict=True) if begin - slack <= t <= end + slack]
+    judged_rows = [(t, y) for t, y in rows if t <= horizon + slack]
+    if not judged_rows:
+        return Verdict(name, "beyond the horizon", f"no row from {begin:g} to {horizon:g} s")
+    marks = [begin, *(t for t, _ in judged_rows), horizon]
+    for a, b in itertools.pairwise(marks):
+        if b - a > (horizon - begin) / FEWEST + slack:
+            return Verdict(name, "outside", f"no row between {a:g} and {b:g} s; the horizon is {horizon:g} s")
+    worst, at = -1.0, begin
+    for t, y in judged_rows:
+        error = abs(y - interpolated(right["time"], right[name], t))
+        if not math.isfinite(error):
+            return Verdict(name, "outside", f"not a number at {t:g} s")
+        worst, at = (error, t) if error > worst else (worst, at)
+    if worst > bound:
+        return Verdict(name, "outside", f"off by {worst:.2g} {unit} at {at:g} s, bound {bound:.2g}")
+    later = [t for t, y in rows if t > horizon + slack and not abs(y - interpolated(right["time"], right[name], t)) <= bound]
+    if later:
+        return Verdict(name, "beyond the horizon", f"within up to {horizon:g} s; off from {later[0]:g} s")
+    beyond = sum(t > horizon + slack for t in table["time"])
+    more = f"; {beyond} rows beyond the horizon" if beyond else ""
+    return Verdict(name, "within", f"off by {worst:.2g} {unit}, bound {bound:.2g}{more}")
+
+
+def interpolated(times: list[float], values: list[float], t: float) -> float:
+    """The value at t of the polynomial through the nearest six rows, by Lagrange's formula."""
+    first = min(max(bisect.bisect_right(times, t) - NEIGHBOURS // 2, 0), len(times) - NEIGHBOURS)
+    rows, value = range(first, first + NEIGHBOURS), 0.0
+    for i in rows:
+        value += values[i] * math.prod((t - times[j]) / (times[i] - times[j]) for j in rows if j != i)
+    return value
+
+
+def main(arguments: list[str]) -> int:
+    """Print the verdicts; the exit code."""
+    if len(arguments) not in (2, 3):
+        print(__doc__, file=sys.stderr)
+        return 2
+    try:
+        verdicts = judged(arguments[0], Path(arguments[1]), float((arguments[2:] or ["0"])[0]))
+    except (BadInput, ValueError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    for each in verdicts:
+        print(f"{each.signal:18} {each.status:18} {each.told}".rstrip())
+    return int(any(each.status == "outside" for each in verdicts))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,1 @@
+"""Computes the pack's problems anew, each by formulations of different origin."""
