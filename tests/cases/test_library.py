@@ -59,7 +59,8 @@ def test_every_case_can_be_read_and_is_listed_as_it_is(name: str) -> None:
     assert case_of(document_of(case)).scene == case.scene
     (entry,) = (entry for entry in catalogue() if entry.name == name)
     assert (entry.tags, entry.title) == (case.tags, case.title)
-    times = {"example": (1.0, 0.001), "hard-undamped": (38.0, 0.001), "spin-up": (30.0, 0.02)}
+    times = {"example": (1.0, 0.001), "hard-undamped": (38.0, 0.001), "spin-up": (30.0, 0.02), "cantilever-sag": (3.0, 0.005)}
+    times |= dict.fromkeys(("cantilever-decay", "cantilever-round"), (0.5, 0.001))
     assert (case.duration, case.output_step) == times.get(name, (2.0, 0.001))
 
 
