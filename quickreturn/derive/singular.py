@@ -31,8 +31,8 @@ NAMED: Final = 6
 NODES: Final = 8
 #: Farthest a node is moved to close the loops, over the tolerance of the integration, in a passage that counts as smooth.
 MOVED: Final = 10.0
-#: Rounding of places in a passage, over their sizes: 1e-16 divided by the square of the smallest singular value at a node, some 0.003.
-CLEAN: Final = 1e-11
+#: Rounding of places in a passage, over their sizes: some 1e-15 divided by the square of the smallest singular value at a node, 0.003.
+CLEAN: Final = 1e-10
 
 _X: Final = legendre.leggauss(NODES)[0]
 #: Values at the nodes to coefficients of their polynomial.
@@ -149,8 +149,8 @@ class Watch:
 
     def ends(self, time: float, y: Array) -> None:
         """Raise DescriptionError: the motion ends in a singular position, near the state y."""
-        moved = self._model.jacobian(time, y[: len(self._sizes)], self._p)[np.isin(self._rows, self._losing()), :-1].any(axis=0)
-        coordinates = [(c, x) for c, x, moves in zip(self._model.system.coordinates, y, moved, strict=False) if moves][:NAMED]
+        moved = self._model.jacobian(time, y[: len(self._sizes)], self._p)[np.isin(self._rows, self._losing()), :-1]
+        coordinates = [(c, x) for c, x, column in zip(self._model.system.coordinates, y, moved.T, strict=False) if np.any(column)][:NAMED]
         place = ", ".join(f"{c.name} = {x / in_si(c.unit)[0]:.4g} {c.unit}" for c, x in coordinates)
         why = "and do not determine how it goes on" if self._passes else "where sensitivities, and drives that act elsewhere, end"
         raise DescriptionError(
