@@ -22,6 +22,8 @@ R = TypeVar("R")
 
 #: Libraries below an engine: where a mistake of the engine surfaces in one, the message names the engine's line.
 _BELOW: Final = frozenset({"numpy", "scipy"})
+#: Change of the follower's angle between two rows, rad, that is a jump: while the slider passes close to P it turns by at most half a turn.
+JUMP: Final = 1.5 * math.pi
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,17 @@ def run_once(engine: AnyEngine, scene: Scene, start: Start | None, duration: flo
             raise MemoryError(first_line(error)) from error
         raise EngineFailure(0.0, raised(error), "report this to the author of the engine") from error
     check_trajectory(trajectory, duration, output_step)
+    if scene.turns_fully:
+        _check_turning(trajectory)
     return CompletedRun(trajectory, simulation)
+
+
+def _check_turning(trajectory: Trajectory) -> None:
+    """Raise `EngineFailure` if the angle of a follower that turns fully jumps by a turn."""
+    jumps = np.flatnonzero(np.abs(np.diff(trajectory["follower_angle"])) > JUMP)
+    if jumps.size and float(np.max(np.abs(np.diff(trajectory["crank_angle"])))) < math.pi:
+        cause = f"follower_angle jumps by a turn behind row {jumps[0]}, but the follower turns fully"
+        raise EngineFailure(float(trajectory["time"][jumps[0]]), cause, "let it run on, near crank_angle: numpy.unwrap", trajectory)
 
 
 def raised(error: BaseException) -> str:

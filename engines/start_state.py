@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.start import Field, Start
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.rigid import follower_angle
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 class FollowerState:
     """The follower's place and motion at the start, in the frame of O. Angles in rad, lengths in m, rates per second."""
 
-    follower_angle: float  # q2, tangent at the base, within 90 deg of 180 deg for the chord from P to a slider
+    follower_angle: float  # q2, tangent at the base; the chord from P to a slider is at `rigid.follower_angle`
     follower_rate: float  # its rate
     _pivot_distance: float
     _shape: "_Shape"
@@ -89,7 +90,7 @@ def reconstruct(mechanism: Mechanism, start: Start) -> StartState:
     s = distance if excess(distance) >= 0.0 else float(scipy.optimize.brentq(excess, distance, length, xtol=1e-15 * length, rtol=1e-15))
     at_slider = np.array([s])
     place, rate = shape.position(at_slider)[0], shape.velocity(at_slider)[0]
-    q2 = math.atan2(chord[1], chord[0]) % (2.0 * math.pi) - math.atan2(place[1], place[0])
+    q2 = float(follower_angle(mechanism, np.array(start.crank_angle))) - math.atan2(place[1], place[0])
 
     slope = float(shape.slope(at_slider)[0])
     tangent = np.array([math.sqrt(1.0 - slope**2), slope])

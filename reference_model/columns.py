@@ -80,7 +80,7 @@ COLUMNS: Final = MappingProxyType(
         "crank_angle": Observable("rad", "q1, counter-clockwise from n1, continuous", _ENGINES(5e-8), required=True, of_slider=True),
         "crank_speed": Observable("rad/s", "of the crank", _ENGINES(2e-7), required=True, of_slider=True),
         "follower_angle": Observable(
-            "rad", "q2, tangent at the base, continuous, within 90 deg of 180 deg at the start", _ENGINES(1e-6), required=True
+            "rad", "q2, tangent at the base, continuous; with the crank at 180 deg it is near 180 deg", _ENGINES(1e-6), required=True
         ),
         "slider_position": Observable("m", "arc length s of the slider from P", _ENGINES(2e-7), required=True, of_slider=True),
         "tip_x": Observable("m", "place of x = L from O along n1", _ENGINES(1e-6), required=True),

@@ -117,8 +117,8 @@ class Mechanism(_Bodies):
     """One scene: everything a model needs to know, and nothing about how to solve it.
 
     Raises:
-        ImpossibleMechanism: the slider cannot stay on the follower (d + LA > L, with a flexible one d + LA > (1 - `LEAST_STUB`) L) or the
-            crank reaches the pivot (LA >= d).
+        ImpossibleMechanism: the slider cannot stay on the follower (d + LA > L, with a flexible one d + LA > (1 - `LEAST_STUB`) L), or it
+            meets the pivot (LA = d).
     """
 
     pivot_distance: float = quantity("m", "from O to P", sign="positive")
@@ -128,9 +128,14 @@ class Mechanism(_Bodies):
     def __post_init__(self) -> None:
         d, crank, length = self.pivot_distance, self.crank.length, self.follower.length
         others = ("mechanism.pivot_distance", "follower.length")
-        if crank >= d:
-            problem = f"cannot be: the crank ({crank:.6g} m) must be shorter than mechanism.pivot_distance ({d:.6g} m)"
-            raise ImpossibleMechanism("crank.length", problem, others=others)
+        if math.isclose(crank, d, rel_tol=1e-9):
+            raise ImpossibleMechanism(
+                "crank.length",
+                f"cannot be: a crank as long as mechanism.pivot_distance ({d:.6g} m) brings the slider to the follower's pivot, where the"
+                " follower has no direction",
+                "with a shorter crank the follower swings to and fro, with a longer one it turns fully",
+                others,
+            )
         if d + crank > length:
             raise ImpossibleMechanism(
                 "crank.length",
@@ -147,6 +152,26 @@ class Mechanism(_Bodies):
             )
         if self.spring is not None:
             self.spring.fit(d, crank, length)
+
+    @property
+    def turns_fully(self) -> bool:
+        """Whether the follower turns with the crank, which is longer than `pivot_distance` (Whitworth's mechanism), or only swings."""
+        return self.crank.length > self.pivot_distance
+
+    @property
+    def nearest(self) -> float:
+        """Distance (m) of the slider from P with the crank at 0, its least in the rigid mechanism."""
+        return abs(self.pivot_distance - self.crank.length)
+
+    @property
+    def half_return(self) -> float:
+        """Crank angle (rad) on either side of 0 between which the follower returns.
+
+        At its ends crank and follower are square, so that the follower's swing reverses. A follower that turns fully is square to OP
+        there: over this half of its turn it is faster than the crank.
+        """
+        d, crank = self.pivot_distance, self.crank.length
+        return math.acos(min(d, crank) / max(d, crank))
 
     @property
     def crank_is_free(self) -> bool:
@@ -194,6 +219,7 @@ class FollowerAlone(_Bodies):
     spin_up: SpinUp
     crank: ClassVar[None] = None
     crank_is_free: ClassVar[Literal[False]] = False
+    turns_fully: ClassVar[Literal[False]] = False
     pivot_distance: ClassVar[float] = 0.0
     slider: ClassVar[Slider] = Slider()
 

@@ -187,7 +187,7 @@ class BeamModel:
         state.s[0] = scipy.optimize.brentq(excess, low, high, xtol=1e-15 * p.L) if excess(low) <= 0.0 <= excess(high) else math.nan
         if not self.closes_loop:
             self.can_move(y)
-            state.q[-1], state.u[-1] = math.pi + math.atan2(-v2, -v1) - math.atan2(f.foot.imag, f.foot.real), 0.0
+            state.q[-1], state.u[-1] = state.q[-1] - math.atan2(f.foot.imag, f.foot.real), 0.0
             self.can_move(y)
             state.u[-1] = -f.gap_rate / self.workspace.row_of_gap[-1]
         return y

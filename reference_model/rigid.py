@@ -24,9 +24,20 @@ class RigidMotion:
     slider_position: Array  # m, |PC|
     slider_speed: Array  # m/s
     slider_acceleration: Array  # m/s^2, second derivative of the arc length
-    follower_angle: Array  # rad, within 90 deg of 180 deg
+    follower_angle: Array  # rad, see `follower_angle`
     follower_speed: Array  # rad/s
     follower_acceleration: Array  # rad/s^2
+
+
+def follower_angle(mechanism: Mechanism, crank_angle: Array) -> Array:
+    """Direction from P to the slider, rad: continuous over the crank's angle, and equal to it where that is 180 deg (equation 9.1).
+
+    It is within 90 deg of 180 deg for a follower that swings, and within 90 deg of the crank's angle for one that turns fully.
+    """
+    d, LA, cosine, sine = mechanism.pivot_distance, mechanism.crank.length, np.cos(crank_angle), np.sin(crank_angle)
+    if mechanism.turns_fully:
+        return np.asarray(crank_angle + np.arctan2(d * sine, LA - d * cosine))
+    return np.asarray(np.pi + np.arctan2(-LA * sine, d - LA * cosine))
 
 
 def rigid_motion(
@@ -44,7 +55,7 @@ def rigid_motion(
     q1 = np.asarray(crank_angle, dtype=float)
     v1, v2 = LA * np.cos(q1) - d, LA * np.sin(q1)  # P to C
     s = np.hypot(v1, v2)
-    q2 = np.pi + np.arctan2(-v2, -v1)
+    q2 = follower_angle(mechanism, q1)
     # crank tip velocity and acceleration along and across the follower: phi is the crank's angle relative to the follower
     along, across = np.cos(q1 - q2), np.sin(q1 - q2)
     s_rate = -LA * crank_speed * across

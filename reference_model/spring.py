@@ -108,10 +108,10 @@ class Spring:
 
         Args:
             pivot_distance: m.
-            crank_length: m, less than `pivot_distance`.
+            crank_length: m; beyond `pivot_distance` the follower turns fully.
             length: of the follower, m.
         """
-        place, swing = self.place_on(length), math.asin(crank_length / pivot_distance)
+        place, swing = self.place_on(length), math.asin(crank_length / pivot_distance) if crank_length < pivot_distance else math.pi
         if place > length:
             accepted = f"at most the follower's length of {length:.6g} m is accepted"
             raise ImpossibleMechanism("spring.place", "is not on the follower", accepted, ("follower.length",))

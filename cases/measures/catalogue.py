@@ -137,8 +137,9 @@ def of_columns(name: str, unit: str) -> Iterator[Measure]:
 
 
 def _where_given(column: str, of: Callable[[str, SettledMotion], Number], motion: SettledMotion) -> Number:
-    """A measure of a column; `NO_NUMBER` if the engine does not deliver it."""
-    return of(column, motion) if column in motion.run.cycle else NO_NUMBER
+    """A measure of a column; `NO_NUMBER` if the engine does not deliver it, or for the angle of a follower that turns fully."""
+    grows = column == "follower_angle" and motion.mechanism.turns_fully
+    return of(column, motion) if column in motion.run.cycle and not grows else NO_NUMBER
 
 
 def _peak(column: str, motion: SettledMotion) -> Number:

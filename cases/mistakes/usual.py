@@ -248,7 +248,7 @@ def _forces(normal: Array, right: Mapping[str, Array], mechanism: Mechanism) -> 
 
 
 def _of_angles(y: Array) -> Iterator[Hypothesis]:
-    runs_on, start = "let it run on from row to row: numpy.unwrap", "it lies within 90 deg of 180 deg at the start"
+    runs_on, start = "let it run on from row to row: numpy.unwrap", f"it is {y[0]:.4g} rad at the start"
     for interval, values in (("-180 to 180", (y + np.pi) % (2.0 * np.pi) - np.pi), ("0 to 360", y % (2.0 * np.pi))):
         if not np.allclose(values, y):
             yield Hypothesis(f"is wrapped to {interval} degrees", runs_on, values)
@@ -284,4 +284,4 @@ def _accelerations(time: Array, tip: Array, q2: Array, deflection: Array) -> Ite
 
 
 def _direction(place: Array) -> Array:
-    return np.asarray(np.arctan2(place[1], place[0]) % (2.0 * np.pi))
+    return np.asarray(np.unwrap(np.arctan2(place[1], place[0]) % (2.0 * np.pi)))

@@ -154,7 +154,7 @@ def _expected_traits(mechanism: Mechanism, names: list[str] | None = None) -> di
     pace, crank, angles = crank_pace(mechanism), mechanism.crank, np.linspace(0.0, 2.0 * math.pi, _ANGLES, endpoint=False)
     traits = {
         "turn": 2.0 * math.pi / pace,
-        "nearest": mechanism.pivot_distance - crank.length,
+        "nearest": mechanism.nearest,
         "farthest": mechanism.pivot_distance + crank.length,
         "reach": mechanism.follower.length - mechanism.pivot_distance,
         "deflection": static_deflection(mechanism, pace),

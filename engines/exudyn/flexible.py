@@ -34,6 +34,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
 from quickreturn.reference_model.columns import MOMENTS, PLACES
 from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.rigid import follower_angle
 
 Array = NDArray[np.float64]
 
@@ -293,7 +294,7 @@ class FlexibleModel(CableModel):
         angle, speed, acceleration = (v[:, self._crank_index] for v in (record.coordinates, record.rates, record.accelerations))
         s = self._slider_positions(record.coordinates, q)
         frame = direction(*(values[:, 0, 2:] for values in line))
-        b1 = frame[0]
+        b1, chord = frame[0], follower_angle(mechanism, angle)
         slider_tangent = cable.evaluate(q, s, 1)
         stretch = np.linalg.norm(slider_tangent, axis=1)
         slider_normal = turned(slider_tangent) / stretch[:, None]
@@ -321,7 +322,7 @@ class FlexibleModel(CableModel):
             "time": record.time,
             "crank_angle": angle,
             "crank_speed": speed,
-            "follower_angle": np.unwrap(np.arctan2(b1[:, 1], b1[:, 0]) % (2.0 * np.pi)),
+            "follower_angle": chord + np.angle((b1 @ np.array([1.0, 1j])) * np.exp(-1j * chord)),
             "slider_position": s,
             **self._follower_columns(record, line, frame, kinks, (pushed, force_on_tip(mechanism.tip_body, angle, tip_motion), hold.force)),
             **hold.columns,

@@ -101,7 +101,7 @@ class OwnSimulation(Simulation):
         cause = f"the slider comes within {place:.3g} m of the follower's pivot, where the shapes end"
         if not scene.slider.is_rigid:
             return cause, "try a stiffer joint (slider.joint_stiffness), which does not let the follower fall off the slider"
-        return cause, f"try a crank.length ({scene.crank.length:.6g} m) that stays shorter than mechanism.pivot_distance by more"
+        return cause, f"try a crank.length ({scene.crank.length:.6g} m) that differs more from mechanism.pivot_distance"
 
     @property
     def _is_lever(self) -> bool:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import AXIAL, BENDING, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.rigid import follower_angle
 
 Array = NDArray[np.float64]
 Vectors = NDArray[np.complex128]
@@ -168,6 +169,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     def recovered(field: str, x: Array) -> Any:
         return np.where(x <= hung, _along(spans, getattr(near, field), x), _along(spans, getattr(far, field), x))
 
+    chord = follower_angle(scene, shown["crank_angle"])
     crank_tip = scene.crank.length * np.exp(1j * shown["crank_angle"]) - scene.pivot_distance
     gap = shown.get("gap", np.zeros(len(s)))
     inboard = s[:, 0] <= hung
@@ -184,7 +186,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     twelfths = np.arange(1, PLACES + 1) * beam.length / (PLACES + 1)
     table = {name: shown[name] for name in (*AS_THEY_ARE, *(() if spring is None else ("spring_force",)))}
     table |= {
-        "follower_angle": np.pi + np.angle(-base),
+        "follower_angle": chord + np.angle(base * np.exp(-1j * chord)),
         "slider_position": s[:, 0] + ahead,
         "tip_x": scene.pivot_distance + at_tip.real,
         "tip_y": at_tip.imag,

@@ -17,7 +17,7 @@ from quickreturn.engines.units import Units
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.layout import BeamTables
-from quickreturn.reference_model.rigid import crank_pace, deflection_scale, stiffness_across
+from quickreturn.reference_model.rigid import crank_pace, deflection_scale, rigid_motion, stiffness_across
 from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import Tip
 from quickreturn.witness.description import ForceRows, constants, quick_return
@@ -158,5 +158,5 @@ def model(tables: BeamTables, modes: int, rigid: bool, prescribed: bool, tip: Ti
 
 def _rigid_place(mechanism: Mechanism, crank_angle: float) -> dict[str, float]:
     """Follower's angle and slider's place of the straight follower."""
-    chord = mechanism.crank.length * np.exp(1j * crank_angle) - mechanism.pivot_distance
-    return {"follower_angle": float(np.pi + np.angle(-chord)), "slider_position": float(abs(chord))}
+    motion = rigid_motion(mechanism, np.array(crank_angle), 0.0)
+    return {"follower_angle": float(motion.follower_angle), "slider_position": float(motion.slider_position)}

@@ -83,7 +83,7 @@ def slider_range(mechanism: Mechanism) -> _Range:
 
 def _nearest(mechanism: Mechanism) -> float:
     """Smallest slider position in the tables, m."""
-    least, rigid = _LEAST * mechanism.follower.length, mechanism.pivot_distance - mechanism.crank.length
+    least, rigid = _LEAST * mechanism.follower.length, mechanism.nearest
     return least if _gap(mechanism) > _FALLS * rigid else max(0.95 * rigid, least)
 
 

@@ -199,7 +199,11 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
         # exp(i q2) has the direction of crank / hinge; both -crank and hinge point forwards
         frame = crank * (hinge + ds * tangent).conjugate()
         frame *= 1.0 / math.sqrt(dot(frame, frame))
-        row.follower_angle = math.pi + angle_of(-frame)
+        # continuous, as in equation 9.1: a follower that turns fully stays near the crank's angle
+        if p.d < p.LA:
+            row.follower_angle = y.q[0] + angle_of(frame * direction(y.q[0]).conjugate())
+        else:
+            row.follower_angle = math.pi + angle_of(-frame)
     deflected = point(w.recovered_place, end, N)
     tip = p.d + frame * deflected
     row.slider_position, row.tip_deflection, row.tip_x, row.tip_y = f.s + ds, deflected.imag, tip.real, tip.imag

@@ -182,7 +182,9 @@ def place_slider(p: ThesisParameters, q1: float, eta: NDArray[np.float64], w: Th
     if math.isnan(s):
         return Slider(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     x, W, _, _ = place_at(p, s, eta, w)
-    q2 = math.pi + math.atan2(-v2, -v1) - math.atan2(W, x)  # continuous: v1 < 0 as LA < d
+    # continuous: v1 < 0 where LA < d, and beyond that P to C is within 90 deg of the crank
+    chord = q1 + math.atan2(p.d * math.sin(q1), p.LA - p.d * math.cos(q1)) if p.d < p.LA else math.pi + math.atan2(-v2, -v1)
+    q2 = chord - math.atan2(W, x)
     return slider_at(p, s, q1, q2, eta, w)
 
 

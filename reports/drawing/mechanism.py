@@ -14,7 +14,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.columns import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
-from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reports.drawing.curves import WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Array, Drawing, look, new_figure
@@ -136,12 +136,10 @@ class Scenery:
     def _fixed(self, axes: Axes, case: Case) -> None:
         """Draw the fixed parts: the pivots with their names, the crank's circle with the quick return marked."""
         LA, d = self._crank_length, self._pivot[0]
-        if LA:
+        if isinstance(case.scene, Mechanism):
             turn = np.linspace(0.0, 2.0 * np.pi, 181)
             axes.plot(LA * np.cos(turn), LA * np.sin(turn), color="#BBBBBB", linewidth=0.8, zorder=1.0)
-            # the follower swings back while the crank passes between the two places where it is perpendicular to the follower
-            limit = math.acos(min(LA / d, 1.0))
-            back = np.linspace(-limit, limit, 61)
+            back = np.linspace(-case.scene.half_return, case.scene.half_return, 61)
             axes.plot(LA * np.cos(back), LA * np.sin(back), color=QUICK, linewidth=2.0, alpha=0.6, zorder=1.1)
             axes.plot(0.0, 0.0, "o", color="black", markersize=5.0, zorder=5.0)
             _beside(axes, "O", -14.0, fontsize=FONT_SIZE)

@@ -30,12 +30,14 @@ class Subject:
 
     Attributes:
         arm: kind of the arm.
+        turning: share of the machines whose arm turns fully.
         consequence: what the swing does to it (a clause); "" if nothing is to be said.
         inference: a sentence on what the results suggest; "" if there is none.
         on_the_model: whether the thesis' model is among the figures, in place of the largest difference of a peak.
     """
 
     arm: str = "flexible"
+    turning: float = 0.0
     consequence: str = ""
     inference: str = ""
     on_the_model: bool = False
@@ -95,7 +97,8 @@ class Content:
     @property
     def subject(self) -> Subject:
         """What the report is about."""
-        return Subject()
+        turning = [result.case.mechanism.turns_fully for result in self.results]
+        return Subject(turning=sum(turning) / len(turning))
 
     @property
     def assumed(self) -> Mapping[str, Any] | None:

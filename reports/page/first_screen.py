@@ -100,10 +100,10 @@ def missed_words(answer: Answer) -> str:
 def sentences(answer: Answer, subject: Subject) -> list[str]:
     """What the mechanism is, how the engines agree, and how far off the thesis' model is."""
     departing, alike = answer.departing, len(answer.alike)
-    texts = [
-        f"A motor turns a crank; its slider swings a {subject.arm} arm to and fro, slowly out and quickly back{subject.consequence}.",
-        _compared(answer),
-    ]
+    moves = f"swings a {subject.arm} arm to and fro{', or turns it fully' if subject.turning else ''}, slowly out and quickly back"
+    if subject.turning == 1.0:
+        moves = f"turns a {subject.arm} arm fully, one half of the turn slowly and the other quickly"
+    texts = [f"A motor turns a crank; its slider {moves}{subject.consequence}.", _compared(answer)]
     if departing and alike > 1:
         others = "them" if alike > 2 else "these"
         texts.append(f"{listed(departing)} {'departs' if len(departing) == 1 else 'depart'} from {others} by more than claimed.")

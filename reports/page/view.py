@@ -1,6 +1,5 @@
 """The moving first screen as data for the script: engines, signals, and for each case its geometry and the engines' motion."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -157,13 +156,12 @@ def _kept(columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _scene(mechanism: Mechanism) -> dict[str, Any]:
-    """Lengths in m, and the crank angle (rad, either side of 0) at which the swing back begins and ends: crank and follower are square.
+    """Lengths in m, and the crank angle (rad, either side of 0) at which the return begins and ends.
 
     Where the spring is fixed, and at which part of the follower. For a compliant joint: whether its rollers have clearance, and whether the
     plus and the minus roller are softer than the other.
     """
-    ratio, slider, spring = mechanism.crank.length / mechanism.pivot_distance, mechanism.slider, mechanism.acting_spring
-    length = mechanism.follower.length
+    slider, spring, length = mechanism.slider, mechanism.acting_spring, mechanism.follower.length
     return {
         "pivot": mechanism.pivot_distance,
         "crank": mechanism.crank.length,
@@ -174,7 +172,7 @@ def _scene(mechanism: Mechanism) -> dict[str, Any]:
         if slider.is_rigid
         else {"free": slider.clearance > 0.0, "soft": [side < max(slider.sides) for side in slider.sides]},
         "spring": None if spring is None else {"anchor": spring.anchor, "part": spring.place_on(length) / length},
-        "quick": math.acos(ratio) if ratio < 1.0 else None,
+        "quick": mechanism.half_return,
     }
 
 

@@ -72,7 +72,7 @@ def drive_sentences(drive: CaseDrive) -> list[str]:
     found = drive.numbers(drive.lead)
     texts = {name: text_of(name, number, drive.case.units) for name, number in found.items()}
     needed = found.get("flywheel.inertia", NO_NUMBER).value
-    return list(filter(None, (_motor(drive.case, texts), _flywheel(drive.case, texts, needed), _bearings(texts))))
+    return list(filter(None, (_motor(drive.case, texts), _flywheel(drive.case, texts, needed), _bearings(drive.case, texts))))
 
 
 def text_of(name: str, number: Number, units: Units, *, with_error: bool = False) -> str:
@@ -113,7 +113,7 @@ def _flywheel(case: Case, texts: Mapping[str, str], needed: float) -> str:
     )
 
 
-def _bearings(texts: Mapping[str, str]) -> str:
+def _bearings(case: Case, texts: Mapping[str, str]) -> str:
     loads = [
         f"{texts[ball]} {where} ({texts[ball.replace('ball', 'roller')]} with rollers)"
         for ball, where in (("equivalent.pivot_force.ball", "at P"), ("equivalent.crank_force.ball", "at O"))
@@ -121,5 +121,5 @@ def _bearings(texts: Mapping[str, str]) -> str:
     ]
     if not loads:
         return ""
-    swing = f"P turns by {texts['turn.pivot_angle']} in a turn of the crank, to and fro"
+    swing = f"P turns by {texts['turn.pivot_angle']} in a turn of the crank{'' if case.mechanism.turns_fully else ', to and fro'}"
     return f"Ball bearings are chosen by an equivalent load of {listed(loads)}; {swing}."

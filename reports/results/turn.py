@@ -74,11 +74,6 @@ class Turn:
         """A number in the case's units."""
         return quantity(value, self.case.units.of(si))
 
-    @property
-    def half_return(self) -> float:
-        """Angle of the crank, rad, from the middle of the quick return, at 0, to either end, where crank and arm are square."""
-        return math.acos(self.case.mechanism.crank.length / self.case.mechanism.pivot_distance)
-
 
 def _numbers(name: str, found: Number) -> dict[str, float]:
     """A measure with its error, and the crank angle at which it is reached, if it has one."""
@@ -100,7 +95,7 @@ def whip(turn: Turn) -> Said | None:
         return None
     off = math.copysign(math.remainder(found.crank_angle, 2.0 * math.pi), 1.0)
     late = (math.remainder(found.crank_angle, 2.0 * math.pi) > 0.0) == (angle[-1] > angle[0])
-    beyond = off - turn.half_return
+    beyond = off - turn.case.mechanism.half_return
     where = f"in the quick return, {degrees(off)} {'after' if late else 'before'} its middle"
     if beyond > 0.0:
         where = f"{degrees(beyond)} {'after the quick return has ended' if late else 'before the quick return begins'}"
@@ -114,13 +109,17 @@ def strokes(turn: Turn) -> Said | None:
     period, cycle = turn.of("period"), turn.run.cycle
     if period is None:
         return None
-    turned, ends = np.abs(cycle["crank_angle"] - cycle["crank_angle"][0]), (math.pi - turn.half_return, math.pi + turn.half_return)
+    mechanism, turned = turn.case.mechanism, np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
+    ends = math.pi - mechanism.half_return, math.pi + mechanism.half_return
     back = float(np.diff(np.interp(ends, turned, cycle["time"]))[0])
     work = period.value - back
     lengths, numbers = f"{turn.shown(work, 's')} and {turn.shown(back, 's')}", {"working_time": work, "return_time": back}
     if abs(work / back - 1.0) < ALIKE:
         return f"The working stroke and the return take the same time to {percent(ALIKE, '.0f')}: {lengths}.", numbers
-    return f"The working stroke takes {number(work / back, '.2f')} times as long as the return: {lengths}.", numbers
+    longer = f"takes {number(work / back, '.2f')} times as long as"
+    if mechanism.turns_fully:
+        return f"The arm turns fully, and the slow half of its turn {longer} the fast one, the return: {lengths}.", numbers
+    return f"The working stroke {longer} the return: {lengths}.", numbers
 
 
 def sides(turn: Turn) -> Said | None:

@@ -82,7 +82,7 @@ class ThesisData(Content):
         """The thesis, unless the report also has other cases."""
         if len(self.thesis_results) < len(self.results):
             return Subject()
-        return Subject("thin aluminium", ", and the arm whips", inference(self.splits), on_the_model=True)
+        return Subject("thin aluminium", 0.0, ", and the arm whips", inference(self.splits), on_the_model=True)
 
     @property
     def assumed(self) -> Mapping[str, Any]:

@@ -261,3 +261,14 @@ def test_noise_of_parts_that_the_crank_moves_is_no_slow_approach() -> None:
     settled = [settling.feed(cycle(number, np.sin(ANGLES) + 1.0 + 9e-11 * number * np.cos(ANGLES))) for number in range(4)]
     assert settled == [False, False, False, True]
     assert settling.error_estimate < 9e-11
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_each_turn_of_a_follower_that_turns_fully_begins_half_a_turn_from_zero(sense: float) -> None:
+    time = np.linspace(0.0, 3.4, 1701)
+    q1 = sense * (0.2 + 2.0 * np.pi * time)
+    cycles = cut_cycles(time, q1, {"follower_angle": q1 + 0.1 * np.sin(q1), "tip_x": q1})
+    assert len(cycles) > 1
+    for found in cycles:
+        assert found.channels["follower_angle"][[0, -1]] == pytest.approx([np.pi, (1.0 + 2.0 * sense) * np.pi], abs=1e-9)
+    assert cycles[1].channels["tip_x"][0] == pytest.approx(cycles[0].channels["tip_x"][-1])

@@ -96,7 +96,7 @@ BAD = [
     (
         'length = "4 in"',
         'length = "18 in"',
-        'crank.length: "18 in" cannot be: the crank (0.4572 m) must be shorter than mechanism.pivot_distance (0.4572 m)',
+        'crank.length: "18 in" cannot be: a crank as long as mechanism.pivot_distance (0.4572 m) brings the slider to',
     ),
     (
         'length = "4 in"',

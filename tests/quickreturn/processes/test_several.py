@@ -68,7 +68,15 @@ def test_angles_give_a_list_with_both_ends(call: Call) -> None:
 def test_show_takes_patterns_and_tags(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("quickreturn.commands.case_document._models", lambda scene: [])  # what each engine builds takes seconds
     found = json.loads(call("show", "small*.toml", "--tag", "example", "--json").output)
-    assert [each["name"] for each in found] == ["small", "smaller", "example", "return-spring", "shaper-chips", "shaper-cutting"]
+    assert [each["name"] for each in found] == [
+        "small",
+        "smaller",
+        "example",
+        "return-spring",
+        "shaper-chips",
+        "shaper-cutting",
+        "whitworth",
+    ]
     assert call("show", "other.toml", "small.toml").output.count("what follows") == 2
 
 

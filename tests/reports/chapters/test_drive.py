@@ -60,6 +60,8 @@ def test_the_sentences_give_the_closed_forms(shaper: CaseResult) -> None:
         r" turns by 57\.65° in a turn of the crank, to and fro\.",
         bearings,
     )
+    *_, fully = map(plain, drive_sentences(drive_of(dataclasses.replace(shaper, case=load_case("whitworth")))))
+    assert fully.endswith(" in a turn of the crank.")
     _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.05))))
     assert flywheel == (  # 8 J / (0.05 (10 rad/s)^2)
         "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn. For a speed whose range is 5 % of its"

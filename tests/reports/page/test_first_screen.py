@@ -110,9 +110,12 @@ def test_the_1999_model_is_held_against_the_converged_one() -> None:
 
 
 def test_a_subject_has_its_own_arm_and_inference() -> None:
-    thin = told(subject=Subject("thin", ", and the arm whips", "So it is."))
+    thin = told(subject=Subject("thin", 0.0, ", and the arm whips", "So it is."))
     assert thin[0] == "A motor turns a crank; its slider swings a thin arm to and fro, slowly out and quickly back, and the arm whips."
     assert thin[-1] == "So it is."
+    assert told(subject=Subject(turning=0.5))[0] == MOTOR.replace("to and fro", "to and fro, or turns it fully")
+    turning = "A motor turns a crank; its slider turns a flexible arm fully, one half of the turn slowly and the other quickly."
+    assert told(subject=Subject(turning=1.0))[0] == turning
     found = plain(inference(splits(made_up_finding())))
     assert "a roller that is softer on one side makes that difference (+0.2 % before, −2.0 % after, at 20 kN/m;" in found
     assert "; after the return −2.0 %, " in found

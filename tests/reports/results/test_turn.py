@@ -91,6 +91,14 @@ def test_how_long_the_strokes_take() -> None:
     assert said("strokes", turn(short)).startswith("The working stroke and the return take the same time to 1 %: 0.33")
 
 
+def test_the_halves_of_an_arm_that_turns_fully() -> None:
+    """It is square to the line of the pivots with the crank at acos(50 mm / 120 mm) = 65.38 deg on either side of 0."""
+    fully = load_case("whitworth", {"crank.prescribed_speed": "90 rpm"})
+    assert said("strokes", turn(fully)) == (
+        "The arm turns fully, and the slow half of its turn takes 1.75 times as long as the fast one, the return: 0.4245 s and 0.2421 s."
+    )
+
+
 def test_where_the_force_changes_sign() -> None:
     claimed = {"extreme_estimates": claims("slider_force", 0.05)}
     found = said("sides", turn(columns={"slider_force": lambda angle: 10.0 * np.cos(2.0 * angle)}, **claimed))
