@@ -1,13 +1,24 @@
 """Every key of a case file: the quantity that it names, as the dataclasses declare it, and its values in SI and as texts."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
 from quickreturn.cases.errors import CaseError, as_written
-from quickreturn.cases.units import DIMENSIONS, RANGE, Dimension, QuantityError, is_in_range, parse_quantity, plain_number, unit_size
+from quickreturn.cases.units import (
+    DIMENSIONS,
+    RANGE,
+    Dimension,
+    QuantityError,
+    is_in_range,
+    measures,
+    parse_quantity,
+    plain_number,
+    unit_size,
+)
 from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
 from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
 from quickreturn.reference_model.tip import ForceTable
@@ -134,6 +145,21 @@ def unit_given(path: str, texts: Iterable[str]) -> tuple[str, float]:
     units = {unit for text in texts if (unit := unit_in(text))}
     unit = units.pop() if len(units) == 1 else PATHS[path].unit
     return unit, 1.0 if unit == "1" else unit_size(unit, dimension_of(path))
+
+
+def usual_unit(path: str, values: Mapping[str, Any]) -> str:
+    """The unit in which a file writes most quantities of the same dimension as that at a dotted path; "" if there is none.
+
+    Args:
+        path: of the quantity.
+        values: section -> key -> text, list of texts, or anything else.
+    """
+    units, dimension = Counter[str](), dimension_of(path)
+    for section, keys in values.items():
+        for key, given in keys.items() if isinstance(keys, Mapping) else ():
+            if (found := PATHS.get(f"{section}.{key}")) is not None and found.unit == dimension.si_unit:
+                units.update(unit_in(text) for text in (given if isinstance(given, list) else [given]) if isinstance(text, str))
+    return next((unit for unit, _ in units.most_common() if unit and measures(unit, dimension)), "")
 
 
 def si_value(path: str, text: str, source: str, *, finite: bool = False) -> float:

@@ -53,7 +53,16 @@ class Dimension:
     @property
     def example(self) -> str:
         """An example of a quantity in a case file, with its quotes."""
-        return f'"{180 if self is ANGLE else 2} {self.examples[0]}"'
+        return self.example_in("")
+
+    def example_in(self, unit: str) -> str:
+        """An example in a unit; "": in the first of `examples`."""
+        return '"1.5"' if self is PURE else f'"{180 if self is ANGLE else 2} {unit or self.examples[0]}"'
+
+    def advice(self, unit: str = "") -> str:
+        """What to write, with an example in a unit (see `example_in`) and others that are accepted."""
+        others = [other for other in self.examples if other != (unit or self.examples[0])]
+        return f"write one plain number, one space and a unit, such as {self.example_in(unit)} (or in {' or '.join(others)})"
 
     def accepts(self, exponents: Exponents) -> bool:
         """Whether a unit with these exponents measures this."""
@@ -118,13 +127,14 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
     Raises:
         QuantityError: not one plain number, one space and one unit expression of this dimension, or out of range.
     """
-    also = f" (or in {' or '.join(dimension.examples[1:])})" + (', or "inf"' if infinity_accepted else "")
-    accepted = f"write one plain number, one space and a unit, such as {dimension.example}{also}"
+    accepted = dimension.advice() + (', or "inf"' if infinity_accepted else "")
     if text == "inf" and infinity_accepted:
         return math.inf
     if dimension is PURE:
         if (value := plain_number(text)) is None or not math.isfinite(value):
-            raise QuantityError("is not a pure number", 'write one plain number without a unit, such as "0.3"')
+            part = re.fullmatch(rf"({quantity_texts.NUMBER}) ?(?:%|percent)", text)
+            meant = f' (perhaps meant as "{float(part[1]) / 100.0:.9g}")' if part else ""
+            raise QuantityError(f"is not a pure number{meant}", f"write one plain number without a unit, such as {PURE.example}")
         return value
     if problem := quantity_texts.in_quantity(text):
         raise QuantityError(problem, accepted)
@@ -186,7 +196,7 @@ def _read_unit(unit: str) -> tuple[Decimal, Exponents]:
     return factor, exponents
 
 
-def _measures(unit: str, dimension: Dimension) -> bool:
+def measures(unit: str, dimension: Dimension) -> bool:
     """Whether a text is a unit expression of a dimension."""
     try:
         return dimension.accepts(_read_unit(unit)[1])
@@ -198,7 +208,10 @@ def _meant(number: str, unit: str, dimension: Dimension) -> str:
     """The unit that is probably meant, as a clause, or ""."""
     if dimension is ANGULAR_SPEED and (turning := _turning(number, unit)):
         return f" (perhaps meant as {turning})"
-    probable = next((meant for meant in quantity_texts.units_meant(unit) if _measures(meant, dimension)), None)
+    other_case = re.sub(r"[^\W\d_]+", lambda name: _OF_OTHER_CASE.get(name[0].lower(), name[0]), unit)
+    probable = next(
+        (meant for meant in (other_case, *quantity_texts.units_meant(unit)) if meant != unit and measures(meant, dimension)), None
+    )
     if probable is None and not _is_unit(unit):
         other = next((meant for meant in quantity_texts.units_meant(unit) if _is_unit(meant)), None)
         return f' (perhaps meant as "{other}", {_name(_read_unit(other)[1])}, but {dimension.name} is needed)' if other else ""
@@ -261,6 +274,9 @@ COMMON_UNITS: Final = MappingProxyType(
         "rpm": ("0.1047197551196597746154214461", (0, 0, -1, 1)),
     }
 )
+
+#: A name in small letters -> the commonest unit of this name: "mpa" -> "MPa".
+_OF_OTHER_CASE: Final = MappingProxyType({name.lower(): name for name in COMMON_UNITS})
 
 
 @functools.cache

@@ -46,9 +46,13 @@ class _Kept(Protocol):
 
 #: Measure by default.
 USUAL: Final = "peak.tip_acceleration"
+#: Stresses, which depend on columns that a scene may lack.
+STRESSES: Final = ("peak.stress", "amplitude.stress")
 #: Sizes that follow from the columns of a turn, by name.
 OF_CURVE: Final[Mapping[str, Measure]] = {
-    name: each for name, each in MEASURES.items() if each.size and each.columns and {*each.columns} <= {"time", *OBSERVED}
+    name: each
+    for name, each in MEASURES.items()
+    if name in STRESSES or (each.size and each.columns and {*each.columns} <= {"time", *OBSERVED})
 }
 #: Relative tolerance of the integration: derivatives come from small differences of cycles, and this bounds their error to 1e-3.
 INTEGRATION: Final = 1e-10
@@ -69,8 +73,13 @@ NEAR: Final = 0.15
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
     """The scene for each value of the varied quantity; arguments and errors as for `resonance_curve`, as far as known beforehand."""
     for name in measures:
-        if name not in OF_CURVE:
-            raise CaseError(ARGUMENT, name, None, "is unknown", nearest_or_all(name, tuple(OF_CURVE)))
+        if name in OF_CURVE:
+            continue
+        if name in MEASURES:
+            raise CaseError(
+                ARGUMENT, name, None, "has no resonance curve", f"curves are of sizes such as {USUAL}; `sweep` has this measure"
+            )
+        raise CaseError(ARGUMENT, name, None, "is unknown", nearest_or_all(name, tuple(OF_CURVE)))
     held = {} if speed is None else {SPEED: speed}
 
     def scene_at(value: float) -> Mechanism:

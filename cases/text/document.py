@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from quickreturn.cases.errors import Argument, CaseError, as_written, attempted, nearest_or_all, shortened, together
-from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of
+from quickreturn.cases.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of, usual_unit
 from quickreturn.cases.text.broken_toml import LONGEST_LINE, toml_of
 from quickreturn.cases.text.copies import LONGEST_TITLE
 from quickreturn.cases.text.force_table import read_force_table
@@ -80,7 +80,7 @@ class Document:
             if path in HEADER:
                 mistakes.append(CaseError(by, path, as_written(text), "cannot be set", "only quantities can, such as crank.torque"))
             else:
-                values[path] = attempted(mistakes, _accepted, by, path, values[path], "")
+                values[path] = attempted(mistakes, _accepted, by, path, values[path], "", self.values)
         if mistakes:
             raise together([*self.mistakes, *mistakes])
         return self.changed(values, by)
@@ -116,19 +116,19 @@ def read_document(text: str, source: str, folder: str = "") -> Document:
         elif not isinstance(section, dict):
             mistakes.append(CaseError(source, name, as_written(section), "is not a section", f"write [{name}] with its keys below"))
         else:
-            read = {key: attempted(mistakes, _accepted, source, f"{name}.{key}", value, folder) for key, value in section.items()}
+            read = {key: attempted(mistakes, _accepted, source, f"{name}.{key}", value, folder, content) for key, value in section.items()}
             values[name] = {key: value for key, value in read.items() if value is not None}
     return Document(source, header, values, mistakes=tuple(mistakes))
 
 
-def _accepted(source: str, path: str, value: Any, folder: str) -> Any:
+def _accepted(source: str, path: str, value: Any, folder: str, others: Mapping[str, Any]) -> Any:
     """The value itself, or the table that it names.
 
     CaseError: an unknown key; a value that is neither a string nor, for a vector, a list of so many strings; a mistake in a table.
     """
     if path not in PATHS:
         raise _unknown(source, path, value)
-    wanted, example = PATHS[path], dimension_of(path).example
+    wanted, example = PATHS[path], dimension_of(path).example_in(usual_unit(path, others))
     if wanted.count is None:
         fits, problem = isinstance(value, str), "is a bare number" if type(value) in (int, float) else "is not a string"
         accepted = f"write a string with number and unit, such as {example}" + (', or "inf"' if wanted.infinity else "")
@@ -136,7 +136,8 @@ def _accepted(source: str, path: str, value: Any, folder: str) -> Any:
             accepted = 'write the path of a CSV file, such as "cutting.csv"'
     else:
         fits = isinstance(value, list) and len(value) == (wanted.count or len(value)) and all(isinstance(item, str) for item in value)
-        problem = f"is not a list of {wanted.count or ''} strings".replace("  ", " ")
+        what = f"{path.partition('.')[2].replace('_', ' ')}: {wanted.meaning}"
+        problem = f"is not a list of {wanted.count or ''} strings ({what})".replace("  ", " ")
         accepted = f"write one such as [{', '.join([example] * (wanted.count or 2))}]"
     if not fits:
         raise CaseError(source, path, as_written(value), problem, accepted)
@@ -148,7 +149,8 @@ def _unknown(source: str, path: str, value: Any) -> CaseError:
     section, _, key = path.rpartition(".")
     section = section or path
     alike = [f"{section}.{name}" for name in SECTIONS.get(section, ()) if name.endswith(f"_{key}")]
-    if homes := [*alike, *(known for known in PATHS if known.endswith(f".{key}"))]:
+    whole = [f"{section}.{name}" for name in SECTIONS.get(section, ()) if key.startswith(f"{name}_")]
+    if homes := [*alike, *(known for known in PATHS if known.endswith(f".{key}"))] or whole:
         accepted = f"the nearest known one is {' or '.join(homes)}"
     elif section in SECTIONS:
         accepted = nearest_or_all(key, tuple(SECTIONS[section]), f"{section}.")

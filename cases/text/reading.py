@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 from quickreturn.cases.errors import CaseError, as_written, attempted, together
-from quickreturn.cases.keys import PATHS, PLUS_MINUS, SECTIONS, Written, dimension_of, toleranced, value_at
+from quickreturn.cases.keys import PATHS, PLUS_MINUS, SECTIONS, Written, dimension_of, toleranced, usual_unit, value_at
 from quickreturn.cases.plausibility import doubts
 from quickreturn.cases.text.copies import with_changes
 from quickreturn.cases.text.document import Document, header_of
@@ -133,7 +133,8 @@ def _missing(document: Document, keys: Sequence[str], accepted: str = "") -> Cas
             return document.error(new, problem, f"{accepted}; {first} is {dimension_of(first).name}, such as {dimension_of(first).example}")
     if first in PATHS:
         dimension = dimension_of(first)
-        return document.error(first, f"this key {told}", accepted or f"write {dimension.name}, such as {dimension.example}")
+        example = dimension.example_in(usual_unit(first, document.values))
+        return document.error(first, f"this key {told}", accepted or f"write {dimension.name}, such as {example}")
     return document.error(first, f"this section {told}", accepted or f"its keys are {', '.join(SECTIONS[first.strip('[]')])}")
 
 
@@ -155,7 +156,9 @@ def _quantity(document: Document, path: str, written: Any) -> Any:
         is_toleranced = isinstance(written, str) and PLUS_MINUS in written
         value = toleranced(path, written).nominal if is_toleranced else value_at(path, written)
     except QuantityError as wrong:
-        raise document.error(path, wrong.problem, wrong.accepted, value=written) from None
+        dimension = dimension_of(path)
+        accepted = wrong.accepted.replace(dimension.advice(), dimension.advice(usual_unit(path, document.values)))
+        raise document.error(path, wrong.problem, accepted, value=written) from None
     if path == "crank.initial_angle" and abs(value) > _LARGEST_ANGLE:
         raise document.error(path, "is beyond a million degrees", "angles from -1e6 deg to 1e6 deg are accepted")
     return value

@@ -43,7 +43,7 @@ class _WithMeasures(click.Command):
 @click.option(
     "--claims/--no-claims", default=True, help="Estimate the error of every number (default), or not, which saves half of the time or more."
 )
-@options.output("File for the result of every point: .nc, .csv or .parquet.")
+@options.output("File for the result of every point: .nc, .csv or .parquet.  [required]", required=False)
 @options.single("--plot", metavar="FILE", help="File for a picture: lines over one key, a heat map over two.")
 @options.of_workshop
 @options.json
@@ -57,7 +57,7 @@ def sweep(
     assignments: Sequence[str],
     path: str,
     claims: bool,
-    output: str,
+    output: str | None,
     plot: str | None,
     as_json: bool,
     computing: Computing,
@@ -75,8 +75,10 @@ def sweep(
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
     options.refuse_missing(engines)
-    check_writable(Path(output), loaded.source, *DATASETS)
     varied = [axis(text) for text in (*axes, *([f"{ENGINE} = {'; '.join(engines)}"] if len(engines) > 1 else ()))]
+    if output is None:  # a mistake in the question is told before that
+        raise click.MissingParameter(param_type="option", param_hint="'--output'")
+    check_writable(Path(output), loaded.source, *DATASETS)
     texts = {name: value for given in settings.values() for name, value in given.items()}
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")

@@ -109,6 +109,8 @@ def test_what_is_no_plain_length_is_refused_and_named(text: str, problem: str) -
         ),
         ("1 N*m*s*rad", units.ROTARY_DAMPING, "is a quantity in kg*m^2*rad/s, but a rotary damping is needed"),
         ("1 Nm", units.TORQUE, 'is a quantity in m/kg (perhaps meant as "N*m"), but a torque is needed'),
+        ("480 MPA", units.ELASTIC_MODULUS, 'has the unknown unit "MPA" (perhaps meant as "MPa")'),
+        ("2 KN", units.FORCE, 'has the unknown unit "KN" (perhaps meant as "kN")'),
         ("1 lbm", units.MASS, 'has the unknown unit "lbm" (perhaps meant as "lb")'),
         ("1 lbm*in^2", units.MOMENT_OF_INERTIA, 'has the unknown unit "lbm" (perhaps meant as "lb*in^2")'),
         ("1 Ns/m", units.DAMPING, 'has the unknown unit "Ns" (perhaps meant as "N*s/m")'),

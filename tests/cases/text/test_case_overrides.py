@@ -59,8 +59,24 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
         ),
         (
             {"mechanism.gravity": "9.81 m/s^2"},
-            'overrides: mechanism.gravity: "9.81 m/s^2" is not a list of 2 strings; write one such as ["2 m/s^2", "2 m/s^2"]',
+            'overrides: mechanism.gravity: "9.81 m/s^2" is not a list of 2 strings (gravity: along n1 and n2, on every body); write one'
+            ' such as ["2 in/s^2", "2 in/s^2"]',  # as the file has it
         ),
+        (
+            {"follower.notch_factors": "1.8"},
+            'overrides: follower.notch_factors: "1.8" is not a list of strings (notch factors: fatigue notch factor at each of them, on the'
+            ' stress amplitude); write one such as ["1.5", "1.5"]',
+        ),
+        (
+            {"follower.notch_factors": '["180 percent"]'},
+            'overrides: follower.notch_factors: "180 percent" is not a pure number (perhaps meant as "1.8"); write one plain number without'
+            ' a unit, such as "1.5"',
+        ),
+        (
+            {"crank.wanted_fluctuation": "2 %"},
+            '"2 %" is not a pure number (perhaps meant as "0.02"); write one plain number without a unit',
+        ),
+        ({"follower.wall_thickness": "2 mm"}, "belongs to an unknown key; the nearest known one is follower.wall"),
         (
             {"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"},
             'overrides: crank.prescribed_speed: "9 rad/s" conflicts with crank.damping; give either',
@@ -72,3 +88,10 @@ def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str
     with pytest.raises(CaseError) as refused:
         parse_case(SCENE, "scene.toml", overrides)
     assert expected in str(refused.value)
+
+
+def test_the_example_in_a_message_has_the_units_of_the_file() -> None:
+    metric = SCENE.replace(' in"', ' mm"')
+    for text, unit, others in ((SCENE, "in", "mm or m"), (metric, "mm", "in or m")):
+        with pytest.raises(CaseError, match=f'has no unit; .* such as "2 {unit}" \\(or in {others}\\)'):
+            parse_case(text, "scene.toml", {"follower.width": "12"})

@@ -58,6 +58,17 @@ def test_a_table_in_si_with_claims(found: qr.Resonance) -> None:
     assert "prescribed in place of its drive" in repr(found)
 
 
+def test_the_curve_of_the_largest_stress_is_that_of_settled_machines() -> None:
+    """Against `run`, which samples the turn and its places otherwise; above the strain of the gauge times the modulus."""
+    names = ["peak.stress", "peak.strain_2"]
+    frame = qr.resonance("thesis-24", range="150 rpm .. 151 rpm", measures=names, accuracy=0.05, claims=False, quiet=True).frame
+    at = int(frame["crank.prescribed_speed"].argmin())
+    case = qr.case("thesis-24", {"crank.prescribed_speed": "150 rpm"})
+    loads = qr.run(case, "reference", accuracy=0.05, quiet=True).loads.set_index("quantity")
+    assert frame["peak.stress"][at] == pytest.approx(loads.loc["stress", "value"], rel=2e-3)
+    assert (frame["peak.stress"] >= case.mechanism.follower.elastic_modulus * frame["peak.strain_2"]).all()
+
+
 @pytest.mark.verify
 def test_the_claims_hold_against_a_model_with_more_modes(found: qr.Resonance) -> None:
     """One mode is off by percents. The fold of four modes lies within what the curve of one claims of its own."""
@@ -147,6 +158,7 @@ def test_the_command_writes_what_python_gives(call: Call, tmp_path: Path) -> Non
         (("--vary", "slider.joint_stiffness=1e4 N/m .. 2e4 N/m", "--speed", "100 rpm"), ("rigid and frictionless",)),
         (("--vary", "tip.mass=0 g .. 100 g", "--speed", "0 rpm"), ("--speed", "0 rpm", "does not turn")),
         (("--speed", "60 rpm .. 90 rpm", "--measure", "peak.tip"), ("--measure", "peak.tip")),
+        (("--speed", "60 rpm .. 90 rpm", "--measure", "factor.yielding"), ("has no resonance curve", "peak.tip_acceleration", "`sweep`")),
         (("--vary", "tip.mass=-20 g .. -10 g", "--speed", "60 rpm"), ("--vary", "tip.mass", '"-20 g" is negative')),
         (("--vary", "crank.length=0 in .. 4 in"), ("--vary", "crank.length", '"0 in" is not positive')),
         (("--speed", "60 rpm .. 90 rpm", "--output", "curve.xlsx"), ("curve.xlsx", ".csv")),

@@ -67,6 +67,13 @@ def test_a_mistake_costs_one_sentence(call: Call, arguments: tuple[str, ...], to
     assert not Path("map.nc").exists()
 
 
+def test_a_wrong_key_is_told_before_a_missing_output(call: Call) -> None:
+    answer = call("sweep", "thesis-24", "--vary", "crank.prescribed_sped = 1 rpm; 2 rpm")
+    assert "crank.prescribed_speed" in answer.errors
+    answer = call("sweep", "thesis-24", "--vary", SPEEDS)
+    assert (answer.code, "Missing option '--output'" in answer.errors) == (2, True)
+
+
 def test_a_file_of_another_kind_is_refused(call: Call) -> None:
     answer = call(*USUAL, "--output", "map.xlsx")
     assert answer.code == 2
