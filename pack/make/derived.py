@@ -8,7 +8,7 @@ from numpy.polynomial import legendre
 
 from quickreturn.derive import Beam, Model, Statics, System, turned, vector
 from quickreturn.derive.statics import Rest
-from quickreturn.pack.make.values import BEAD, BRIDGE, CRANK, DECAY, FOUR_BAR, HUB, PENDULUM, SAG, Columns, G, times
+from quickreturn.pack.make.values import BEAD, BRIDGE, CRANK, DECAY, FOUR_BAR, HUB, PENDULUM, SAG, SPIN_UP, Columns, G, times
 
 
 class _Units(NamedTuple):
@@ -162,12 +162,27 @@ def bead(rows: int) -> Columns:
     return _moved(system, {"place": BEAD.place}, BEAD.duration, rows, 1e-11)
 
 
+def _begun(system: System, u: _Units, values: Any) -> Any:
+    """The angle of what turns from rest to a steady speed within the time `ramp`."""
+    t, ramp, speed = system.time, values.ramp * u.s, values.speed / u.s
+    period = ramp / (2 * ca.pi)
+    return ca.if_else(t < ramp, speed / ramp * (t**2 / 2 + period**2 * (ca.cos(t / period) - 1)), speed * (t - ramp / 2))
+
+
+def spin_up(rows: int, shapes: int = 6) -> Columns:
+    """A beam on a base that begins to turn."""
+    system, u = _system("spin-up", gravity=0.0)
+    angle = _begun(system, u, SPIN_UP)
+    end = _strip(system, u, SPIN_UP, shapes, vector(0, 0), angle)[0].end()
+    for name, value in (("tip_x", end[0]), ("tip_y", end[1]), ("tip_deflection", ca.cos(angle) * end[1] - ca.sin(angle) * end[0])):
+        system.output(name, value, "m")
+    return _moved(system, {}, SPIN_UP.duration, rows)
+
+
 def slider_crank(rows: int, shapes: int = 8) -> Columns:
     """A rod that bends between a driven crank and a block."""
     system, u = _system("slider-crank", gravity=0.0)
-    t, ramp, speed = system.time, CRANK.ramp * u.s, CRANK.speed / u.s
-    period = ramp / (2 * ca.pi)
-    turn = ca.if_else(t < ramp, speed / ramp * (t**2 / 2 + period**2 * (ca.cos(t / period) - 1)), speed * (t - ramp / 2))
+    turn = _begun(system, u, CRANK)
     rod, x = system.coordinate("rod", "rad"), system.coordinate("block", "m", guess=CRANK.length)
     beam, _ = _strip(system, u, CRANK, shapes, turned(turn, CRANK.crank * u.m), rod)
     system.body("block", CRANK.block * u.kg, vector(x, 0))

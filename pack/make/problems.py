@@ -4,7 +4,7 @@ from functools import partial
 from typing import Final
 
 from quickreturn.pack.make import by_hand, cables, derived, scenes
-from quickreturn.pack.make.bounds import Problem
+from quickreturn.pack.make.bounds import Formulation, Problem
 
 _TIP: Final = {"tip_x": "m", "tip_y": "m"}
 _MECHANISM: Final = {"tip_deflection": "m", "tip_x": "m", "tip_y": "m", "crank_angle": "rad", "slider_position": "m"}
@@ -17,8 +17,8 @@ _ENGINES: Final = {
 }
 
 
-def _scene(name: str, signals: dict[str, str], *others: str) -> Problem:
-    formulations = {_ENGINES[engine]: partial(scenes.moved, name, engine) for engine in ("reference", *others)}
+def _scene(name: str, signals: dict[str, str], *others: str, **more: Formulation) -> Problem:
+    formulations = {_ENGINES[engine]: partial(scenes.moved, name, engine) for engine in ("reference", *others)} | more
     return Problem(signals, 1000, formulations, partial(scenes.moved, name, "reference", fine=True))
 
 
@@ -29,9 +29,9 @@ PROBLEMS: Final = {
     ),
     "decay": Problem(
         {"tip_deflection": "m", "middle_deflection": "m"}, 1500,
-        {"series of 80 modes": partial(by_hand.decay, modes=80), _DERIVED: derived.decay}, partial(by_hand.decay, modes=160),
+        {"series of modes": partial(by_hand.decay, modes=80), _DERIVED: derived.decay}, partial(by_hand.decay, modes=160),
     ),
-    "spin-up": _scene("spin-up", {"tip_deflection": "m", **_TIP}, "exudyn"),
+    "spin-up": _scene("spin-up", {"tip_deflection": "m", **_TIP}, "exudyn", **{_DERIVED: derived.spin_up}),
     "bending-pendulum": Problem(
         {"tip_y": "m", "tip_x": "m", "middle_x": "m", "middle_y": "m"}, 750,
         {_DERIVED: partial(derived.bending_pendulum, shapes=8), _CABLE: cables.bending_pendulum}, derived.bending_pendulum, horizon=2.0,
@@ -43,7 +43,7 @@ PROBLEMS: Final = {
     "moving-load": Problem(
         {"middle_y": "m", "quarter_y": "m", "load_y": "m"}, 600,
         {
-            "40 sines, equations by hand (scipy)": by_hand.moving_load, f"{_DERIVED}, 20 sines": derived.moving_load,
+            "sines, equations by hand (scipy)": by_hand.moving_load, f"{_DERIVED}, 20 sines": derived.moving_load,
             f"{_DERIVED}, 12 polynomials": partial(derived.moving_load, shapes=12, sines=False),
         },
         partial(by_hand.moving_load, modes=60),

@@ -13,6 +13,7 @@ Columns = dict[str, Array]
 G: Final = 9.81
 SAG: Final = SimpleNamespace(length=0.5, mass=0.2, bending=0.42, force=2.0)
 DECAY: Final = SimpleNamespace(length=0.5, mass=0.2, bending=0.42, force=0.005, damping=0.4, material=2e-4, duration=1.5)
+SPIN_UP: Final = SimpleNamespace(length=10.0, mass=1.2, bending=14e3, speed=6.0, ramp=15.0, duration=20.0)
 PENDULUM: Final = SimpleNamespace(length=1.0, mass=0.3, bending=0.5, rate=5.0, duration=3.0)
 HUB: Final = SimpleNamespace(inertia=0.05, radius=0.1, length=1.0, mass=0.3, bending=2.0, torque=2.0, period=1.0, duration=2.0)
 BRIDGE: Final = SimpleNamespace(length=9.0, mass=200.0, bending=2e6, speed=15.0, load=400.0, duration=0.6)

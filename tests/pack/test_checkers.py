@@ -28,7 +28,10 @@ def text_of(columns: Columns) -> str:
     return "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in rows)]) + "\n"
 
 
-@pytest.fixture(scope="module", params=[pytest.param(name, marks=[pytest.mark.verify] if name in SLOW else []) for name in PROGRAMS])
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(name, marks=[pytest.mark.verify, pytest.mark.every_slice] if name in SLOW else []) for name in PROGRAMS],
+)
 def checker(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Checker:
     program = PROGRAMS[request.param] and shutil.which(PROGRAMS[request.param])
     if program is None:
