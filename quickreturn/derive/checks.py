@@ -94,11 +94,14 @@ def check_condition(system: System, solved: NDArray[np.float64], indices: Sequen
     """
     if not len(indices):
         return
-    size = np.sqrt(np.diag(solved))
+    size = np.sqrt(np.abs(np.diag(solved)))
     values, vectors = np.linalg.eigh(solved / np.outer(size, size))
+    if values[0] < -_ROUNDING:
+        worst = system.coordinates[indices[int(np.argmax(np.abs(vectors[:, 0])))]].name
+        raise DescriptionError(f"the inertia of {worst!r} of {system.name!r} is negative; a mass or an inertia has the wrong sign")
     condition = values[-1] / max(values[0], np.finfo(float).eps)
     least = np.finfo(float).eps * condition / ROUNDED
-    if least > tolerance:
+    if least > tolerance > 0.0:
         shares = np.abs(vectors[:, 0])
         names = [repr(system.coordinates[k].name) for k, share in zip(indices, shares, strict=True) if share > PART * np.max(shares)]
         raise DescriptionError(

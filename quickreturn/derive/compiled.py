@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import casadi as ca
@@ -126,8 +127,10 @@ class CompiledEquations:
         return np.concatenate([[time], q, p, *(table.at(q[table.index]) for table in self.system.tables)])
 
     def refuse_unknown(self, names: Iterable[str], what: str, known: Iterable[str]) -> None:
-        """Raise DescriptionError for an unknown name; the message lists the known ones."""
+        """Raise DescriptionError for an unknown name, listing the known ones, or for a value that is no finite number."""
         accepted = list(known)
         for name in names:
             if name not in accepted:
                 raise DescriptionError(f"{name!r} is no {what} of {self.system.name!r}; there are {', '.join(accepted)}")
+            if isinstance(names, Mapping) and not (isinstance(names[name], Real) and np.isfinite(float(names[name]))):
+                raise DescriptionError(f"{what} {name!r} of {self.system.name!r} is {names[name]!r}, which is no finite number")

@@ -11,7 +11,7 @@ as in the thesis, equation 4.5. The row of time is the power of prescribed motio
 is that of the gap, G, unless a force acts elsewhere than the motion that it makes (inverse dynamics).
 """
 
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import casadi as ca
 
@@ -44,6 +44,9 @@ class Equations:
     """
 
     def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
+        if form not in get_args(Form) or not system.coordinates:
+            wrong = f"the form {form!r} is not known; take one of {', '.join(get_args(Form))}"
+            raise DescriptionError(wrong if system.coordinates else f"{system.name!r} has no coordinate")
         each, loops, self.feedback = system.coordinates, system.loops, feedback
         self.q, self.v, self.a = (column(*(getattr(c, kind) for c in each)) for kind in "qva")
         self._z, self._w = column(self.q, system.time), column(self.v, 1)

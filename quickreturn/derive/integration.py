@@ -47,10 +47,12 @@ def integrated(
         ends: what else may have ended the motion, for messages.
 
     Raises:
-        DescriptionError: an unknown method, or the integration finds no step; the sentence says when.
+        DescriptionError: an unknown method or tolerance, or the integration finds no step; the sentence says when.
     """
     if method not in METHODS:
         raise DescriptionError(f"method {method!r} is not known; take one of {', '.join(METHODS)}")
+    if not 0.0 < tolerance < 1.0:
+        raise DescriptionError(f"a tolerance of {tolerance:g} is not between 0 and 1")
 
     def begun(time: float, state: Array, first_step: float | None = None) -> Any:
         accuracy: Any = {"rtol": tolerance, "atol": tolerance * sizes, "max_step": longest}

@@ -42,6 +42,17 @@ HELPLESS: Final = 1e-9
 LOST: Final = 1e-3
 
 
+def grid(duration: float, step: float) -> Array:
+    """Times from 0 to a duration (s) by the step nearest to the given one that divides it.
+
+    Raises:
+        DescriptionError: the step is not positive, or the duration is negative.
+    """
+    if not (step > 0.0 and 0.0 <= duration < np.inf):
+        raise DescriptionError(f"a duration of {duration:g} s cannot have rows {step:g} s apart")
+    return np.linspace(0.0, duration, round(duration / step) + 1)
+
+
 class Model(CompiledEquations):
     """A system that can be simulated: the compiled equations, a start, integration and outputs.
 
@@ -174,7 +185,7 @@ class Model(CompiledEquations):
         Args:
             start: name -> coordinate or rate at time 0; see `start`.
             duration: s.
-            step: time between two rows, s.
+            step: time between two rows, s; the nearest that divides the duration is taken.
             tolerance: local error, relative to each coordinate or rate and to the coordinate's `size`.
             method: "DOP853", or "Radau" for stiff equations.
             parameters: name -> changed value, in the parameter's unit.
@@ -183,10 +194,9 @@ class Model(CompiledEquations):
             DescriptionError: the start is impossible, the integration gets stuck, the motion ends in a singular position, or the energy
                 balance changes; the sentence says when.
         """
-        y, p = self.start(start, parameters), self.values(parameters)
+        times, y, p = grid(duration, step), self.start(start, parameters), self.values(parameters)
         self.check_drives([0.0], y[None], p)
         self.check(y, p, tolerance)
-        times = np.linspace(0.0, duration, round(duration / step) + 1)
         states, passages = self.integrate(lambda t, y: self.rates(t, y, p), y, times, p, tolerance, self.error_sizes(), method)
         self.check_drives(times, states, p)
         frame = self.observe(times, states, p, passages)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from quickreturn.derive.compiled import Values
 from quickreturn.derive.machine_code import MachineCode
-from quickreturn.derive.model import Model
+from quickreturn.derive.model import Model, grid
 from quickreturn.derive.system import column
 from quickreturn.derive.units import DescriptionError, in_si, per
 
@@ -37,7 +37,7 @@ def sensitivities(
             f"sensitivities of {system.name!r} need the form 'projection', and no tables: nothing tells what those depend on"
         )
     model.refuse_unknown(to, "parameter", model.parameters)
-    p, y = model.values(parameters), model.start(start, parameters)
+    times, p, y = grid(duration, step), model.values(parameters), model.start(start, parameters)
     chosen, size = [list(model.parameters).index(name) for name in to], len(y)
     # y' = f(y, p) and S = dy/dp: S' = df/dy S + df/dp, a derivative along (S, dp)
     S = ca.SX.sym("S", size, len(chosen))
@@ -58,7 +58,6 @@ def sensitivities(
         return code(np.concatenate([[time], Y[:size], p, Y[size:]]))
 
     sizes = np.append(model.error_sizes(), np.full(begin.size, np.inf))
-    times = np.linspace(0.0, duration, round(duration / step) + 1)
     states, _ = model.integrate(rate, np.concatenate([y, begin.T.ravel()]), times, p, tolerance, sizes, passes=False)
     model.check_drives(times, states[:, :size], p)
     model.check_motion(model.observe(times, states[:, :size], p), y, p, tolerance)

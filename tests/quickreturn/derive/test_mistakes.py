@@ -182,6 +182,40 @@ def test_unknown_names_are_listed() -> None:
         natural_frequencies(model, {}, hold=["x"])
 
 
+def negative(system: System) -> None:
+    p = system.parameters
+    system.body("hole", mass=-2.0 * p["mass"][0], place=turned(system.coordinates[0].q, p["length"][0]))
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "sentence"),
+    [
+        (None, {"start": {"angle": np.nan}}, "coordinate or rate 'angle' of 'crank' is nan, which is no finite number"),
+        (None, {"start": {"angle": "30 deg"}}, "coordinate or rate 'angle' of 'crank' is '30 deg', which is no finite number"),
+        (None, {"parameters": {"mass": np.inf}}, "parameter 'mass' of 'crank' is inf, which is no finite number"),
+        (None, {"step": 0.0}, "a duration of 0.1 s cannot have rows 0 s apart"),
+        (None, {"duration": -0.1}, "a duration of -0.1 s cannot have rows 0.1 s apart"),
+        (None, {"tolerance": 0.0}, "a tolerance of 0 is not between 0 and 1"),
+        (negative, {}, "the inertia of 'angle' of 'crank' is negative; a mass or an inertia has the wrong sign"),
+    ],
+    ids=lambda each: "",
+)
+def test_numbers_that_mean_nothing_are_named(change: Callable[[System], None] | None, arguments: dict[str, Any], sentence: str) -> None:
+    system = crank()[0]
+    if change:
+        change(system)
+    with pytest.raises(DescriptionError) as raised:
+        Model(system).simulate(**{"start": {}, "duration": 0.1, "step": 0.1} | arguments)
+    assert str(raised.value) == sentence
+
+
+def test_a_system_without_coordinates_and_an_unknown_form_are_named() -> None:
+    with pytest.raises(DescriptionError, match="'nothing' has no coordinate"):
+        Model(System("nothing"))
+    with pytest.raises(DescriptionError, match="the form 'lagrange' is not known; take one of projection, multipliers"):
+        Model(crank()[0], "lagrange")  # type: ignore[arg-type]
+
+
 def test_an_equilibrium_that_is_not_there() -> None:
     system, p, angle = crank()
     system.load("motor", angle, p.stiffness * p.length**2)

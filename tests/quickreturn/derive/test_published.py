@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from quickreturn.derive import Model, Statics, System, natural_frequencies
+from quickreturn.derive.equations import Form
 from tests.quickreturn.derive import published as of
 
 MOTIONS = [
@@ -25,10 +26,11 @@ MOTIONS = [
 
 
 @pytest.mark.filterwarnings("error")  # each starts as its guesses say
+@pytest.mark.parametrize("form", ["projection", pytest.param("multipliers", marks=pytest.mark.verify)])
 @pytest.mark.parametrize("mechanism", MOTIONS, ids=lambda each: each.__name__)
-def test_it_moves_as_published(mechanism: Callable[[], of.Published]) -> None:
+def test_it_moves_as_published(mechanism: Callable[[], of.Published], form: Form) -> None:
     each = mechanism()
-    found = Model(each.system).simulate(each.start, each.duration, each.duration / each.rows, tolerance=1e-11)
+    found = Model(each.system, form).simulate(each.start, each.duration, each.duration / each.rows, tolerance=1e-11)
     for name, right in each.right(found).items():
         values = found[name] if np.ndim(right) else found[name].iloc[-1]
         tolerance = next((looser for part, looser in each.looser.items() if part in name), each.tolerance)
