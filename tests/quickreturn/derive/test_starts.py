@@ -122,6 +122,27 @@ def test_from_guesses_in_line_the_loops_close() -> None:
     assert abs(joint - 1.0 - 0.8 * np.exp(1j * found[2])) < 1e-9
 
 
+def test_an_unstable_equilibrium_is_told() -> None:
+    """Two links with springs in their hinges, a load along them: it buckles at k/L (3 - sqrt 5)/2, the columns of textbooks."""
+    system = System("column")
+    p = system.constants(k=(10.0, "N*m/rad"), length=(0.5, "m"), mass=(1.0, "kg"), load=(0.0, "N"))
+    one, two = system.coordinate("one", "rad"), system.coordinate("two", "rad")
+    middle = turned(one, p.length)
+    top = middle + turned(two, p.length)
+    system.body("middle", p.mass, middle)
+    system.body("top", p.mass, top)
+    system.spring("foot", one, p.k)
+    system.spring("knee", two - one, p.k)
+    system.load("weight", top, vector(-p.load, 0))
+    model, critical = Model(system), 10.0 / 0.5 * (3.0 - np.sqrt(5.0)) / 2.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Statics(model, parameters={"load": 0.999 * critical}).equilibrium({})
+        Statics(model, ["one", "two"], {"load": 2.0 * critical}).equilibrium({})
+    with pytest.warns(UserWarning, match="the equilibrium of 'column' is unstable: 'two' leaves it"):
+        Statics(model, parameters={"load": 1.001 * critical}).equilibrium({})
+
+
 def test_frequencies_where_forces_move_the_system_are_told() -> None:
     """A pendulum at 57 degrees; a wheel with a motor, at any angle."""
     system = System("pendulum")
