@@ -15,7 +15,8 @@ from quickreturn.cases.columns import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.rigid import mean_crank_speed, rigid_motion
+from quickreturn.reference_model.tip_force import tip_force
 from quickreturn.reports.drawing.curves import WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Array, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text
@@ -25,10 +26,13 @@ STRAIGHT: Final = 1e-6  # of the follower's length, deflection below which the f
 STEPS: Final = (1.0, 2.0, 5.0)  # factors of magnification are these times a power of ten
 POINTS: Final = 61  # along the follower
 BESIDE: Final = np.array([18.0, 11.0])  # points: distance of a name from the point that it names, to the side and up
+DARK: Final = "#333333"  # of names and of the force
 CLEAR: Final = math.radians(120.0)  # rad, a crank angle at which no part covers another
 MARGIN: Final = 0.07  # of the follower's length, around everything
 COILS: Final = 8  # of a drawn spring
 COIL: Final = 0.012  # of the follower's length, half the width of a drawn spring
+ARROW: Final = 0.13  # of the follower's length, an arrow of the force on the tip
+TURNING: Final = math.radians(225.0), math.radians(15.0)  # rad, crank angle of the arrow for the way of turning, and its length
 
 
 @dataclass(frozen=True)
@@ -119,7 +123,11 @@ class Scenery:
         self._slider = axes.plot([], [], "s", color=QUICK, zorder=6.0, **marker)[0]
         self._said = axes.text(0.012, 0.02, "", transform=axes.transAxes, fontsize=FONT_SIZE, family="monospace", va="bottom")
         named = [*(("crank", "slider") if self._crank_length else ()), "follower", *(("tip",) if self._has_tip else ())]
-        self._names = {name: _beside(axes, name, 10.0, fontsize=SMALL, color="#333333", zorder=7.0, va="center") for name in named}
+        self._tool = scene.tip_body if isinstance(scene, Mechanism) and scene.tip_body.is_forced else None
+        arrow = {"arrowstyle": "-|>", "color": DARK, "linewidth": 1.4}
+        name = "" if self._tool is None else "force"
+        self._force = axes.annotate(name, (0.0, 0.0), (0.0, 0.0), fontsize=SMALL, color=DARK, arrowprops=arrow, visible=False)
+        self._names = {name: _beside(axes, name, 10.0, fontsize=SMALL, color=DARK, zorder=7.0, va="center") for name in named}
 
     def _frame(self, axes: Axes, length: float) -> None:
         """Set equal scales, and limits that contain all parts at every instant."""
@@ -141,6 +149,10 @@ class Scenery:
             axes.plot(LA * np.cos(turn), LA * np.sin(turn), color="#BBBBBB", linewidth=0.8, zorder=1.0)
             back = np.linspace(-case.scene.half_return, case.scene.half_return, 61)
             axes.plot(LA * np.cos(back), LA * np.sin(back), color=QUICK, linewidth=2.0, alpha=0.6, zorder=1.1)
+            if speed := mean_crank_speed(case.scene):
+                (at, far), way = TURNING, math.copysign(1.0, speed)
+                head, tail = ((LA * math.cos(each), LA * math.sin(each)) for each in (at + way * far, at))
+                axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": GREY, "shrinkA": 0.0, "shrinkB": 0.0})
             axes.plot(0.0, 0.0, "o", color="black", markersize=5.0, zorder=5.0)
             _beside(axes, "O", -14.0, fontsize=FONT_SIZE)
         axes.plot(*self._pivot, "^", color="black", markersize=8.0, zorder=5.0)
@@ -160,6 +172,8 @@ class Scenery:
                 self._tips[label].set_data(*placed[instant, -1:].T)
         shown = next(iter(self._placed.values()))[instant]
         where = {"follower": shown[POINTS // 5], "tip": shown[-1]}
+        if self._has_tip:
+            self._names["tip"].xyann = tuple(along * BESIDE)  # beyond the end, where no spring is
         if self._spring is not None:
             held = shown[round(self._spring.place_on(self._length) / self._length * (POINTS - 1))]
             self._coil.set_data(*_coil(np.array(self._spring.anchor), held, COIL * self._length).T)
@@ -175,6 +189,13 @@ class Scenery:
             sides = {"crank": beside_crank if beside_crank @ away > 0.0 else -beside_crank, "slider": -away}
             for name, side in sides.items():
                 self._names[name].xyann = tuple(side * BESIDE)
+            if self._tool is not None:
+                force = complex(tip_force(self._tool, first.crank_angle[instant], first.direction[instant]))
+                self._force.set_visible(force != 0.0)
+                if force:
+                    way = np.array([force.real, force.imag]) / abs(force)
+                    self._force.xy = tuple(shown[-1])
+                    self._force.set_position(tuple(shown[-1] - ARROW * self._length * way))
         for name, annotation in self._names.items():
             annotation.xy = (float(where[name][0]), float(where[name][1]))
         self._said.set_text(text)

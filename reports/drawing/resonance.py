@@ -1,11 +1,13 @@
 """Draws a resonance curve: stable parts as lines, unstable ones dashed, special points as marks, peaks with their orders."""
 
+import textwrap
 from typing import Final
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve
+from quickreturn.cases.resonance_curve.range import SPEED
 from quickreturn.cases.resonance_curve.search import OF_CURVE
 from quickreturn.cases.shown import Units
 from quickreturn.reports.drawing.curves import PANEL, WIDE
@@ -13,6 +15,7 @@ from quickreturn.reports.drawing.style import FONT_SIZE, GREY, MARKERS, POINTS_P
 from quickreturn.reports.line_styles import looks
 
 LINE: Final = 1.3  # font sizes from one line of text to the next
+LETTERS: Final = 42  # longest line of a label beside an axis
 MARGIN: Final = 0.9  # in, of a figure's width that axes do not have
 
 
@@ -49,12 +52,13 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, units: Units, mark: f
             axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
         logarithmic(axes)
         axes.margins(y=0.1)
-        tidy(axes, f"{name} [{unit.sign}]")
+        tidy(axes, textwrap.fill(f"{OF_CURVE[name].meaning.replace('_', ' ')} [{unit.sign}], logarithmic", LETTERS))
         if name == next(iter(curve.measures)):
             _name_peaks(axes, curve, unit.size, figure.get_figwidth() - MARGIN)
-    panels[-1].set_xlabel(f"{curve.range.key} [{curve.range.unit}]", fontsize=FONT_SIZE)
+    varied = "crank speed" if curve.range.key == SPEED else curve.range.key
+    panels[-1].set_xlabel(f"{varied} [{curve.range.unit}]", fontsize=FONT_SIZE)
     panels[0].legend(fontsize=SMALL, frameon=False)
-    figure.suptitle(case, fontsize=FONT_SIZE)
+    figure.suptitle(f"{case}: resonance curve, each point a periodic motion", fontsize=FONT_SIZE)
 
 
 def _name_peaks(axes: Axes, curve: ResonanceCurve, size: float, width: float) -> None:

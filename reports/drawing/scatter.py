@@ -37,7 +37,7 @@ def scatter_figure(scatter: Scatter) -> Drawing:
         Line2D([], [], marker="|", color=DARK, label="5, 50, 95 %, both errors"),
     ]
     if len(ratios) == 2:
-        handles += [Patch(color=DARK, label="share alone"), Patch(color=QUICK, label="share in all")]
+        handles += [Patch(color=DARK, label="share by this quantity alone"), Patch(color=QUICK, label="with its interactions")]
     legend_above(figure, handles, len(handles))
     counts = ", ".join(f"{count} {status}" for status, count in scatter.counts.items())
     panels[0, 0].set_title(f"{scatter.case.name}: {len(scatter.statuses)} points, {counts}", fontsize=FONT_SIZE)

@@ -17,11 +17,13 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from quickreturn.cases.measures.catalogue import MEASURES
+from quickreturn.cases.resonance_curve.range import SPEED
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.stability import NOT_CONVERGED, UNSTABLE
 from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.rows import LEFT, OPEN
 from quickreturn.cases.sweep.study import Study
+from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
 
 #: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
@@ -77,7 +79,10 @@ def draw(study: Study) -> Figure:
         else:
             handles = _lines(panel, study, along, shown, statuses)
             tidy(panel, label)
+            handles += _own_value(panel, study, axes[along])
     panel.set_xlabel(_scaled(axes[along])[1], fontsize=FONT_SIZE)
+    if not figure.axes[0].get_title():
+        figure.axes[0].set_title(f"{study.grid.case.name}, settled motion", fontsize=FONT_SIZE)
     if handles:
         legend_above(figure, handles, 3)
     return figure
@@ -105,7 +110,7 @@ def _lines(panel: Axes, study: Study, along: int, shown: Array, statuses: Sequen
     handles: list[Artist] = []
     for (label, place), colour, dash in zip(lines, colours, itertools.cycle(("-", "--", "-.", ":"))):
         values = shown[place]
-        handles += panel.plot(x, values, color=colour, linestyle=dash, linewidth=1.2, label=label)
+        handles += panel.plot(x, values, color=colour, linestyle=dash, linewidth=1.2, marker=".", markersize=3.5, label=label)
         look: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": colour}
         for status in statuses:
             (_, mark), marked = ENDINGS[status], study.statuses[place] == status
@@ -118,6 +123,16 @@ def _lines(panel: Axes, study: Study, along: int, shown: Array, statuses: Sequen
     of_points: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgecolor": _DARK}
     marks = [Line2D([], [], marker=ENDINGS[status][1], label=status, **of_points) for status in statuses]
     return [*(handles if len(lines) > 1 else []), *marks]
+
+
+def _own_value(panel: Axes, study: Study, axis: Axis) -> list[Artist]:
+    """Mark the case's own value of a key, if it lies within the values drawn; return the entry of the legend."""
+    case, (_, size), (section, _, name) = study.grid.case, axis.given, axis.key.partition(".")
+    own = mean_crank_speed(case.mechanism) if axis.key == SPEED else case.values.get(section, {}).get(name)
+    numbers = [float(each) for each in axis.numbers if isinstance(each, float)]
+    if not isinstance(own, float) or not numbers or not min(numbers) <= own <= max(numbers):
+        return []
+    return [panel.axvline(own / size, color=_DARK, linewidth=0.8, linestyle=":", label=f"the case's own {own / size:.4g}")]
 
 
 def _each_line(study: Study, along: int) -> Iterator[tuple[str, tuple[int | slice, ...]]]:

@@ -2,11 +2,13 @@
 
 import io
 import itertools
+import math
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Annotation
 from PIL import Image
 
 import quickreturn as qr
@@ -119,7 +121,7 @@ def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(tmp_path: Path) -> No
 def test_a_picture_names_its_parts_and_the_crank_angle() -> None:
     (axes,) = mechanisms([CASE]).axes
     texts = {text.get_text() for text in axes.texts}
-    assert texts == {"O", "P", "crank", "slider", "follower", "tip", "crank at 120°"}
+    assert texts - {""} == {"O", "P", "crank", "slider", "follower", "tip", "crank at 120°"}  # without the arrow
 
 
 @pytest.mark.usefixtures("few_frames")
@@ -148,3 +150,22 @@ def test_plot_draws_engines_and_files(call: Call, tmp_path: Path) -> None:
         answer = call("plot", file, "--output", "other.svg")
         assert (answer.code, word in answer.errors, answer.errors.count("\n")) == (2, True, 1)
     assert not (tmp_path / "other.svg").exists()
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_arrows_show_the_way_of_turning_and_the_force_on_the_tip(way: int) -> None:
+    """The crank's arrow has positive moment about O where it turns counterclockwise; the force comes to the tip from its own direction."""
+    case = load_case("shaper-cutting", {"crank.prescribed_speed": f"{90 * way} rpm"})
+    (axes,) = mechanisms([case]).axes
+    arrows = [each for each in axes.texts if isinstance(each, Annotation) and each.arrow_patch is not None]
+    turning = next(each for each in arrows if each.get_text() == "")
+    (x, y), (u, v) = turning.xyann, np.subtract(turning.xy, turning.xyann)
+    assert math.copysign(1.0, x * v - y * u) == way
+    force = next(each for each in arrows if each.get_text() == "force")
+    assert force.get_visible()
+    tip = case.mechanism.tip_body
+    along = np.subtract(force.xy, force.get_position())
+    end = np.subtract(force.xy, (case.mechanism.pivot_distance, 0.0))
+    angle = math.atan2(end[1], end[0]) if tip.follows else 0.0
+    expected = complex(*tip.components) * np.exp(1j * angle)
+    assert complex(*along) / abs(complex(*along)) == pytest.approx(expected / abs(expected), abs=1e-9)

@@ -55,6 +55,16 @@ def test_one_key_is_a_line_in_the_unit_given() -> None:
     assert marks == {ENDINGS[DOUBLING][1]: pytest.approx(115.0), ENDINGS[LEFT][1]: pytest.approx(120.0)}
 
 
+def test_points_and_the_own_value_are_marked_and_the_case_is_named() -> None:
+    (panel,) = draw(made_up("crank.prescribed_speed = 120 rpm .. 180 rpm : 13")).axes
+    assert panel.lines[0].get_marker() == "."
+    assert panel.get_title() == "thesis-24, settled motion"
+    (own,) = (line for line in panel.lines if str(line.get_label()).startswith("the case's own"))
+    assert own.get_xdata()[0] == pytest.approx(16.617773 * 30.0 / math.pi, rel=1e-6)
+    (mass,) = draw(made_up("tip.mass = 0 g .. 60 g : 7")).axes
+    assert [line.get_xdata()[0] for line in mass.lines if "own" in str(line.get_label())] == [pytest.approx(50.79, rel=1e-3)]
+
+
 def test_people_see_megapascals_and_the_unit_given_and_datasets_are_in_si() -> None:
     found = made_up(SPEEDS, measures=("peak.stress",))
     (panel,) = draw(found).axes
