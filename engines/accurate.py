@@ -24,8 +24,8 @@ from quickreturn.engines.base import (
 from quickreturn.engines.compiling import compile_seconds
 from quickreturn.engines.error_parts import (
     ESTIMATED,
-    LOADS,
     TIP,
+    WHERE_GIVEN,
     ErrorPart,
     NoEstimate,
     all_compared,
@@ -62,7 +62,7 @@ class Result:
         error_estimate: RMS error of the tip deflection over its RMS; of a rigid follower, RMS error of the tip's place over the
             follower's length; None where it could not be estimated.
         largest_errors: largest error at any instant of each column with an estimate, in its unit; empty where unknown.
-        error_estimates: RMS error over `scale` for each column of `ESTIMATED` and each existing one of `LOADS`; None where unknown or
+        error_estimates: RMS error over `scale` for each column of `ESTIMATED` and each existing one of `WHERE_GIVEN`; None where unknown or
             where the scale is 0.
         error_parts: the parts of `error_estimate`, which add up to it, and by column those of `error_estimates`, with the runs that show
             them; empty where unknown. Their settings are those that differ from `settings` or from each other.
@@ -290,7 +290,7 @@ class _Runs:
 
     def result(self, judged: _Judged, target: float | None, *, asked: bool) -> Result:
         """The delivered run, held against the accuracy `target`; `asked`: whether the caller asked for it explicitly."""
-        columns = (*ESTIMATED, *(name for name in LOADS if name in judged.parts))
+        columns = (*ESTIMATED, *(name for name in WHERE_GIVEN if name in judged.parts))
         estimate, remark, reached = judged.estimate, judged.remark, True
         if estimate is None:
             reached = not asked and not (judged.broken and target is not None)

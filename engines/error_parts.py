@@ -22,8 +22,8 @@ Q = TypeVar("Q")
 TIP: Final = "tip"
 #: Columns with an error estimate of their own.
 ESTIMATED: Final = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
-#: Loads on parts and drive, which also have an error estimate where the engine gives them.
-LOADS: Final = (*BENDING, *AXIAL, *BEARINGS, "crank_torque", "base_torque")
+#: Columns that also have one where the engine gives them: loads on parts and drive, and the base's motion.
+WHERE_GIVEN: Final = (*BENDING, *AXIAL, *BEARINGS, "crank_torque", "base_torque", "follower_rate", "follower_acceleration")
 
 #: Smallest factor that successive differences are credited with: the estimate is at most 1.4 times the difference from the coarser run.
 #: Two runs with equal but unrelated errors differ by more than either error; in 17 scenes the errors of unresolved motions were at most
@@ -203,7 +203,7 @@ def parts_of(
 
     Returns:
         Parts, by column and of the tip (see `engines.accurate.Result`): RMS over `scale`, none where that is 0. And the largest error of
-        each column at any instant, in its unit. Columns are those of `ESTIMATED` and the existing ones of `LOADS`.
+        each column at any instant, in its unit. Columns are those of `ESTIMATED` and the existing ones of `WHERE_GIVEN`.
     """
 
     def part(pair: Compared[Trajectory], name: str) -> ErrorPart | None:
@@ -213,7 +213,7 @@ def parts_of(
     def of_tip(pair: Compared[Trajectory]) -> ErrorPart:
         return pair.part(lambda a, b: rms(np.hypot(a["tip_x"] - b["tip_x"], a["tip_y"] - b["tip_y"]))).over(length)
 
-    names: list[str] = [name for name in (*ESTIMATED, *LOADS) if name in delivered.columns]
+    names: list[str] = [name for name in (*ESTIMATED, *WHERE_GIVEN) if name in delivered.columns]
     parts = {name: [part(pair, name) for pair in runs] for name in names}
     known = {name: tuple(each for each in some if each is not None) for name, some in parts.items()}
     rigid = rms(delivered["tip_deflection"]) < NO_DEFLECTION * length

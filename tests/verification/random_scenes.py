@@ -92,6 +92,20 @@ def sensible_machines(seed: int) -> Iterator[Scene]:
     return _stiff_enough("machine-{:03d}", np.random.default_rng(seed), _machine, MACHINE_DURATION)
 
 
+def turning_machines(seed: int) -> Iterator[Scene]:
+    """Sensible machines whose follower turns fully, without end, the same ones for the same seed.
+
+    Crank and distance of the pivots of `sensible_machines` are exchanged; the slider then covers the same part of the follower.
+    """
+
+    def exchanged(generator: Generator) -> Mechanism:
+        machine = _machine(generator)
+        crank = dataclasses.replace(machine.crank, length=machine.pivot_distance)
+        return dataclasses.replace(machine, pivot_distance=machine.crank.length, crank=crank)
+
+    return _stiff_enough("turning-{:02d}", np.random.default_rng([seed, 13]), exchanged, MACHINE_DURATION)
+
+
 def combined_machines(seed: int) -> Iterator[Scene]:
     """Sensible machines with everything at once, without end, the same ones for the same seed.
 
