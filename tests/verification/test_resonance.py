@@ -7,6 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from quickreturn.cases.loads import HARDLY, resonance, share_of
+from quickreturn.cases.resonance_curve.search import _maxima
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import usable_engine
 from quickreturn.reference_model.cycles.continuation import Branch, branch
@@ -70,3 +72,23 @@ def test_a_march_from_a_neighbouring_speed_settles_on_the_curve(engine: str, acc
     found = float(np.max(np.abs(columns["tip_acceleration"])))
     print(engine, rpm, way, found, peak(family, goal), found / peak(family, goal) - 1.0)
     assert found == pytest.approx(peak(family, goal), rel=apart)
+
+
+@pytest.mark.verify
+def test_harmonics_make_a_peak_where_they_have_a_quarter_of_the_acceleration_at_the_meeting() -> None:
+    """Of run 24's machine the twelfth to ninth: what `HARDLY` is drawn from; where they have less than it, there is no peak."""
+    low, high = 80.0 * RPM, 118.0 * RPM
+    family = CycleFamily(at_speed, 3, 1e-9)
+    points = branch(family, family.orbit(low), low, low, high).points
+    first = resonance(at_speed(low))
+    assert first is not None
+    speeds = np.array([each.parameter for each in points])
+    heights = np.array([peak(family, each) for each in points])
+    peaks = {round(2.0 * math.pi * first.first_mode / each.value) for each in _maxima(points, heights, at_speed)}
+    shares = {}
+    for order in (9, 10, 11, 12):
+        each = points[int(np.abs(2.0 * math.pi * first.first_mode / speeds - order).argmin())]
+        shares[order] = share_of(order, family.columns(each.point, each.parameter, 256))
+    assert peaks == {order for order, share in shares.items() if share is not None and share > 0.24}
+    assert peaks == {9, 10}
+    assert all(share is not None and share > HARDLY for share in shares.values()), "weak, but driven"

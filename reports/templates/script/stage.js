@@ -78,9 +78,11 @@ class Stage {
       if (tip) this.tipBody(pen, lines[k], this.engineColour(name), broad);
     });
 
+    const springs = [];
     if (spring && lines.length) {
       const line = lines[lines.length - 1], k = spring.part * (line.length - 1), from = Math.min(Math.floor(k), line.length - 2);
       const held = between(line[from], line[from + 1], k - from), anchor = place(spring.anchor);
+      springs.push([anchor, held]);
       support(pen, anchor, colours);
       stroke(pen, colours.soft, 1.5, () => coil(anchor, held, compact ? 3 : 4).forEach((point) => pen.lineTo(...point)));
     }
@@ -90,7 +92,7 @@ class Stage {
     this.sliderBox(pen, C, chord, colours, compact ? 0.8 : 1, motion.scene.rollers);
     for (const joint of [O, P, C]) dot(pen, joint, compact ? 3.5 : 4.5, colours.ground, colours.ink, 2);
     this.bar(pen, width, height, scale, colours);
-    this.labels(pen, { O, P, C, radius, quick, lines, edges, width, height, compact });
+    this.labels(pen, { O, P, C, radius, quick, lines, edges, springs, width, height, compact });
   }
 
   /** The way of turning, on the crank's circle. */
@@ -179,7 +181,7 @@ class Stage {
   }
 
   /** Names, each at the first of its places where it covers nothing; it stays there as long as it can. */
-  labels(pen, { O, P, C, radius, quick, lines, edges, width, height, compact }) {
+  labels(pen, { O, P, C, radius, quick, lines, edges, springs, width, height, compact }) {
     const { colours } = this, middle = lines.length ? lines[lines.length - 1] : [P, C], [before, nose] = middle.slice(-2);
     const chord = direction(P, C), arm = direction(O, C), end = direction(before, nose), across = ([x, y]) => [-y, x], back = ([x, y]) => [-x, -y];
     const sides = (point, normal, gap) => [[point, normal, gap], [point, back(normal), gap]];
@@ -196,7 +198,7 @@ class Stage {
       const radial = [0.6, -0.6, 0.9, -0.9, 0.3, -0.3, 1.2, -1.2].map((angle) => [Math.cos(angle), Math.sin(angle)]);
       wanted.push(["quick return", BOLD, radial.map((way) => [[O[0] + radius * way[0], O[1] + radius * way[1]], way, 7])]);
     }
-    const taken = [...lines, ...edges, [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
+    const taken = [...lines, ...edges, ...springs, [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
     taken.push(...[O, P].map(([x, y]) => around([x, y + 5], 12, 12)), around(C, 15, 12), ...lines.map((line) => around(line[line.length - 1], 9, 14)));
     if (quick !== null) for (let k = -12; k <= 12; k++) taken.push(around([O[0] + radius * Math.cos(quick * k / 12), O[1] + radius * Math.sin(quick * k / 12)], 5, 5));
     if (edges.length) taken.push([0, height - 36, compact ? 90 : 260, height]);
