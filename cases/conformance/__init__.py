@@ -1,7 +1,8 @@
 """Tries whether an adapter does what it says: an engine on mild scenes, against identities, closed forms and `reference`.
 
 A coarse engine conforms, too: its own error estimate is the tolerance of each column. Without an estimate a check fails only if a mistake
-explains the difference: a sign, a unit, an exchanged column, an ignored quantity.
+explains the difference: a sign, a unit, an exchanged column, an ignored quantity. An engine that models a follower alone, and no mechanism,
+is tried as a rod.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -17,6 +18,7 @@ from quickreturn.cases.conformance.motion import motion
 from quickreturn.cases.conformance.quantities import quantities
 from quickreturn.cases.conformance.repetition import NOT_TRIED, OtherProcesses, elsewhere, repetition
 from quickreturn.cases.conformance.resolution import resolution
+from quickreturn.cases.conformance.rods import motion_alone, rods
 from quickreturn.cases.jobs.display import watched
 from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.isolation import STOPPED
@@ -36,6 +38,15 @@ class Group:
     quick: bool  # whether a quick trial makes them
 
 
+def _follower_alone(bench: Bench) -> Iterator[Check]:
+    """The follower alone; of an engine that models nothing else, as a clamped rod first."""
+    if bench.mild.scene.crank is None:
+        yield from rods(bench)
+    yield from alone(bench)
+
+
+#: The group of checks that tries an engine without mechanism.
+_ALONE: Final = "follower alone"
 #: Groups of checks by name, in the order of the output. Numbers of runs are those of `reference`.
 GROUPS: Final[Mapping[str, Group]] = {
     "motion": Group(lambda bench, _: motion(bench), (6, 2), True),
@@ -43,7 +54,7 @@ GROUPS: Final[Mapping[str, Group]] = {
     "resolution": Group(lambda bench, _: resolution(bench), (12, 2), False),
     "frequencies": Group(lambda bench, _: frequencies(bench), (0, 0), True),
     "failures": Group(lambda bench, _: failures(bench), (3, 0), True),
-    "follower alone": Group(lambda bench, _: alone(bench), (14, 13), False),
+    _ALONE: Group(lambda bench, _: _follower_alone(bench), (14, 13), False),
     "repetition": Group(repetition, (0, 0), False),
 }
 #: Wall time of a quick trial, s; and what its process may take besides to begin and to compile, s.
@@ -65,7 +76,7 @@ def conform(
     Args:
         engine: an instance, or the name of one that is installed.
         executor: computes each group separately, so that a crash loses only that group; None: this process.
-        groups: names of groups of checks, see `GROUPS`.
+        groups: names of groups of checks, see `GROUPS`; of an engine without mechanism all are those of the follower alone.
         seconds: limit of wall time; checks that do not fit into it are left out. None: no limit.
         quiet: in this process, whether progress on standard error is left out.
 
@@ -75,6 +86,7 @@ def conform(
     """
     name = engine_from(engine).name
     executor = executor or ThisProcess(quiet)
+    groups = (_ALONE,) if motion_alone(engine_from(engine)) else groups
     # here, because the process of a job may not start processes
     other = elsewhere(engine) if seconds is None and "repetition" in groups else NOT_TRIED
     parts = {group: (group,) for group in groups} if seconds is None else {_QUICK_TRIAL: groups}
@@ -98,7 +110,7 @@ def trial(
         seconds: limit of wall time, for quick groups alone; checks that do not fit into it are left out. None: no limit.
     """
     try:
-        bench = Bench(engine_from(engine), seconds)
+        bench = Bench(engine_from(engine), seconds, motion_alone(engine_from(engine)))
         if seconds is None:
             bench.expected = sum(_expected(bench, GROUPS[group]) for group in groups)
     except Refusal as refusal:
@@ -108,18 +120,19 @@ def trial(
     if seconds is not None:
         truth(bench.mild)  # what is compiled and computed once for all engines takes no time of the trial
         bench.begin()
-    checks = {group: _checks(group, bench, other) for group in groups if seconds is None or GROUPS[group].quick}
+    without = bench.mild.scene.crank is None
+    checks = {group: _checks(group, bench, other) for group in groups if seconds is None or without or GROUPS[group].quick}
     cause = f"{LEFT_OUT}: a quick trial does not make it"
     return checks | {group: [Check(group, "not judged", cause, NOT_QUICK)] for group in groups if group not in checks}
 
 
 def _verdict(checks: Mapping[str, list[Check]]) -> bool | None:
-    """Whether an engine conforms: no check fails, and one passes; if checks were left out, one of its motion must pass."""
+    """Whether an engine conforms: no check fails, and one passes; if checks were left out, one of a motion must pass."""
     statuses = {check.status for of_group in checks.values() for check in of_group}
     if "failed" in statuses:
         return False
     left_out = any(check.left_out for of_group in checks.values() for check in of_group)
-    counted = {check.status for check in checks.get("motion", [])} if left_out else statuses
+    counted = {check.status for group in ("motion", _ALONE) for check in checks.get(group, [])} if left_out else statuses
     return True if "passed" in counted else None
 
 
@@ -143,8 +156,8 @@ def _checks(group: str, bench: Bench, other: OtherProcesses) -> list[Check]:
 def _expected(bench: Bench, group: Group) -> int:
     """Approximate number of runs of the engine in a group."""
     plain, estimated = group.runs
-    settings = bench.settings(bench.scene)
-    pairs = bench.engine.comparisons(settings, bench.scene, bench.mild.output_step) if bench.claims else ()
+    settings = bench.settings(bench.mild.scene)
+    pairs = bench.engine.comparisons(settings, bench.mild.scene, bench.mild.output_step) if bench.claims else ()
     others = {run for pair in pairs for run in (pair.run, pair.other, pair.before and pair.before.other)} - {None, settings}
     return plain + estimated * len(others)
 

@@ -18,7 +18,7 @@ from quickreturn.engines.scene import check_scene
 from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp
 from quickreturn.reference_model.scene_values import changed
 
-_DURATION: Final = 0.6  # s: the base has turned steadily for a while
+DURATION: Final = 0.6  # s: the base has turned steadily for a while
 #: The mild scene's follower on a turning base: it bends by a hundredth of its length.
 SCENE: Final = FollowerAlone(spin_up=SpinUp(speed=6.0, time=0.4), base=BASE.base, follower=BASE.follower, tip=BASE.tip)
 _EVERYTHING: Final[Mapping[str, Any]] = {
@@ -30,9 +30,9 @@ _AS_IN_A_MECHANISM: Final = (
     "follower.damping", "follower.material_damping", "tip.mass", "tip.inertia", "tip.center_of_mass",
 )  # fmt: skip
 CHANGES: Final = (
-    Change("base.spin_up_speed", {"base.spin_up_speed": 8.0}, duration=_DURATION),
-    Change("base.spin_up_time", {"base.spin_up_time": 0.3}, duration=_DURATION),
-    *(replace(change, alike={}, duration=_DURATION) for change in IN_A_MECHANISM if change.name in _AS_IN_A_MECHANISM),
+    Change("base.spin_up_speed", {"base.spin_up_speed": 8.0}, duration=DURATION),
+    Change("base.spin_up_time", {"base.spin_up_time": 0.3}, duration=DURATION),
+    *(replace(change, alike={}, duration=DURATION) for change in IN_A_MECHANISM if change.name in _AS_IN_A_MECHANISM),
 )
 
 
@@ -61,7 +61,7 @@ def alone(bench: Bench) -> Iterator[Check]:
 
 def _columns(bench: Bench, scene: FollowerAlone, told: set[str]) -> str:
     """The columns against reference; columns with wrong rows are added to `told`."""
-    motion = Motion(scene, _DURATION)
+    motion = Motion(scene, DURATION)
     try:
         wrong = findings(bench, motion, told)
     except EngineFailure as failure:

@@ -107,21 +107,21 @@ class Bench:
     Attributes:
         engine: the engine.
         scene: the mild scene, with the drive that the engine can model.
-        mild: the motion in it.
+        mild: the motion in it; that of the follower alone for an engine without mechanism.
         seconds: limit of wall time for the engine's runs; None: no limit.
         expected: approximate number of runs of the engine; 0: unknown.
     """
 
-    def __init__(self, engine: AnyEngine, seconds: float | None = None) -> None:
-        """Raises Refusal if the engine can model the scene with neither drive."""
+    def __init__(self, engine: AnyEngine, seconds: float | None = None, alone: Motion | None = None) -> None:
+        """Raises Refusal if the engine can model the scene with neither drive, and no motion of a follower alone is given."""
         self.engine, self.seconds, self.expected = engine, seconds, 0
-        try:
-            engine.check(BASE)
-            self.scene = BASE
-        except Refusal:
-            engine.check(PRESCRIBED)
-            self.scene = PRESCRIBED
-        self.mild = Motion(self.scene)
+        self.scene, self.mild = BASE, alone or Motion(BASE)
+        if alone is None:
+            try:
+                engine.check(BASE)
+            except Refusal:
+                engine.check(PRESCRIBED)
+                self.scene, self.mild = PRESCRIBED, Motion(PRESCRIBED)
         self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
         self._spent, self._simulated = 0.0, 0.0
         self.begin()

@@ -1,6 +1,7 @@
 """The clamped rods of the library against closed forms: the elastica at rest, and the modes of a clamped beam that is let go."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,12 +19,12 @@ from quickreturn.reference_model.scene_values import changed
 Array = NDArray[np.float64]
 
 ENGINES = ["reference", pytest.param("exudyn", marks=pytest.mark.verify), pytest.param("mujoco", marks=pytest.mark.verify)]
-#: Accuracy asked of an engine; its error may be three times as large (`conformance.bench.TOLERANCE_FACTOR`).
-ACCURACY = 3e-3
-BOUND = 3.0 * ACCURACY
+#: Accuracy asked of an engine; its error may be three times as large (`conformance.bench.TOLERANCE_FACTOR`). Links take minutes for less.
+ACCURACY = {"reference": 3e-3, "exudyn": 3e-3, "mujoco": 2e-2}
+BOUND = {name: 3.0 * accuracy for name, accuracy in ACCURACY.items()}
 
 
-def scene_of(name: str, **changes: object) -> FollowerAlone:
+def scene_of(name: str, **changes: Any) -> FollowerAlone:
     scene = changed(load_case(name).scene, {key.replace("__", "."): value for key, value in changes.items()})
     assert isinstance(scene, FollowerAlone)
     return scene
@@ -31,7 +32,7 @@ def scene_of(name: str, **changes: object) -> FollowerAlone:
 
 def run(name: str, of: str, scene: FollowerAlone) -> Result:
     case = load_case(of)
-    return simulate_scene(engine(name), scene, case.duration, case.output_step, accuracy=ACCURACY)
+    return simulate_scene(engine(name), scene, case.duration, case.output_step, accuracy=ACCURACY[name])
 
 
 def elastica(scene: FollowerAlone) -> tuple[float, float]:
@@ -57,8 +58,8 @@ def test_the_strip_comes_to_rest_on_the_elastica(name: str, mass: float) -> None
     scene = scene_of("cantilever-sag", tip__mass=mass)
     table = run(name, "cantilever-sag", scene).trajectory
     x, y = elastica(scene)
-    assert abs(table["tip_y"][-1] / y - 1.0) < BOUND
-    assert abs(table["tip_x"][-1] - x) < BOUND * abs(y)
+    assert abs(table["tip_y"][-1] / y - 1.0) < BOUND[name]
+    assert abs(table["tip_x"][-1] - x) < BOUND[name] * abs(y)
     assert np.ptp(table["tip_y"][-20:]) < 1e-4 * abs(y)  # what its damping leaves of the vibration
 
 
@@ -69,11 +70,11 @@ def test_small_deflections_of_the_strip_are_those_of_the_textbook() -> None:
     weight, force = f.mass_per_length * 0.5, 0.05 * 0.5
     sag = weight * f.length**4 / (8.0 * f.bending_stiffness) + force * f.length**3 / (3.0 * f.bending_stiffness)
     assert sag / f.length < 0.02
-    assert table["tip_deflection"][-1] == pytest.approx(-sag, rel=BOUND + (sag / f.length) ** 2)
+    assert table["tip_deflection"][-1] == pytest.approx(-sag, rel=BOUND["reference"] + (sag / f.length) ** 2)
     arm = f.length - f.strain_gauges[0]
     moment = weight * arm**2 / 2.0 + force * arm
     strain = moment / f.bending_stiffness * 0.0004
-    assert abs(table["strain_1"][-1]) == pytest.approx(strain, rel=BOUND + (sag / f.length) ** 2)
+    assert abs(table["strain_1"][-1]) == pytest.approx(strain, rel=BOUND["reference"] + (sag / f.length) ** 2)
 
 
 def let_go(scene: FollowerAlone, time: Array) -> Array:
@@ -115,7 +116,7 @@ def test_a_rod_that_is_let_go_vibrates_as_its_modes(name: str, case: str, dampin
     right = let_go(scene, table["time"])
     finite = (np.max(np.abs(right)) / scene.follower.length) ** 2 * 2.0 * math.pi * 11.0 * load_case(case).duration
     error = math.sqrt(np.mean((table["tip_deflection"] - right) ** 2) / np.mean(right**2))
-    assert error < BOUND + finite
+    assert error < BOUND[name] + finite
 
 
 def test_the_round_rod_has_the_second_moment_of_a_circle() -> None:

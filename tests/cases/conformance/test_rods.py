@@ -1,0 +1,130 @@
+"""Rods without a mechanism: each mistake is named, right ones are not accused, and the closed forms and the fit are checked by others."""
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.conformance import GROUPS, conform
+from quickreturn.cases.conformance.bench import Bench
+from quickreturn.cases.conformance.checks import Check
+from quickreturn.cases.conformance.clamped import Mistake, right, ring
+from quickreturn.cases.conformance.rods import SCENE, motion_alone, rods
+from quickreturn.engines.base import AnyEngine, Refusal
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.registry import engine
+from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.natural_modes import clamped_modes
+from quickreturn.reference_model.scene_values import changed
+from tests.cases.conformance.rod_engines import MUTANTS, LinearRod
+
+
+def tried(tested: AnyEngine) -> dict[str, Check]:
+    return {check.check: check for check in rods(Bench(tested, alone=motion_alone(tested)))}
+
+
+def alone(kind: Any) -> AnyEngine:
+    """An engine that refuses the mechanism."""
+
+    def check(self: Any, scene: Scene) -> None:
+        if scene.crank is not None:
+            raise Refusal("no crank")
+        kind.check(self, scene)
+
+    tested: AnyEngine = type(f"Only{kind.__name__}", (kind,), {"check": check})()
+    return tested
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_mistake_of_a_rod_is_named_once(name: str) -> None:
+    kind, words = MUTANTS[name]
+    failed = [check for check in tried(kind()).values() if check.status == "failed" and "small deflections" not in check.check]
+    assert len(failed) == 1, failed
+    assert re.search(words, failed[0].cause), failed[0].cause
+    assert failed[0].advice
+
+
+def test_a_chain_for_small_deflections_is_right_in_them_and_wrong_beyond() -> None:
+    found = tried(LinearRod())
+    beyond = found.pop("rod: sag beyond small deflections")
+    assert {check.status for check in found.values()} == {"passed"}, found
+    assert len(found) == 5
+    assert beyond.status == "failed"
+    assert "small deflections are right" in beyond.advice
+
+
+def test_reference_as_a_rod_is_not_accused() -> None:
+    found = tried(alone(ReferenceEngine))
+    assert {check.status for check in found.values()} == {"passed"}, found
+    assert len(found) == 6
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("kind", [ReferenceEngine, MujocoEngine, ExudynEngine])
+def test_an_engine_that_models_a_rod_alone_is_judged(kind: Any) -> None:
+    found = conform(alone(kind))
+    assert found.conforms, found.failed
+    assert all(check.status == "passed" for check in found.checks)
+
+
+@pytest.mark.parametrize("groups", [tuple(GROUPS), ("motion",), ("repetition",)], ids=len)
+def test_whatever_groups_are_asked_for_a_rod_is_judged(groups: tuple[str, ...]) -> None:
+    found = conform(MUTANTS["round section"][0](), groups=groups, quiet=True)
+    assert found.conforms is False
+    assert "does not conform" in found.verdict
+
+
+def test_a_quick_trial_judges_a_rod() -> None:
+    found = conform(MUTANTS["a segment too many"][0](), groups=("motion",), seconds=30.0, quiet=True)
+    assert found.conforms is False
+
+
+@pytest.mark.parametrize("name", ["reference", "mujoco", "thesis", "multiplier"])
+def test_an_engine_with_a_mechanism_is_tried_with_it(name: str) -> None:
+    assert motion_alone(engine(name)) is None
+
+
+def test_an_engine_that_refuses_everything_is_not_judged() -> None:
+    class Nothing(ReferenceEngine):
+        def check(self, scene: Scene) -> None:
+            raise Refusal("nothing is modelled")
+
+    found = conform(Nothing(), groups=("motion",), quiet=True)
+    assert found.conforms is None
+
+
+def test_a_mistake_acts_as_closed_forms_say() -> None:
+    """A clamp that turns by c L/EI adds 4 c and 3 c to the sags, a mass at the end 8/3 of its ratio to that under the weight."""
+    follower, gravity, mass = SCENE.follower, -9.81, 0.1
+    known = right(follower, gravity, mass)
+    assert Mistake().acts(follower, gravity, mass).over(known) == pytest.approx(np.ones(5), rel=1e-4)
+    assert known.frequencies == pytest.approx(clamped_modes(SCENE, 3).frequencies, rel=1e-9)
+    turned = Mistake(clamp=0.03).acts(follower, gravity, mass).over(known)
+    assert turned[:2] == pytest.approx([1.12, 1.09], rel=1e-9)
+    # Blevins, table 8-1, beam hinged by a spring k and free: b (sin cosh - cos sinh) c - (1 + cos cosh) = 0 for b^2 ~ frequency
+    b = 1.8751040687 * math.sqrt(turned[2])
+    assert 0.03 * b * (math.cos(b) * math.sinh(b) - math.sin(b) * math.cosh(b)) + 1.0 + math.cos(b) * math.cosh(b) == pytest.approx(
+        0.0, abs=1e-4
+    )
+    heavier = Mistake(end=0.03).acts(follower, gravity, mass).over(known)
+    assert heavier[:2] == pytest.approx([1.08, 1.0], rel=1e-9)
+    with_mass = changed(SCENE, {"tip.mass": 0.03 * follower.mass_per_length * follower.length, "tip.inertia": 0.0})
+    expected = clamped_modes(with_mass, 3).frequencies
+    assert heavier[2:] * known.frequencies == pytest.approx(expected, rel=1e-4)
+    lighter = Mistake(end=-0.03).acts(follower, gravity, mass).over(known)
+    assert lighter[0] == pytest.approx(0.92, rel=1e-9)
+
+
+def test_a_record_tells_its_rest_frequencies_and_rates() -> None:
+    time = 1e-3 * np.arange(661)
+    sizes, frequencies, rates = np.array([0.97, 0.03, 2e-3]), np.array([12.1, 76.0, 212.0]), np.array([1.5, 60.0, 3.0])
+    signal = -2.6e-3 * (1.0 - sizes @ (np.exp(-np.outer(rates, time)) * np.cos(2.0 * math.pi * np.outer(frequencies, time))))
+    noise = 1e-10 * np.random.default_rng(3).standard_normal(len(time))
+    found = ring(signal + noise, 1e-3)
+    assert found.rest == pytest.approx(-2.6e-3, rel=1e-5)
+    assert found.rates == pytest.approx(rates, rel=1e-2)
+    assert found.frequencies == pytest.approx(np.hypot(frequencies, rates / (2.0 * math.pi)), rel=1e-4)
