@@ -15,7 +15,7 @@ from quickreturn.reports.drawing.style import FONT_SIZE, GREY, MARKERS, POINTS_P
 from quickreturn.reports.line_styles import looks
 
 LINE: Final = 1.3  # font sizes from one line of text to the next
-LETTERS: Final = 42  # longest line of a label beside an axis
+LETTERS: Final = 36  # longest line of a label beside an axis
 MARGIN: Final = 0.9  # in, of a figure's width that axes do not have
 
 
@@ -52,7 +52,8 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, units: Units, mark: f
             axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
         logarithmic(axes)
         axes.margins(y=0.1)
-        tidy(axes, textwrap.fill(f"{OF_CURVE[name].meaning.replace('_', ' ')} [{unit.sign}], logarithmic", LETTERS))
+        meaning = OF_CURVE[name].meaning.replace("_", " ").removesuffix(" in a turn")
+        tidy(axes, textwrap.fill(f"{meaning} [{unit.sign}], logarithmic", LETTERS))
         if name == next(iter(curve.measures)):
             _name_peaks(axes, curve, unit.size, figure.get_figwidth() - MARGIN)
     varied = "crank speed" if curve.range.key == SPEED else curve.range.key
