@@ -113,6 +113,18 @@ class ResonanceCurve:
         return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
 
     @property
+    def lost(self) -> tuple[SpecialPoint, ...]:
+        """Where the curve could not be followed any farther."""
+        return tuple(each for each in self.special if each.kind == "lost")
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """The range, or what of it was followed before the curve was lost, SI."""
+        if not self.lost:
+            return self.range.low, self.range.high
+        return float(self.values.min()), float(self.values.max())
+
+    @property
     def unstable_ranges(self) -> list[tuple[float, float, str]]:
         """Least and greatest value of each unstable stretch, SI, and how the motion is unstable there."""
         parts = [part for part, unstable in self.stretches() if unstable]

@@ -14,7 +14,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
-from quickreturn.cases.loads.resonance import driven
+from quickreturn.cases.loads.resonance import driven, resonance
 from quickreturn.cases.measures.catalogue import ARGUMENT, MEASURES, Measure, SettledMotion
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonanceCurve, ResonancePeak, SpecialPoint
@@ -28,7 +28,7 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.reference_model.columns import OBSERVED
 from quickreturn.reference_model.cycles.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
-from quickreturn.reference_model.cycles.fixed_points import BranchPoint, NotConverged, first_point, towards
+from quickreturn.reference_model.cycles.fixed_points import BranchPoint, Limits, NotConverged, first_point, towards
 from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism
@@ -60,6 +60,8 @@ INTEGRATION: Final = 1e-10
 ROWS: Final = 256
 #: Number of values of the range at which a first periodic motion is searched, in order.
 SEARCHES: Final = 9
+#: Number of curves that are begun, each where the one before was lost; the one that reaches farthest counts.
+BEGINNINGS: Final = 3
 #: Number of steps along the curve, and of points to measure, after which the results so far are stored: about ten seconds of work.
 PIECE: Final = 10
 #: Least ratio of a peak to the valleys beside it.
@@ -217,8 +219,44 @@ def _check(scene: Mechanism) -> None:
 
 
 def _followed(family: CycleFamily, varied: Range, kept: "_Kept") -> Branch:
-    """The branch through the first periodic motion found within the range, piece by piece. EngineFailure: none is found."""
-    begin, limits = kept(BranchPoint, partial(_begin, family, varied)), (varied.low, varied.high)
+    """The branch through the first periodic motion found within the range; where it is lost, a later one that reaches farther.
+
+    Raises:
+        EngineFailure: no periodic motion is found.
+    """
+    values = np.linspace(varied.low, varied.high, SEARCHES)
+    branches = list[Branch]()
+    while len(values) and len(branches) < BEGINNINGS:
+        try:
+            begin = kept(BranchPoint, partial(_begin, family, varied, values))
+        except EngineFailure:
+            if not branches:
+                raise
+            break
+        branches.append(_both_ways(family, varied, begin, kept))
+        if not any(ending is not None and not ending.left and ending.tolerance > 0.0 for ending in branches[-1].endings):
+            break
+        low, high = _reach(branches[-1])
+        values = values[(values < low) | (values > high)]
+    return max(branches, key=lambda each: np.ptp(_reach(each)))
+
+
+def _limits(family: CycleFamily, varied: Range) -> Limits:
+    """The range; with each multiple of the crank's speed that meets the first mode in it the vibration's phase turns once."""
+    ends = [resonance(family.scene_at(value)) for value in (varied.low, varied.high)]
+    ratios = [0.0 if end is None else end.ratio for end in ends]
+    return Limits.of(varied.low, varied.high, abs(ratios[1] - ratios[0]))
+
+
+def _reach(branch: Branch) -> tuple[float, float]:
+    """Least and greatest value of the varied quantity along a branch."""
+    values = [point.parameter for point in branch.points]
+    return min(values), max(values)
+
+
+def _both_ways(family: CycleFamily, varied: Range, begin: BranchPoint, kept: "_Kept") -> Branch:
+    """The branch through a periodic motion, piece by piece."""
+    limits = _limits(family, varied)
     ways = list[tuple[list[BranchPoint], Ending | None]]()
     for sign in (1.0, -1.0):
         here, step, passed, first = towards(begin, sign), FIRST_STEP, list[BranchPoint](), None
@@ -241,12 +279,12 @@ def _followed(family: CycleFamily, varied: Range, kept: "_Kept") -> Branch:
     return Branch((*map(turned, reversed(before)), begin, *after), (other_end, end))
 
 
-def _begin(family: CycleFamily, varied: Range) -> BranchPoint:
-    """The first periodic motion found within the range. EngineFailure: none is found."""
+def _begin(family: CycleFamily, varied: Range, values: Array) -> BranchPoint:
+    """The first periodic motion found at one of some values. EngineFailure: none is found."""
     reasons = []
-    for value in np.linspace(varied.low, varied.high, SEARCHES).tolist():
+    for value in values.tolist():
         try:
-            return first_point(family, family.orbit(value), value, (varied.low, varied.high))
+            return first_point(family, family.orbit(value), value, _limits(family, varied))
         except (NoPeriodicOrbit, CycleBroken, NotConverged) as reason:
             reasons.append(f"at {value / varied.size:.4g} {varied.unit}: {reason}")
     raise EngineFailure(0.0, f"no periodic motion was found within the range ({reasons[0]})", "try another range")

@@ -216,7 +216,7 @@ def resonance(
     machine has at its own speed, which are stable, and how far the nearest peak and the nearest change of stability are. Pieces of the
     curve are stored at once: an interrupted command goes on where it was.
 
-    Exit code 3: no periodic motion was found in the range.
+    Exit code 3: no periodic motion was found in the range, or the curve could not be followed over all of it.
     """
     from quickreturn.cases.resonance_curve.range import SPEED, range_of
     from quickreturn.cases.resonance_curve.search import USUAL, job
@@ -245,7 +245,7 @@ def resonance(
         print_json({"case": loaded.name, "output": output, **found.document()})
     else:
         click.echo(repr(found))
-    return ExitCode.GOOD
+    return ExitCode.ENGINE_TROUBLE if found.curve.lost else ExitCode.GOOD
 
 
 @click.command(name="calibrate")

@@ -15,6 +15,7 @@ from quickreturn.reference_model.cycles.fixed_points import (
     Array,
     BranchPoint,
     Family,
+    Limits,
     NotConverged,
     along,
     corrected,
@@ -63,9 +64,10 @@ def branch(family: Family, point: Array, parameter: float, low: float, high: flo
     Raises:
         CycleBroken, NotConverged: no fixed point is near the given point.
     """
-    begin = first_point(family, point, parameter, (low, high))
-    forward = stretch(family, towards(begin, 1.0), (low, high))
-    backward = UNMOVED if forward.closed else stretch(family, towards(begin, -1.0), (low, high))
+    limits = Limits.of(low, high)
+    begin = first_point(family, point, parameter, limits)
+    forward = stretch(family, towards(begin, 1.0), limits)
+    backward = UNMOVED if forward.closed else stretch(family, towards(begin, -1.0), limits)
     return Branch((*map(turned, reversed(backward.points)), begin, *forward.points), (backward.ending, forward.ending))
 
 
@@ -85,7 +87,7 @@ UNMOVED: Final = Stretch((), None)
 def stretch(
     family: Family,
     here: BranchPoint,
-    limits: tuple[float, float],
+    limits: Limits,
     step: float = FIRST_STEP,
     most: int = MOST_POINTS,
     first: BranchPoint | None = None,
@@ -95,12 +97,12 @@ def stretch(
     Args:
         family: the map.
         here: a point of the branch; not a special one between two others.
-        limits: the parameter's range.
+        limits: the parameter's range and scale.
         step: arclength to begin with.
         most: number of steps.
         first: the point with which the branch began, if it is another one.
     """
-    walk = _Walk(family, *limits)
+    walk = _Walk(family, limits)
     if here.parameter == limits[0 if here.tangent[-1] < 0.0 else 1] and first is None:
         return UNMOVED
     points = tuple(walk.points(here, step, most, first or here))
@@ -123,9 +125,9 @@ def turned(point: BranchPoint) -> BranchPoint:
 class _Walk:
     """Walks along the branch, from a point in the direction of its tangent."""
 
-    def __init__(self, family: Family, low: float, high: float) -> None:
+    def __init__(self, family: Family, limits: Limits) -> None:
         self._family = family
-        self._limits = low, high
+        self._limits = limits
         self.ending: Ending | None = None  # afterwards why the walk ended; None where the range did, or the branch is closed
         self.closed = False  # afterwards whether the walk came back to its first point
         self.step: float | None = None  # afterwards the arclength to go on with; None where the walk ended
@@ -144,7 +146,7 @@ class _Walk:
                     return
                 continue
             yield from special
-            low, high = self._limits
+            low, high, _ = self._limits
             if not low < there.parameter < high:
                 if low == there.parameter or there.parameter == high:
                     yield there

@@ -7,7 +7,7 @@ matrix of all corrections on the way to the next point, so that a correction cos
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,19 @@ class Family(Protocol):
         """The image of x for the parameter a. Raises CycleBroken: there is none."""
 
 
+class Limits(NamedTuple):
+    """The range of the parameter, and its scale."""
+
+    low: float
+    high: float
+    width: float  # change over which the fixed point turns once at most; the whole range where it does not
+
+    @classmethod
+    def of(cls, low: float, high: float, waves: float = 1.0) -> "Limits":
+        """A range over which the fixed point moves to and fro so many times."""
+        return cls(low, high, (high - low) / max(waves, 1.0))
+
+
 @dataclass(frozen=True)
 class BranchPoint:
     """A fixed point on the branch."""
@@ -53,7 +66,7 @@ class BranchPoint:
     point: Array  # x, shape (m,)
     arclength: float  # from the branch's first point, in the scaled variables; negative on the other side of it
     sizes: Array  # scale of each quantity in x, shape (m,)
-    width: float  # of the parameter's range: the scale of a
+    width: float  # scale of a, see `Limits`
     jacobian: Array  # of the map, shape (m, m)
     matrix: Array  # scaled derivatives (equation 10.9), shape (m, m + 1)
     tangent: Array  # of the branch in the scaled variables, shape (m + 1,), towards growing arclength
@@ -70,7 +83,7 @@ class BranchPoint:
         return instability(self.multipliers)
 
 
-def first_point(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
+def first_point(family: Family, point: Array, parameter: float, limits: Limits) -> BranchPoint:
     """The fixed point at a given parameter near a point; `limits`: the parameter's range. Raises CycleBroken, NotConverged."""
     start = differentiated(family, point, parameter, limits)
     border = np.append(np.zeros(len(point)), 1.0)
@@ -113,23 +126,23 @@ def corrected(
     raise NotConverged(f"the corrections ended at {last:.1g} of the motion's size")
 
 
-def differentiated(family: Family, point: Array, parameter: float, limits: tuple[float, float]) -> BranchPoint:
+def differentiated(family: Family, point: Array, parameter: float, limits: Limits) -> BranchPoint:
     """A fixed point with its derivatives, and with a tangent in either of the two directions (equations 10.5 and 10.9)."""
-    low, high = limits
+    low, high, width = limits
     image = family.image(point, parameter)
     columns = []
     for i, disturbance in enumerate(np.maximum(DISTURBANCE * image.sizes, LEAST_DISTURBANCE * image.noise)):
         disturbed = point.copy()
         disturbed[i] += disturbance
         columns.append((family.image(disturbed, parameter).point - image.point) / disturbance)
-    change = math.copysign(DISTURBANCE * (high - low), 0.5 * (low + high) - parameter)  # into the range: beyond it there may be no machine
+    change = math.copysign(DISTURBANCE * width, 0.5 * (low + high) - parameter)  # into the range: beyond it there may be no machine
     by_parameter = (family.image(point, parameter + change).point - image.point) / change
     jacobian, m = np.column_stack(columns), len(point)
     matrix = np.empty((m, m + 1))
     matrix[:, :m] = (jacobian - np.eye(m)) * image.sizes / image.sizes[:, None]
-    matrix[:, m] = by_parameter * (high - low) / image.sizes
+    matrix[:, m] = by_parameter * width / image.sizes
     tangent = np.linalg.svd(matrix)[2][-1]
-    return BranchPoint(parameter, point, 0.0, image.sizes, high - low, jacobian, matrix, tangent)
+    return BranchPoint(parameter, point, 0.0, image.sizes, width, jacobian, matrix, tangent)
 
 
 def towards(here: BranchPoint, sign: float) -> BranchPoint:

@@ -78,8 +78,9 @@ class Around:
 
     @property
     def change(self) -> SpecialPoint | None:
-        """The special point nearest to the machine's own value."""
-        return min(self.solved_curve.special, key=lambda point: abs(point.value - self.own), default=None)
+        """The special point nearest to the machine's own value; where the curve was lost is none."""
+        curve = self.solved_curve
+        return min((each for each in curve.special if each not in curve.lost), key=lambda point: abs(point.value - self.own), default=None)
 
     def faster(self, value: float) -> float:
         """Relative difference of another value from the machine's own; negative if the other one is slower."""
@@ -120,7 +121,7 @@ class Around:
 
     @property
     def _within(self) -> str:
-        low, high = sorted((self.solved_curve.range.low, self.solved_curve.range.high), key=abs)
+        low, high = sorted(self.solved_curve.reach, key=abs)
         return f"between {self.shown(low)} and {self.shown(high)}"
 
     @property
@@ -141,6 +142,12 @@ class Around:
         return resonance(self.case.mechanism)
 
     @property
+    def beyond(self) -> str:
+        """A sentence if the machine's own value lies beyond what was followed, otherwise ""."""
+        low, high = self.solved_curve.reach
+        return "" if low <= self.own <= high else f"The curve was followed {self._within} and says nothing of it."
+
+    @property
     def sentences(self) -> list[str]:
         """The machine's own value, the motions there, the unstable range around it, and what is nearest."""
         curve = self.solved_curve
@@ -151,7 +158,8 @@ class Around:
             else f"Your machine has {self.shown(self.own)}"
         )
         first = next(iter(curve.measures))
-        told = [f"{own}.", motion_sentences(self.motions, MEASURES[first], self.case.units)]
+        told = [f"{own}.", self.beyond or motion_sentences(self.motions, MEASURES[first], self.case.units)]
+        told += [f"The curve could not be followed beyond {self.shown(each.value)} ({each.reason})." for each in curve.lost]
         for low, high, kind in curve.unstable_ranges:
             if low <= self.own <= high:
                 ends = " to ".join(map(self.shown, sorted((low, high), key=abs)))

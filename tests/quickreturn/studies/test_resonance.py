@@ -20,11 +20,14 @@ import quickreturn as qr
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.jobs.records import encoded
-from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonancePeak
-from quickreturn.cases.resonance_curve.range import range_of
-from quickreturn.cases.resonance_curve.search import checked_scenes, job, job_around
+from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonancePeak, SpecialPoint
+from quickreturn.cases.resonance_curve.range import Range, range_of
+from quickreturn.cases.resonance_curve.search import _followed, checked_scenes, job, job_around
+from quickreturn.cases.shown import Unit
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Array, Image
+from quickreturn.reference_model.cycles.poincare import CycleBroken
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.drawing.style import picture
 from quickreturn.reports.results.around import Around
 from quickreturn.studies.resonance_curves import Resonance
@@ -210,10 +213,49 @@ def test_a_machine_beyond_its_curve_has_no_motion_on_it(found: qr.Resonance) -> 
     """Run 24 turns at 158.7 rpm, its torque over its damping."""
     runs, motions, nearest = found.around.lines
     assert runs.startswith("Your machine runs at 158.69 rpm")
-    assert motions == "The curve has no motion there."
+    assert motions == "The curve was followed between 237.5 rpm and 241 rpm and says nothing of it."
     assert "faster" in nearest
     assert found.document()["own"]["motions"] == []
     assert len(found.plot().axes[0].lines) == len(found.plot(mark=239.0 * RPM).axes[0].lines) - 1
+
+
+class Gap(CycleFamily):
+    """A family of one motion x = a that has no image between 0.1 and 0.4."""
+
+    def __init__(self) -> None:
+        pass
+
+    def scene_at(self, value: float) -> Mechanism:
+        return qr.case("rigid").mechanism
+
+    def orbit(self, value: float) -> Array:
+        return np.array([value])
+
+    def image(self, point: Array, parameter: float) -> Image:
+        if 0.1 < parameter < 0.4:
+            raise CycleBroken("it broke")
+        return Image(0.5 * (point + parameter), np.ones(1), np.full(1, 1e-16))
+
+
+def test_a_curve_that_is_lost_is_begun_again_beyond() -> None:
+    branch = _followed(Gap(), Range("tip.mass", 0.0, 1.0, "kg", 1.0), lambda kind, compute: compute())
+    before, after = branch.endings
+    assert after is None
+    assert before is not None
+    assert "it broke" in before.reason
+    assert [round(branch.points[at].parameter, 4) for at in (0, -1)] == [0.4, 1.0]
+
+
+def test_what_was_not_followed_is_not_said_to_be_without_peaks(found: qr.Resonance) -> None:
+    """Of a curve that is lost at its first point the part that was followed is told, and the machine beyond it gets no answer."""
+    reason = SpecialPoint("lost", float(found.curve.values[0]), 1e-3, None, 0, "the corrections ended")
+    curve = dataclasses.replace(found.curve, special=(*found.curve.special, reason))
+    high = curve.reach[1]
+    assert high == pytest.approx(found.special["value"].item())
+    _, motions, lost, nearest = Around(qr.case("thesis-24"), curve, unit=Unit("rpm", RPM)).lines
+    assert motions.startswith(f"The curve was followed between 237.5 rpm and {high / RPM:.5g} rpm and says nothing of it")
+    assert lost == "The curve could not be followed beyond 237.5 rpm (the corrections ended)."
+    assert nearest.startswith(f"No peak between 237.5 rpm and {high / RPM:.5g} rpm; fold at ")
 
 
 #: Changes of run 24, a range of speeds, and how many motions it then has at its own speed, and how many stable ones.

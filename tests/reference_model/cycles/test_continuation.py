@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.cycles.continuation import Branch, branch
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
-from quickreturn.reference_model.cycles.fixed_points import Image, NotConverged, first_point
+from quickreturn.reference_model.cycles.fixed_points import Image, Limits, NotConverged, first_point
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from tests.engines.scenes import run_24
@@ -85,7 +85,7 @@ def test_a_branch_that_ends_says_why() -> None:
 
 def test_no_fixed_point_is_an_answer() -> None:
     with pytest.raises(NotConverged, match="corrections"):
-        first_point(Known(lambda x, a: x + 1.0 + x**2), np.array([0.7]), 0.0, (-1.0, 1.0))
+        first_point(Known(lambda x, a: x + 1.0 + x**2), np.array([0.7]), 0.0, Limits.of(-1.0, 1.0))
 
 
 RPM = math.pi / 30.0
