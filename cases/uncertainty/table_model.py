@@ -91,4 +91,8 @@ class TableModel:
         turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])
         direction = math.copysign(1.0, mean_crank_speed(scene))
         of_rows = np.mod(direction * self._angle[:rows] - math.pi, 2.0 * math.pi)  # rad since the slider's farthest place
-        return np.array([CubicSpline(turned, cycle.channels[name])(of_rows) for name in self.names])
+        found = np.array([CubicSpline(turned, cycle.channels[name])(of_rows) for name in self.names])
+        if scene.turns_fully and "follower_angle" in self.names:  # of the same turn as the row
+            angle = found[self.names.index("follower_angle")]
+            angle += 2.0 * np.pi * np.round((self.values[self.names.index("follower_angle"), :rows] - angle) / (2.0 * np.pi))
+        return found

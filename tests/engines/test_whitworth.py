@@ -11,11 +11,14 @@ from scipy.integrate import quad
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
+from quickreturn.cases.recorded import table_of
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
+from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
@@ -153,6 +156,17 @@ def test_every_settled_turn_begins_near_half_a_turn_and_says_what_it_means(speed
     assert MEASURES["turn.pivot_angle"].of(motion).value == pytest.approx(2.0 * math.pi, rel=1e-6)
     assert math.isnan(MEASURES["max.follower_angle"].of(motion).value)
     assert MEASURES["peak.slider_position"].of(motion).value == pytest.approx(LA + D, rel=1e-3)
+
+
+@pytest.mark.parametrize("speed", [OMEGA, -OMEGA])
+def test_a_recorded_angle_of_later_turns_is_compared_with_the_same_turn(speed: float) -> None:
+    scene = with_crank(FLEXIBLE, drive=PrescribedSpeed(speed=speed))
+    found = columns("reference", scene, 2.0)
+    table = table_of({name: found[name][1200:] for name in ("time", "crank_angle", "follower_angle", "tip_deflection")})
+    model = TableModel(replace(CASE, scene=scene), table)
+    assert not model.begins
+    right = model.simulated(scene, ReferenceEngine().settings_for(1e-3, scene), model.rows)
+    assert np.max(np.abs(right - model.values)) < 1e-3  # rad and m
 
 
 def test_a_soft_joint_and_a_torque_turn_it_too() -> None:
