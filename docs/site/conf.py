@@ -52,9 +52,11 @@ nitpicky = True
 # Signatures name types of other packages, and internals of this one that have no entry on the API page: neither is a broken reference.
 nitpick_ignore_regex = [
     ("py:.*", r"(casadi|collections|matplotlib|numpy|os|pandas|pathlib|pd|types|xarray|xr)\..*"),
-    ("py:.*", r"quickreturn\.(cases|catalogue|derive|engines|questions|reference_model)\..*"),
+    ("py:.*", r"quickreturn\.(cases|catalogue|derive|engines|questions|reference_model|reports)\..*"),
     ("py:.*", "(About|AnyEngine|AnyEngineOrTable|Document|Limits|Workshop)"),
 ]
+
+suppress_warnings = ["misc.highlighting_failure"]  # blocks of CSV, which Pygments does not know
 
 html_theme = "furo"
 html_title = f"quickreturn {release}"
