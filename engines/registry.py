@@ -5,12 +5,15 @@ other. An entry point maps the engine's name, which the class has as `name`, to 
 
     [project.entry-points."quickreturn.engines"]
     my-engine = "my_package.my_module:MyEngine"
+
+A path that ends in ".toml" in place of a name is the file beside an FMU that makes it an engine (`cases.engine_file`).
 """
 
 import difflib
 from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import PurePath
 from typing import Any, Final, NoReturn, cast
 
 from quickreturn.engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
@@ -25,6 +28,8 @@ AS_BUILT: Final = ("mujoco-contact",)
 #: The main engine whose discretization is its model: its distance to the others is a model error, and reported as such.
 MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
+#: Entry points by the ending of a file, without its point: functions that make an engine of the file's path.
+FILES: Final = "quickreturn.engine_files"
 _LONGEST_NAME: Final = 60  # characters of an unknown name that a message quotes
 
 _MODULES: Final = {
@@ -56,16 +61,30 @@ def engine_names() -> tuple[str, ...]:
     return (*MAIN, *RIVALS, *AS_BUILT, *sorted(_third_party()))
 
 
+def is_engine(name: str) -> bool:
+    """Whether an engine may have this name: one that is known, or the path of a file of a kind that makes an engine."""
+    return name in engine_names() or bool(_kind_of_file(name))
+
+
+def _kind_of_file(name: str) -> list[EntryPoint]:
+    ending = PurePath(name).suffix.removeprefix(".").lower()
+    return [*entry_points(group=FILES, name=ending)] if ending else []
+
+
 def engine(name: str) -> AnyEngine:
     """The engine of this name. If its code cannot be loaded, an engine whose `unavailable()` says so and that refuses everything.
 
     Raises:
         UnknownEngine: no engine has this name.
+        ToldError: the name is the path of an engine's file, and this has mistakes.
     """
     if name in _MODULES:
         module, _, attribute = _MODULES[name].partition(":")
         return _loaded(name, lambda: getattr(import_module(module), attribute))
     entries = _third_party().get(name)
+    if entries is None and (kinds := _kind_of_file(name)):
+        made: AnyEngine = kinds[0].load()(name)
+        return made
     if entries is None:
         raise UnknownEngine(_unknown(name))
     if len(entries) > 1:

@@ -18,7 +18,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.cases.text.copies import in_words
 from quickreturn.cases.text.reading import changes_of
-from quickreturn.engines.registry import engine, engine_names
+from quickreturn.engines.registry import engine, engine_names, is_engine
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import Changes, Value, what_moves_nothing
@@ -64,7 +64,7 @@ def axis(text: str) -> Axis:
     unit = "" if key == ENGINE else unit_of(key)
     texts = _ranged(key, values) if ".." in values and key != ENGINE else _listed(key, values)
     for name in texts if key == ENGINE else ():
-        if name not in engine_names():
+        if not is_engine(name):
             raise CaseError(VARY, ENGINE, as_written(name), "is unknown", nearest_or_all(name, engine_names()))
     numbers = tuple(_number(key, each) for each in texts) if unit else ()
     if len(set(numbers or texts)) < len(texts):

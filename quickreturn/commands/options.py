@@ -111,7 +111,7 @@ def complete_case(context: click.Context, argument: click.Parameter, begun: str)
 def _complete_engine(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
     from quickreturn.engines.registry import engine_names
 
-    return [CompletionItem(name) for name in engine_names() if name.startswith(begun)]
+    return [*(CompletionItem(name) for name in engine_names() if name.startswith(begun)), CompletionItem(begun, type="file")]
 
 
 def _keep_units(context: click.Context, option: click.Parameter, given: Sequence[str]) -> None:
@@ -175,8 +175,9 @@ def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[s
         key = key.strip()
         if not (key and sign):
             raise click.UsageError(f'--set {as_written(text)}: give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32')
-        section, point, name = key.partition(".")
-        target, name = (engines.setdefault(section, {}), name) if point and _is_engine(section) else (case, key)
+        parts = (key.partition("."), key.rpartition("."))  # the path of an engine's file has points of its own
+        section, name = next(((before, after) for before, point, after in parts if point and _is_engine(before)), ("", key))
+        target = engines.setdefault(section, {}) if section else case
         if name in target:
             values = f"{as_written(target[name])} and {as_written(value.strip())}"
             raise click.UsageError(f"--set {shortened(key)}: {values} are both given; give one of them")
@@ -196,9 +197,9 @@ def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
 
 def _is_engine(section: str) -> bool:
     from quickreturn.cases.keys import SECTIONS
-    from quickreturn.engines.registry import engine_names
+    from quickreturn.engines.registry import is_engine
 
-    return section == ANY_ENGINE or (section not in SECTIONS and section in engine_names())
+    return section == ANY_ENGINE or (section not in SECTIONS and is_engine(section))
 
 
 def refuse_missing(engines: Sequence[str]) -> None:

@@ -20,7 +20,7 @@ from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.computing import Computing
 from quickreturn.cross_validation import given_settings
 from quickreturn.engine_choice import check
-from quickreturn.engines.registry import engine_names, usable_engine
+from quickreturn.engines.registry import engine_names, is_engine, usable_engine
 
 #: Key of a study file -> its types, and an example.
 KEYS: Final[Mapping[str, tuple[tuple[type, ...], str]]] = {
@@ -177,7 +177,7 @@ def _check(path: str, key: str, value: Any) -> None:
     wrong = not isinstance(value, kinds) or isinstance(value, bool)
     if wrong or (key == "measures" and not (value and all(isinstance(each, str) for each in value))):
         raise CaseError(path, key, as_written(value), "is not accepted", f"write such as {key} = {example}")
-    if key == "engine" and value not in engine_names():
+    if key == "engine" and not is_engine(value):
         raise CaseError(path, key, as_written(value), "is unknown", nearest_or_all(value, engine_names()))
     if key == "accuracy" and not LOWEST <= value <= HIGHEST:
         raise CaseError(path, key, as_written(value), "cannot be asked for", f"numbers from {LOWEST:g} to {HIGHEST:g} are accepted")

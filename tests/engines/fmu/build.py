@@ -1,0 +1,108 @@
+"""Builds the FMUs of the tests, and writes the files that make them engines."""
+
+import re
+from pathlib import Path
+
+from tests.quickreturn.program import ROOT
+
+#: A mild machine, whose arm bends and hardly rings.
+CASE = """
+name = "mild"
+title = "A mild machine"
+[mechanism]
+pivot_distance = "0.42 m"
+[crank]
+length = "0.11 m"
+mass = "1.2 kg"
+center_of_mass = "0.03 m"
+inertia = "2e-3 kg*m^2"
+torque = "0.6 N*m"
+damping = "0.05 N*m*s/rad"
+initial_angle = "180 deg"
+[base]
+inertia = "2e-5 kg*m^2"
+damping = "0 N*m*s/rad"
+[follower]
+length = "0.6 m"
+mass_per_length = "0.33 kg/m"
+bending_stiffness = "20 N*m^2"
+thickness = "3 mm"
+width = "40 mm"
+damping = "0 N*s/m^2"
+strain_gauges = ["0.14 m", "0.29 m", "0.46 m"]
+[tip]
+mass = "0.05 kg"
+inertia = "2e-6 kg*m^2"
+[simulation]
+duration = "0.2 s"
+output_step = "1 ms"
+"""
+
+MACHINE = """
+fmu = "machine.fmu"
+method = "a beam of three bending modes, plain numpy"
+
+[resolution]
+steps = ["1 ms", "0.5 ms", "0.25 ms"]
+order = 2
+
+[parameters]
+mechanism.pivot_distance = "d [mm]"
+crank.length = "r [mm]"
+crank.mass = "m1"
+crank.center_of_mass = "c1"
+crank.inertia = "J1"
+crank.initial_angle = "phi0"
+crank.initial_speed = "w0"
+crank.torque = "T"
+crank.damping = "b"
+base.inertia = "J2"
+follower.length = "L"
+follower.mass_per_length = "mu"
+follower.bending_stiffness = "EI"
+follower.extreme_fibre = "e"
+follower.strain_gauges = ["g1", "g2", "g3"]
+tip.mass = "mt"
+tip.inertia = "Jt"
+
+[outputs]
+crank_angle = "phi [deg]"
+crank_speed = "omega"
+follower_angle = "q2"
+slider_position = "s [mm]"
+tip_x = "xt [mm]"
+tip_y = "yt [mm]"
+tip_deflection = "u [mm]"
+tip_acceleration = "a"
+strain_1 = "-eps1"
+strain_2 = "-eps2"
+strain_3 = { variable = "eps3", factor = -1 }
+slider_force = "F"
+"""
+
+
+def build_machine(folder: Path) -> Path:
+    """The FMU of the mechanism (FMI 2), with its declarations beside it; returns these."""
+    from pythonfmu.builder import FmuBuilder
+
+    FmuBuilder.build_FMU(Path(__file__).with_name("machine.py"), dest=folder)
+    (folder / "Machine.fmu").rename(folder / "machine.fmu")
+    declared = folder / "machine.toml"
+    declared.write_text(MACHINE)
+    return declared
+
+
+#: The chain of the document on FMUs: its blocks by the file that they become.
+_BLOCKS = dict(re.findall(r"^```\w+ (\S+\.\w+)\n(.*?)^```$", (ROOT / "docs/fmu.md").read_text("utf-8"), re.MULTILINE | re.DOTALL))
+CHAIN = _BLOCKS["chain.toml"]
+
+
+def build_chain(folder: Path) -> Path:
+    """The FMU of the follower alone (FMI 3), with its declarations beside it; returns these."""
+    from pythonfmu3.builder import FmuBuilder
+
+    script, declared = folder / "chain.py", folder / "chain.toml"
+    script.write_text(_BLOCKS["chain.py"], "utf-8")
+    declared.write_text(CHAIN, "utf-8")
+    FmuBuilder.build_FMU(script, dest=folder)
+    return declared
