@@ -28,7 +28,7 @@ mass_per_length = "0.33 kg/m"
 bending_stiffness = "20 N*m^2"
 thickness = "3 mm"
 width = "40 mm"
-damping = "0 N*s/m^2"
+damping = "2 N*s/m^2"
 strain_gauges = ["0.14 m", "0.29 m", "0.46 m"]
 [tip]
 mass = "0.05 kg"
@@ -60,6 +60,7 @@ base.inertia = "J2"
 follower.length = "L"
 follower.mass_per_length = "mu"
 follower.bending_stiffness = "EI"
+follower.damping = "c"
 follower.extreme_fibre = "e"
 follower.strain_gauges = ["g1", "g2", "g3"]
 tip.mass = "mt"

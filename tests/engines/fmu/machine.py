@@ -13,7 +13,7 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 #: Parameter -> value at the start.
 PARAMETERS = {
     "d": 420.0, "r": 110.0, "m1": 1.2, "c1": 0.03, "J1": 2e-3, "phi0": 3.14159, "w0": 12.0, "T": 0.6, "b": 0.05, "J2": 2e-5,
-    "L": 0.6, "mu": 0.33, "EI": 20.0, "e": 1.5e-3, "g1": 0.14, "g2": 0.29, "g3": 0.46, "mt": 0.05, "Jt": 2e-6, "mode": 0.0,
+    "L": 0.6, "mu": 0.33, "EI": 20.0, "e": 1.5e-3, "g1": 0.14, "g2": 0.29, "g3": 0.46, "mt": 0.05, "Jt": 2e-6, "c": 0.0, "mode": 0.0,
 }  # fmt: skip
 OUTPUTS = ("phi", "omega", "q2", "s", "xt", "yt", "u", "a", "eps1", "eps2", "eps3", "F")
 SHAPES = 7  # polynomials from which the bending modes are made
@@ -61,6 +61,8 @@ class Machine(Fmi2Slave):
         self.shape = lambda at, derivative: (shapes([at], derivative) @ self.to_shapes)[0]
         self.squares, self.all_shapes = squares[:MODES], shapes
         _, self.turning = matrices(lambda at: shapes(at, 0) @ self.to_shapes, lambda at: shapes(at, 1) @ self.to_shapes)
+        plain = shapes(x, 0) @ self.to_shapes
+        self.drag = self.c / self.mu * (plain.T * weight) @ plain  # on velocities against the base
         self.heavy = self.J2 + weight @ x**2 + self.mt * L**2 + self.Jt
         self.J_crank = self.J1 + self.m1 * self.c1**2
         q1 = self.phi0
@@ -94,7 +96,8 @@ class Machine(Fmi2Slave):
         mass[1, 2:n] = mass[2:n, 1] = self.turning
         mass[range(2, n), range(2, n)] = 1.0
         mass[n, :n] = mass[:n, n] = jacobian
-        loads = np.concatenate([[self.T - self.b * w1, -2.0 * (eta @ rate) * w2], eta * w2**2 - self.squares * eta, [-g_left]])
+        on_shapes = eta * w2**2 - self.squares * eta - self.drag @ rate
+        loads = np.concatenate([[self.T - self.b * w1, -2.0 * (eta @ rate) * w2], on_shapes, [-g_left]])
         solution = np.linalg.solve(mass, loads)
         return solution[:n], solution[n], s, tangent
 
