@@ -74,9 +74,10 @@ def _kind_of_file(name: str) -> list[EntryPoint]:
 def engine(name: str) -> AnyEngine:
     """The engine of this name. If its code cannot be loaded, an engine whose `unavailable()` says so and that refuses everything.
 
+    Mistakes in an engine's file, whose path the name may be, raise what reads that file.
+
     Raises:
         UnknownEngine: no engine has this name.
-        ToldError: the name is the path of an engine's file, and this has mistakes.
     """
     if name in _MODULES:
         module, _, attribute = _MODULES[name].partition(":")
