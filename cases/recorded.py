@@ -1,20 +1,25 @@
-"""Recorded tables of another tool, an earlier version or a test rig: CSV files with units in their headings.
+"""Recorded tables of another tool, an earlier version or a test rig: text files with units in their headings.
 
 The heading names columns of the trajectory, each with its unit in brackets: `time [ms], crank_angle [deg], tip_deflection [mm]`. A heading
 without a unit means SI, so the project's own trajectory files are also recorded tables. Lines `# key = value` above the heading describe
-the table. Only units are converted: no shift, no filter, no fit.
+the table. `cases/text/dialect.py` recognises how it is written, and a mapping names the columns of other programs. Only units are
+converted, and angles that wrap are made continuous: no filter, no fit.
 """
 
+import math
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable
-from quickreturn.cases.text.number_rows import does_not_rise, headings_in, late_row, name_and_unit, numbers_in, unit_factor
+from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, similar_name
+from quickreturn.cases.text.column_mapping import IGNORED, ColumnMapping, Target, mapping_file, mapping_of, near_column, suggested
+from quickreturn.cases.text.dialect import Dialect, dialect_of
+from quickreturn.cases.text.number_rows import does_not_rise, late_row, name_and_unit, numbers_in, unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.reference_model.columns import COLUMNS
 
@@ -22,6 +27,8 @@ Array = NDArray[np.float64]
 
 MOST_ROWS: Final = 1_000_000
 _MOST_BYTES: Final = 100_000_000
+_MOST_NAMED: Final = 6  # ignored headings in a message
+_WRAPPING: Final = ("crank_angle", "follower_angle")  # angles that other programs wrap
 
 #: Declarations above the heading with their accepted values; without values any text.
 DECLARATIONS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -43,6 +50,8 @@ class RecordedTable:
     bare: frozenset[str] = frozenset()  # columns whose headings have no unit
     declared: Mapping[str, str] = field(default_factory=dict)  # declarations of the file: some of `DECLARATIONS`
     of_experiment: bool = False  # whether it lies in the folder of the experiment's recordings
+    told: str = ""  # how the file was read, if it is not commas, decimal points and plain names
+    unwrapped: frozenset[str] = frozenset()  # angles that wrapped, and were made continuous
 
     @property
     def shown(self) -> str:
@@ -55,20 +64,118 @@ def is_table(name: str) -> bool:
     return name.lower().endswith(".csv")
 
 
-def read_table(path: str) -> RecordedTable:
-    """A recorded table from a file. CaseError: the file cannot be read, or is not such a table."""
+def read_table(path: str | os.PathLike[str], columns: Sequence[str] = (), decimal: str | None = None) -> RecordedTable:
+    """A recorded table from a file of any program. Its attribute `told` says how the file was read, `columns` has the numbers in SI.
+
+    Args:
+        path: of the file. A mapping beside it, with the same name and the ending .toml, is used.
+        columns: which heading is which column: "crank.phi = crank_angle [deg]"; a number in place of a heading counts columns from 1.
+        decimal: the decimal sign, "." or ",", where numbers such as 1,234 can be read in two ways.
+
+    Raises:
+        CaseError: the file cannot be read, or is not such a table, or can be read in two ways.
+    """
+    path = os.fspath(path)
     shown, text = path_shown(path), read_text(path, "a recorded table", _MOST_BYTES)
-    lines = text.splitlines()
-    declared, at = _declarations(shown, lines)
-    if at == len(lines):
-        what = "has no heading" if text.strip() else "is empty"
-        raise CaseError(shown, None, None, what, 'write one such as "time [s],crank_angle [deg]"')
-    headings = headings_in(shown, f"line {at + 1}", lines[at])
-    factors = _unit_factors(shown, f"line {at + 1}", headings)
-    if (rows := len(lines) - at - 1) > MOST_ROWS:
+    mapping = mapping_of(path, columns, decimal)
+    written = dialect_of(shown, text, mapping.decimal)
+    declared = _declarations(shown, written.comments)
+    if (rows := written.count) > MOST_ROWS:
         raise CaseError(shown, None, None, f"has {rows} rows", f"at most {MOST_ROWS} are accepted")
-    values = dict(zip(factors, numbers_in(shown, list(factors), lines, at + 1, "time").T, strict=True))
-    return _table(printable(os.path.basename(path)), path, factors, values, declared)
+    used, ignored, places = _columns_used(shown, written, mapping)
+    names = [target.column for target, _ in used]
+    values = dict(zip(names, numbers_in(shown, names, written.rows(shown, places), written.first, "time").T, strict=True))
+    factors = {target.column: factor for target, factor in used}
+    values = {target.column: (values[target.column] - target.offset) / target.factor for target, _ in used}
+    table = _table(printable(os.path.basename(path)), path, factors, values, declared)
+    told = [*written.told, *([f"columns by {mapping.file}"] if mapping.file else [])]
+    told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
+    told += [f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"] if ignored else []
+    return replace(table, told=f"read as: {', '.join(told)}, {rows:,} rows" if told else "")
+
+
+def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | None = None) -> str:
+    """The text of a mapping file for a table: what is known of its headings, and the nearest columns of the others."""
+    shown, mapping = path_shown(path), mapping_of(path, columns, decimal)
+    written = dialect_of(shown, read_text(path, "a recorded table", _MOST_BYTES), mapping.decimal)
+    headings = written.headings or [str(number + 1) for number in range(written.width)]
+    known = dict[str, str]()
+    for number, heading in enumerate(headings):
+        target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
+        if target is None and written.headings is not None:
+            target = _own_name(shown, written.place, heading)
+        if target is not None and target.column != IGNORED:
+            factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
+            offset = f" {'-' if target.offset < 0 else '+'} {abs(target.offset)!r}" if target.offset else ""
+            unit = f" [{target.unit}]" if target.unit is not None else ""
+            known[heading] = f"{factor}{target.column}{unit}{offset}"
+    return suggested(headings, known, mapping.decimal)
+
+
+def _own_name(shown: str, place: str, heading: str) -> Target | None:
+    """The column that a heading names, however it writes capitals and blanks; None: none of a trajectory."""
+    name, unit = name_and_unit(shown, place, heading, "time [s]")
+    column = re.sub(r"[\s_-]+", "_", name.strip().lower())
+    return Target(column, unit) if column in COLUMNS else None
+
+
+def _columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple[list[tuple[Target, float | None]], list[str], list[int]]:
+    """Columns that the table gives, with the SI value of their units (None: none is given), headings ignored, and places of the columns.
+
+    CaseError: names all headings that are not understood, each with the nearest column.
+    """
+    headings = written.headings
+    targets = dict(mapping.targets)
+    if headings is None and not targets:
+        write = "".join(f' --column "{number + 1} = {name}"' for number, name in enumerate(["time [s]", "crank_angle [deg]"]))
+        accepted = f"name the columns by position:{write}, or write them into {path_shown(mapping_file(shown))} (--write-mapping)"
+        raise CaseError(shown, written.place, None, "has numbers where a heading is due", accepted)
+    used, ignored, unknown, places = list[tuple[Target, float | None]](), list[str](), list[str](), list[int]()
+    for number in range(written.width):
+        heading = str(number + 1) if headings is None else headings[number]
+        name, unit = name_and_unit(shown, written.place, heading, "time [s]") if headings is not None else (heading, None)
+        key = next((each for each in (heading, name, str(number + 1)) if each in targets), None)
+        target = _own_name(shown, written.place, heading) if key is None and headings is not None else targets.pop(key or "", None)
+        if target is None or target.column == IGNORED:
+            (ignored if target is not None or headings is None or not similar_name(name, tuple(COLUMNS)) else unknown).append(heading)
+            continue
+        if any(target.column == other.column for other, _ in used):
+            raise CaseError(
+                shown, written.place, as_written(heading), f"gives {target.column} a second time", "keep one of the two columns"
+            )
+        unit = unit if target.unit is None else target.unit
+        si_unit = COLUMNS[target.column].unit.replace(" ", "*")
+        factor = None if unit is None else unit_factor(shown, f"{written.place}, {target.column}", si_unit, unit)
+        used.append((target, factor))
+        places.append(number)
+    if targets:
+        heads = ", ".join(headings or [f"1 to {written.width}"])
+        raise CaseError(shown, None, as_written(next(iter(targets))), "is no heading of this table", f"it has {heads}")
+    names = [target.column for target, _ in used]
+    if unknown or "time" not in names or len(names) < 2:
+        _refuse(shown, written.place, names, unknown, ignored)
+    return used, ignored, places
+
+
+def _refuse(shown: str, place: str, names: Sequence[str], unknown: Sequence[str], ignored: Sequence[str]) -> None:
+    """Raise the CaseError of a table that lacks time or all other columns, or has headings near to a column; it answers them all."""
+    told = {each: near_column(each) for each in (*unknown, *(() if "time" in names and len(names) > 1 else ignored))}
+    near = [as_written(each) + (f" (nearest: {column})" if column else "") for each, column in told.items()]
+    accepted = (
+        'name them by --column "HEADING = column [unit]" or --write-mapping; `quickreturn show CASE --for-other-tools` lists all columns'
+    )
+    if near:
+        lacks = "" if "time" in names and len(names) > 1 else ", and no column time" if "time" not in names else ", and time alone is left"
+        verb = "is no column of a trajectory" if len(near) == 1 else "are no columns of a trajectory"
+        raise CaseError(shown, place, None, f"{', '.join(near)} {verb}{lacks}", accepted)
+    _check_complete(shown, place, names)
+
+
+def _check_complete(source: str, place: str, names: Iterable[str]) -> None:
+    """Raise the CaseError of a table without time, or with time alone."""
+    if "time" not in (given := list(names)) or len(given) < 2:
+        lacks = "has no column time" if "time" not in given else "holds time alone"
+        raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
 
 
 def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | None = None) -> RecordedTable:
@@ -122,7 +229,19 @@ def _table(
     """A table from values in the units of their headings; `factors` are those of `_unit_factors`."""
     columns = {name: values[name] if factor is None else factor * values[name] for name, factor in factors.items()}
     bare = frozenset(name for name, factor in factors.items() if factor is None)
-    return RecordedTable(name, path, columns, bare, declared)
+    unwrapped = frozenset(each for each in _WRAPPING if each in columns and _wraps(columns[each]))
+    for each in unwrapped:
+        columns[each] = np.unwrap(columns[each])
+    if "follower_angle" in unwrapped:  # within a quarter of a turn of half a turn, as every engine has it
+        columns["follower_angle"] -= 2.0 * math.pi * math.floor(float(np.mean(columns["follower_angle"])) / (2.0 * math.pi))
+    return RecordedTable(name, path, columns, bare, declared, unwrapped=unwrapped)
+
+
+def _wraps(angle: Array) -> bool:
+    """Whether an angle, rad, jumps by a whole turn wherever it jumps by more than half of one."""
+    steps = np.abs(np.diff(angle))
+    jumps = steps[steps > math.pi]
+    return bool(jumps.size and jumps.size < 0.1 * steps.size and np.all(np.abs(jumps - 2.0 * math.pi) < 0.5 * math.pi))
 
 
 def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[RecordedTable]]:
@@ -146,20 +265,18 @@ def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[Reco
     return tables
 
 
-def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], int]:
-    """The declarations, and the index of the heading among the lines; the number of lines if there is none."""
+def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str, str]:
+    """The declarations among comments above the heading. CaseError: one is wrong. Other comments are not ours."""
     declared: dict[str, str] = {}
-    for at, line in enumerate(lines):
-        if not line.strip():
-            continue
-        if not line.startswith("#"):
-            return declared, at
+    for at, line in comments:
         key, _, value = (part.strip() for part in line.lstrip("#").partition("="))
         values = DECLARATIONS.get(key)
-        if not value:
-            told = line, "declares nothing", 'write "# key = value"'
-        elif values is None:
+        if values is None:
+            if not value or not similar_name(key, tuple(DECLARATIONS)):
+                continue
             told = key, "is no known key", nearest_or_all(key, tuple(DECLARATIONS))
+        elif not value:
+            told = line, "declares nothing", 'write "# key = value"'
         elif key in declared:
             told = key, "is declared twice", "declare each key once"
         elif values and value not in values:
@@ -169,7 +286,7 @@ def _declarations(source: str, lines: Sequence[str]) -> tuple[dict[str, str], in
             continue
         place = f"line {at + 1}" if values is None else f"line {at + 1}, {key}"
         raise CaseError(source, place, as_written(told[0]), *told[1:])
-    return declared, len(lines)
+    return declared
 
 
 def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str, float | None]:
@@ -184,7 +301,5 @@ def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str,
             raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
         si_unit = COLUMNS[name].unit.replace(" ", "*") if unit is not None else ""
         factors[name] = None if unit is None else unit_factor(source, f"{place}, {name}", si_unit, unit)
-    if "time" not in factors or len(factors) < 2:
-        lacks = "has no column time" if "time" not in factors else "holds time alone"
-        raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
+    _check_complete(source, place, factors)
     return factors

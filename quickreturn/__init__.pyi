@@ -4,6 +4,8 @@ from quickreturn.cases.case import Case as Case
 from quickreturn.cases.columns import UnknownColumn as UnknownColumn
 from quickreturn.cases.conformance import conform as conform
 from quickreturn.cases.errors import CaseError as CaseError
+from quickreturn.cases.recorded import RecordedTable as RecordedTable
+from quickreturn.cases.recorded import read_table as read_table
 from quickreturn.catalogue import case as case
 from quickreturn.catalogue import list_cases as list_cases
 from quickreturn.cross_validation import CrossValidation as CrossValidation

@@ -75,6 +75,8 @@ BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
 
 #: Argument of a function, or the name of an error's class -> the option that gives it.
 OPTIONS: Final = {
+    "columns": "--column",
+    "decimal": "--decimal",
     "free": "--free",
     "measures": "--measure",
     "overrides": "--set",

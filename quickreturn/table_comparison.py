@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
-#: A table: a path, a DataFrame or a dictionary of arrays with units in the headings, or a result of `simulate`.
-AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Trajectory | Any
+#: A table: a path, a DataFrame a dictionary of arrays with units in the headings, or what `simulate` or `read_table` returns.
+AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Trajectory | RecordedTable | Any
 
 #: Largest distance, over the smaller time step, of instants that count as the same. Times written with five digits are rounded by less.
 _SAME_INSTANT: Final = 1e-2
@@ -135,8 +135,8 @@ def compare(
 
     Args:
         case: a name, a path or a `Case`.
-        table: a path, a DataFrame or a dictionary of arrays whose headings have units ("tip_deflection [mm]"; none: SI), or a result of
-            `simulate`: `time` and any columns of a trajectory.
+        table: a path, a DataFrame or a dictionary of arrays whose headings have units ("tip_deflection [mm]"; none: SI), or what `simulate`
+            or `read_table` returns: `time` and any columns of a trajectory.
         engines: names, or engines that are installed, one or several; default: the four main ones.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
         settings: settings by engine: {"mujoco": {"links": 16}}.
@@ -243,6 +243,8 @@ def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
     Raises:
         CaseError: it cannot be read, or is not a table.
     """
+    if isinstance(given, RecordedTable):
+        return given
     if isinstance(given, Solution):
         return table_of(given.trajectory.columns, name, given.case.name)
     if isinstance(given, Trajectory):

@@ -86,6 +86,9 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         start = math.degrees(mechanism.crank.initial_angle)
         evenly = case.units.of("rad/s").text(speed, ".6g")
         remarks.append(f"no crank_angle was recorded: the crank is taken to turn evenly at {evenly}, from {start:.6g} deg at time 0")
+    elif "crank_angle" in table.unwrapped:  # which turn it is in, the wrapped angle does not say
+        turns = round((mechanism.crank.initial_angle - float(columns["crank_angle"][0])) / (2.0 * math.pi))
+        columns["crank_angle"] = columns["crank_angle"] + 2.0 * math.pi * turns
     _check_pace(table, columns, mechanism, case.name)
     begun, odd = _first_row(table, columns, mechanism)
     cycles = _cycles(table, columns)

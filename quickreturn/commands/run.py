@@ -8,7 +8,7 @@ import click
 
 from quickreturn.cases.displayed import in_lines
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.commands import console, options
+from quickreturn.commands import console, options, tables
 from quickreturn.commands.console import ExitCode
 from quickreturn.computing import Computing
 from quickreturn.reports.output import check_writable, print_json, write_file
@@ -67,6 +67,15 @@ def run(
 @options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines.")
 @options.accuracy
 @options.assignments
+@tables.options
+@click.option(
+    "--write-mapping",
+    "mapping",
+    metavar="[TOML]",
+    is_flag=False,
+    flag_value="",
+    help="Write what each heading is to a file beside FILE, for you to edit; it is read with FILE from then on.",
+)
 @options.single("--output", metavar="PICTURE", help="File for a picture of tables and engines: .png, .svg or .pdf.")
 @options.of_workshop
 @options.json
@@ -77,15 +86,19 @@ def compare(
     engines: Sequence[str],
     accuracy: float | None,
     assignments: Sequence[str],
+    columns: Sequence[str],
+    decimal: str | None,
+    mapping: str | None,
     output: str | None,
     as_json: bool,
     computing: Computing,
 ) -> int:
     """Measure recorded tables of CASE and compare them with engines.
 
-    A FILE is a CSV table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from
-    another tool, an earlier version or a test rig; `quickreturn show CASE --for-other-tools` says what to record. A table that begins in
-    the standard start and has not settled is compared with the engines in the same turn of the crank, any other table in the steady state.
+    A FILE is a table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from another
+    tool, an earlier version or a test rig. Separator, decimal sign, comments and a row of units are recognised and told; --column names
+    the columns of other programs. `quickreturn show CASE --for-other-tools` says what to record. A table that begins in the standard start
+    and has not settled is compared with the engines in the same turn of the crank, any other table in the steady state.
 
     The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
     the engine's own estimate. Exit codes 2 and 3 are those of `run`.
@@ -93,13 +106,14 @@ def compare(
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
     options.refuse_missing(engines)
+    if mapping is not None:
+        return tables.write_mapping(files, columns, decimal, mapping)
     if output is not None:
         check_writable(Path(output), loaded.source, *PICTURES)
-    from quickreturn.cases.recorded import read_table
     from quickreturn.table_comparison import compared, parts_of_tables, tables_in
     from quickreturn.verdict_text import as_document
 
-    results = compared(loaded, map(read_table, dict.fromkeys(files)), engines, settings, accuracy, computing)
+    results = compared(loaded, tables.read(files, columns, decimal), engines, settings, accuracy, computing)
     if as_json:
         document = as_document(results, console.call().notices)
         for entry, result in zip(document["cases"], results, strict=True):

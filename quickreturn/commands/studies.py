@@ -8,7 +8,7 @@ from typing import Final
 import click
 
 import quickreturn as qr
-from quickreturn.commands import console, options
+from quickreturn.commands import console, options, tables
 from quickreturn.commands.console import ExitCode
 from quickreturn.commands.options import PICTURES
 from quickreturn.computing import Computing
@@ -254,17 +254,26 @@ def resonance(
 @options.several(
     "--free", metavar="KEY", required=True, help='Parameter to find, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
 )
+@tables.options
 @options.case_assignments
 @options.single("--output", metavar="CASE_FILE", help="File for the case with the values found: .toml.")
 @options.limited
 @options.json
 @options.computing
 def calibrate(
-    case: str, file: str, free: Sequence[str], assignments: Sequence[str], output: str | None, as_json: bool, computing: Computing
+    case: str,
+    file: str,
+    free: Sequence[str],
+    columns: Sequence[str],
+    decimal: str | None,
+    assignments: Sequence[str],
+    output: str | None,
+    as_json: bool,
+    computing: Computing,
 ) -> int:
     """Find parameters of CASE from a recorded table by least squares.
 
-    FILE is a CSV table as `quickreturn compare` reads it. A table that begins in the standard start is fitted row by row in time, any other
+    FILE is a table as `quickreturn compare` reads it. A table that begins in the standard start is fitted row by row in time, any other
     table in the steady state at equal crank angles. The engine is reference; the search begins at the case's values, or those of --set.
 
     The 95 % intervals come from the residuals and allow for their correlation. The simulation's own error is given beside them. The output
@@ -273,7 +282,8 @@ def calibrate(
     loaded = options.load(case, options.read_overrides(assignments))
     if output is not None:
         check_writable(Path(output), loaded.source, ".toml")
-    found = qr.calibrate(loaded, file, free, limits=computing.limits, quiet=computing.quiet)
+    (table,) = tables.read([file], columns, decimal)
+    found = qr.calibrate(loaded, table, free, limits=computing.limits, quiet=computing.quiet)
     if output is not None:
         write_file(Path(output), found.fitted.to_toml().encode())
     if as_json:

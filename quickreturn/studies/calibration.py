@@ -18,8 +18,8 @@ def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limi
 
     Args:
         case: a name, a path or a `Case`, for all other values and for the first values of the search.
-        table: a path, a DataFrame or a dictionary of arrays with units in the headings, or a result of `simulate`; it begins in the
-            standard start or shows the steady state.
+        table: a path, a DataFrame or a dictionary of arrays with units in the headings, or what `simulate` or `read_table` returns;
+            it begins in the standard start or shows the steady state.
         free: keys of a case file, each alone, or with a range in which it lies: "tip.center_of_mass = 0 in .. 0.5 in".
         limits: time and memory limits of the process that computes; None: the default ones.
         quiet: whether progress on standard error is left out.

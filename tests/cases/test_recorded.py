@@ -76,8 +76,10 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("# case = x\n", ["no heading"]),
         ("time,tip_deflection\n", ["no rows"]),
         ("time,tip_deflecton [mm]\n0,1", ["line 1", "tip_deflecton", "tip_deflection", "--for-other-tools"]),
-        ("time;tip_deflection\n0;1", ["line 1", "semicolons", "commas"]),
-        ("time\ttip_deflection\n0\t1", ["line 1", "tabulators"]),
+        ("time;tip_x\n0;3\n1;1,234\n", ["line 3", "1,234", "two ways", "1234 or 1.234", "--decimal"]),
+        ("time;tip_x\n0;3,5\n1;1.5\n", ["line 3", "1.5", "decimal commas too"]),
+        ("time [s];tip_x\nms;m\n0;1\n", ["line 1", "time [s]", "ms", "one unit"]),
+        ("Time,crank.phi,tip_deflecton\n0,1,2", ["crank.phi", "crank_angle", "tip_deflecton", "tip_deflection", "--write-mapping"]),
         ("time,tip_deflection\n0;1\n", ["line 2, time", "0;1", "semicolons"]),
         ("time,tip_deflection\n0,1,5\n", ["line 2", "0,1,5", "3 numbers", "2 columns", "comma"]),
         ("time,tip_deflection [kg]\n0,1", ["line 1, tip_deflection", "kg", "a mass", "a length", "mm"]),
@@ -96,7 +98,7 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,tip_x\n0,1\n1,", ["line 3, tip_x", "is empty", "leave out"]),
         ("time,tip_x\n0,1\n1", ["line 3", "1 numbers", "2 columns"]),
         ("time,tip_x\n0,1_0", ["line 2, tip_x", "1_0"]),
-        ("time,tip_x\n[s],[m]\n0,1", ["line 2", "[s],[m]", "headings", "brackets"]),
+        ("time,tip_x\nbegin,now here\n0,1", ["line 2", "begin,now here", "headings", "brackets"]),
         ("0,1\n1,2", ["line 1", "heading"]),
         ("time,time [ms]\n0,1", ["line 1", "second time"]),
         ("tip_x\n0", ["no column time"]),
@@ -104,7 +106,7 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("# orgin = x\ntime,tip_x\n0,1", ["line 1", "orgin", "origin"]),
         ("# origin = guessed\ntime,tip_x\n0,1", ["line 1, origin", "guessed", "measured"]),
         ("# case = a\n# case = b\ntime,tip_x\n0,1", ["line 2", "twice"]),
-        ("# just a remark\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
+        ("# origin\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
     ],
 )
 def test_what_cannot_be_read_is_told(tmp_path: Path, text: str, words: list[str]) -> None:
@@ -145,6 +147,112 @@ def test_of_several_mistakes_in_memory_the_first_is_named(columns: dict[str, lis
         table_of(columns)
     assert str(refused.value).startswith(f"table: {told}")
     assert "\n" not in str(refused.value)
+
+
+FORMS = {
+    "Excel": (
+        "\ufeffsep=;\r\ntime [ms];crank_angle [deg];tip_x [mm]\r\n0;180;1.234,5\r\n0,5;181,25;2\r\n",
+        "semicolons, decimal comma",
+    ),
+    "tabs": ("Time (ms)\tcrank angle (deg)\tTip X (mm)\n0\t180\t1234.5\n0.5\t181.25\t2\n", "tabulators"),
+    "Exudyn": (
+        "#Exudyn sensor output file\n#sensor type = Body\n#time [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n",
+        "heading in a comment, 2 comment lines",
+    ),
+    "Dymola": (
+        '"time [ms]","crank_angle [deg]","tip_x [mm]","world.g"\n0,180,1234.5,9.81\n0.5,181.25,2,9.81\n',
+        "ignored: world.g",
+    ),
+    "LabVIEW": ("time;crank_angle;tip_x\nms;deg;mm\n0,0;180;1234,5\n0,5;181,25;2\n", "semicolons, decimal comma, units in the second row"),
+    "units in brackets": ("time,crank_angle,tip_x\n[ms],(deg),[mm]\n0,180,1234.5\n0.5,181.25,2\n", "units in the second row"),
+    "MATLAB": ("time,crank_angle [deg],tip_x [mm]\n0 sec,180,1234.5\n0.0005 sec,181.25,2\n", "durations"),
+    "clock": ("time,crank_angle [deg],tip_x [mm]\n00:00:00,180,1234.5\n00:00:00.0005,181.25,2\n", "durations"),
+    "blanks": ("% MBDyn\n  time [ms]  crank_angle [deg]  tip_x [mm]\n  0 180 1234.5\n 0.5   181.25 2\n", "blanks, 1 comment line"),
+    "blanks and commas": ("time [ms] crank_angle [deg] tip_x [mm]\n0 180 1234,5\n0,5 181,25 2\n", "blanks, decimal comma"),
+    "thousands": ("time [ms];crank_angle [deg];tip_x [mm]\n0;180;1,234.5\n0.5;181.25;2\n", "semicolons"),
+    "ends with a separator": ("time [ms];crank_angle [deg];tip_x [mm];\n0;180;1234.5;\n0.5;181.25;2;\n", "semicolons"),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_forms_of_other_programs_are_recognised_and_told(tmp_path: Path, form: str) -> None:
+    text, told = FORMS[form]
+    table = read_table(written(tmp_path, text))
+    assert table.told == f"read as: {told}, 2 rows"
+    assert set(table.columns) == {"time", "crank_angle", "tip_x"}
+    np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 181.25]), rtol=1e-14)
+    np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
+
+
+def test_a_table_of_the_projects_own_form_needs_no_word(tmp_path: Path) -> None:
+    assert read_table(written(tmp_path, f"{HEADING}\n{ROWS}")).told == ""
+
+
+@pytest.mark.parametrize(("sign", "value"), [(".", 1234.0), (",", 1.234)])
+def test_the_decimal_sign_that_is_asked_for_is_used(tmp_path: Path, sign: str, value: float) -> None:
+    table = read_table(written(tmp_path, "time;tip_x\n0;3\n1;1,234\n"), decimal=sign)
+    assert table.columns["tip_x"][1] == pytest.approx(value, rel=1e-15)
+
+
+FOREIGN = "t,phi,state,tip_x [mm]\n0,-90,on,1\n0.5,-450,off,2\n"
+MAPPED = ("t = time [ms]", "phi = -2 * crank_angle [deg] + 270")
+
+
+def test_columns_are_mapped_by_heading_with_sign_factor_offset_and_unit(tmp_path: Path) -> None:
+    table = read_table(written(tmp_path, FOREIGN), MAPPED)
+    np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 360.0]), rtol=1e-14)
+    np.testing.assert_allclose(table.columns["tip_x"], [1e-3, 2e-3], rtol=1e-14)
+    assert table.told == "read as: ignored: state, 2 rows"
+
+
+def test_a_mapping_beside_the_table_is_written_and_read(tmp_path: Path) -> None:
+    path = written(tmp_path, FOREIGN)
+    (tmp_path / "tool.toml").write_text(recorded.suggested_mapping(path, MAPPED))
+    table = read_table(path)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 360.0]), rtol=1e-14)
+    assert "columns by" in table.told
+    assert "tool.toml" in table.told
+    (tmp_path / "tool.toml").write_text('name = "x"\n[mechanism]\n[columns]\n')  # a case file beside it
+    with pytest.raises(CaseError, match="no column"):
+        read_table(path)
+
+
+def test_a_table_without_headings_is_mapped_by_position(tmp_path: Path) -> None:
+    path = written(tmp_path, "0 7 1234,5\n0,5 8 2\n")
+    table = read_table(path, ["1 = time [ms]", "3 = tip_x [mm]"])
+    np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
+    np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
+    with pytest.raises(CaseError, match="numbers where a heading is due; name the columns by position"):
+        read_table(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("phi", ["names no column", "crank.phi = crank_angle [deg]"]),
+        ("phi = crank_angel [deg]", ["crank_angel", "did you mean crank_angle"]),
+        ("phi = crank_angle [mm]", ["phi", "mm", "a length", "an angle"]),
+        ("phi = 0 * crank_angle", ["factor 0"]),
+        ("psi = crank_angle", ["psi", "no heading of this table", "t, phi, state"]),
+    ],
+)
+def test_a_mapping_that_cannot_be_is_told(tmp_path: Path, text: str, words: list[str]) -> None:
+    with pytest.raises(CaseError) as told:
+        read_table(written(tmp_path, FOREIGN), ["t = time [ms]", text])
+    for word in words:
+        assert word in str(told.value)
+
+
+def test_angles_that_wrap_are_made_continuous(tmp_path: Path) -> None:
+    turned = np.arange(170.0, 900.0, 7.0)
+    follower = 180.0 + 10.0 * np.sin(np.radians(turned))
+    rows = [f"{k},{(a + 180) % 360 - 180},{(b + 180) % 360 - 180}" for k, (a, b) in enumerate(zip(turned, follower, strict=True))]
+    table = read_table(written(tmp_path, "time,crank_angle [deg],follower_angle [deg]\n" + "\n".join(rows)))
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians(turned), rtol=1e-12)
+    np.testing.assert_allclose(table.columns["follower_angle"], np.radians(follower), rtol=1e-12)
+    assert "crank_angle made continuous, follower_angle made continuous" in table.told
 
 
 def test_a_name_is_safe_to_print(tmp_path: Path) -> None:

@@ -269,7 +269,7 @@ def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: 
             ['"time [ms]" and "crank_angle [deg]"'],
         ),
         ({"time": lambda t: 7.0 * t["time"]}, ["2.65 s", "0.378 s", "thesis-24"]),
-        ({"crank_angle": lambda t: t["crank_angle"] % (2.0 * np.pi)}, ["crank_angle", "jumps", "run on"]),
+        ({"crank_angle": lambda t: t["crank_angle"] + 4.0 * (t["time"] > 1.0)}, ["crank_angle", "jumps", "run on"]),
         ({"crank_angle": lambda t: -t["crank_angle"]}, ["crank_angle", "the other way", "counter-clockwise"]),
         ({"crank_angle": lambda t: t["crank_angle"] - 0.2 * np.sin(50.0 * t["crank_angle"])}, ["turns back"]),
     ],
@@ -279,6 +279,16 @@ def test_tables_that_cannot_be_of_the_case(transient: pd.DataFrame, recorded: Re
         recorded(transient, **changes)
     for word in words:
         assert word in str(told.value)
+
+
+@pytest.mark.parametrize("least", [0.0, -1.5 * np.pi])
+def test_a_wrapped_crank_angle_is_that_of_the_same_turn(transient: pd.DataFrame, recorded: Recorded, least: float) -> None:
+    wrapped = recorded(transient, crank_angle=lambda t: (t["crank_angle"] - least) % (2.0 * np.pi) + least)
+    plain = recorded(transient)
+    assert wrapped.approach.turn == plain.approach.turn == 5
+    assert plain.cycle is not None
+    assert wrapped.cycle is not None
+    np.testing.assert_allclose(wrapped.cycle["crank_angle"], plain.cycle["crank_angle"], rtol=1e-12)
 
 
 def test_too_little_of_it(transient: pd.DataFrame, recorded: Recorded) -> None:

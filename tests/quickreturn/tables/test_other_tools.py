@@ -134,3 +134,29 @@ def test_bad_input(call: Call, arguments: list[str], words: list[str]) -> None:
     assert (answer.code, answer.output) == (2, "")
     for word in words:
         assert word in answer.errors
+
+
+def test_a_table_of_another_program_is_compared_by_its_mapping(call: Call) -> None:
+    call("simulate", "rigid", "--engine", "reference", "--duration", "1 s", "--output", "own.csv")
+    heads, *rows = [line.split(",") for line in Path("own.csv").read_text().splitlines()]
+    kept = [heads.index(name) for name in ("time", "crank_angle", "slider_position")]
+    lines = [
+        ";".join(f"{number:.9g}".replace(".", ",") for number in (float(row[kept[0]]), -float(row[kept[1]]), 1e3 * float(row[kept[2]])))
+        for row in rows
+    ]
+    Path("export.csv").write_text("\n".join(["Time;phi;s", *lines]))
+    refused = call("compare", "rigid", "export.csv", "--engine", "reference")
+    assert refused.code == 2
+    assert "--write-mapping" in refused.errors
+    assert call("compare", "rigid", "export.csv", "--write-mapping").code == 0
+    text = Path("export.toml").read_text()
+    assert '"Time" = "time"' in text
+    Path("export.toml").write_text(
+        re.sub(r'"phi" = .*', '"phi" = "-crank_angle"', re.sub(r'"s" = .*', '"s" = "slider_position [mm]"', text))
+    )
+    answer = call("compare", "rigid", "export.csv", "--engine", "reference", "--json")
+    assert answer.code == 0, answer
+    assert "read as: semicolons, decimal comma, columns by export.toml, 1,001 rows" in answer.errors
+    # nine digits of the position
+    assert json.loads(answer.output)["cases"][0]["differences"]["export.csv"]["reference"]["slider_position"] < 1e-7
+    assert call("compare", "rigid", "export.csv", "--write-mapping").code == 2
