@@ -137,7 +137,9 @@ def _columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple
         key = next((each for each in (heading, name, str(number + 1)) if each in targets), None)
         target = _own_name(shown, written.place, heading) if key is None and headings is not None else targets.pop(key or "", None)
         if target is None or target.column == IGNORED:
-            (ignored if target is not None or headings is None or not similar_name(name, tuple(COLUMNS)) else unknown).append(heading)
+            (ignored if target is not None or headings is None or not similar_name(name, tuple(COLUMNS)) else unknown).append(
+                heading or f"column {number + 1}"
+            )
             continue
         if any(target.column == other.column for other, _ in used):
             raise CaseError(

@@ -170,6 +170,10 @@ FORMS = {
     "blanks": ("% MBDyn\n  time [ms]  crank_angle [deg]  tip_x [mm]\n  0 180 1234.5\n 0.5   181.25 2\n", "blanks, 1 comment line"),
     "blanks and commas": ("time [ms] crank_angle [deg] tip_x [mm]\n0 180 1234,5\n0,5 181,25 2\n", "blanks, decimal comma"),
     "thousands": ("time [ms];crank_angle [deg];tip_x [mm]\n0;180;1,234.5\n0.5;181.25;2\n", "semicolons"),
+    "pandas' index": (
+        ",time [ms],crank_angle [deg],tip_x [mm]\n0,0,180,1234.5\n1,0.5,181.25,2\n",
+        "ignored: column 1",
+    ),
     "ends with a separator": ("time [ms];crank_angle [deg];tip_x [mm];\n0;180;1234.5;\n0.5;181.25;2;\n", "semicolons"),
 }
 
