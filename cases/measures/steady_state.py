@@ -68,8 +68,9 @@ def cut_cycles(time: Array, crank_angle: Array, channels: Mapping[str, Array]) -
         rows = {
             name: np.hstack([at_ends[name][i], values[inside], at_ends[name][i + 1]]) for name, values in {"time": time, **columns}.items()
         }
-        if "follower_angle" in rows:  # of a follower that turns fully, too, every turn begins near 180 deg
-            rows["follower_angle"] -= 2.0 * np.pi * np.round(rows["follower_angle"][0] / (2.0 * np.pi) - 0.5)
+        angle = rows.get("follower_angle")
+        if angle is not None and abs(angle[-1] - angle[0]) > np.pi:  # it turns fully: every turn begins near 180 deg
+            rows["follower_angle"] = angle - 2.0 * np.pi * np.round(angle[0] / (2.0 * np.pi) - 0.5)
         cycles.append(Cycle(rows.pop("time"), rows.pop("crank_angle"), rows))
     return cycles
 
