@@ -1,0 +1,33 @@
+"""The rods of `examples/rods/`: the numbers of docs/rods.md, of those programs that are installed here."""
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+ROWS = re.findall(r"^\| ([^|]*) \| (\d+) \| ([^|]*) % \| ([^|]*) % \| ([^|]*) % \|$", (ROOT / "docs" / "rods.md").read_text("utf-8"), re.M)
+
+
+@pytest.fixture
+def errors(monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.syspath_prepend(str(ROOT / "examples" / "rods"))
+    yield importlib.import_module("errors")
+    for name in ("errors", "rod"):
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize(("program", "words"), [("mujoco_hinges", "MuJoCo, hinges"), ("exudyn_cable", "Exudyn, ANCF cable")])
+def test_the_errors_are_those_of_the_page(errors: Any, program: str, words: str) -> None:
+    (row,) = (row for row in ROWS if row[0] == words)
+    found = errors.errors(program, int(row[1]), sys.executable)
+    assert [100.0 * each for each in found[:3]] == pytest.approx([float(each) for each in row[2:]], abs=0.06)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("elastica") is not None, reason="PyElastica is installed")
+def test_a_program_that_is_not_installed_is_left_out_with_a_word(errors: Any) -> None:
+    with pytest.raises(RuntimeError, match="ModuleNotFoundError: No module named 'elastica'"):
+        errors.errors("pyelastica_rod", 5, sys.executable)
