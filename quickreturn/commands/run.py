@@ -70,10 +70,8 @@ def run(
 @tables.options
 @click.option(
     "--write-mapping",
-    "mapping",
-    metavar="[TOML]",
-    is_flag=False,
-    flag_value="",
+    "writes_mapping",
+    is_flag=True,
     help="Write what each heading is to a file beside FILE, for you to edit; it is read with FILE from then on.",
 )
 @options.single("--output", metavar="PICTURE", help="File for a picture of tables and engines: .png, .svg or .pdf.")
@@ -88,7 +86,7 @@ def compare(
     assignments: Sequence[str],
     columns: Sequence[str],
     decimal: str | None,
-    mapping: str | None,
+    writes_mapping: bool,
     output: str | None,
     as_json: bool,
     computing: Computing,
@@ -106,8 +104,8 @@ def compare(
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
     options.refuse_missing(engines)
-    if mapping is not None:
-        return tables.write_mapping(files, columns, decimal, mapping)
+    if writes_mapping:
+        return tables.write_mapping(files, columns, decimal)
     if output is not None:
         check_writable(Path(output), loaded.source, *PICTURES)
     from quickreturn.table_comparison import compared, parts_of_tables, tables_in

@@ -14,7 +14,7 @@ from quickreturn.reports.output import check_writable, write_file
 if TYPE_CHECKING:
     from quickreturn.cases.recorded import RecordedTable
 
-_MAPPED: Final = 'What a heading of FILE is: "crank.phi = crank_angle [deg]", "phi = -1 * crank_angle [deg] + 90"; may be given again.'
+_MAPPED: Final = 'What a heading of FILE is: "crank.phi = crank_angle [deg]", "phi = -1 * crank_angle [deg] + 90".'
 
 
 def options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -36,18 +36,17 @@ def read(paths: Iterable[str], columns: Sequence[str], decimal: str | None) -> "
     return read
 
 
-def write_mapping(files: Sequence[str], columns: Sequence[str], decimal: str | None, file: str) -> int:
-    """Write the mapping of the only table to a file, "" for the one beside it, unless that exists."""
+def write_mapping(files: Sequence[str], columns: Sequence[str], decimal: str | None) -> int:
+    """Write the mapping of the only table to the file beside it, unless that exists."""
     from quickreturn.cases.recorded import suggested_mapping
     from quickreturn.cases.text.column_mapping import mapping_file
 
     if len(files) != 1:
         raise click.UsageError("--write-mapping: give one FILE")
-    target = Path(file or mapping_file(files[0]))
+    target = Path(mapping_file(files[0]))
     if target.exists():
-        raise click.UsageError(f"--write-mapping: {target} exists already; edit it, or name another file")
+        raise click.UsageError(f"--write-mapping: {target} exists already; edit it")
     check_writable(target, files[0], ".toml")
     write_file(target, suggested_mapping(files[0], columns, decimal).encode())
-    told = "" if target == Path(mapping_file(files[0])) else f"; it is used when it is called {mapping_file(files[0])}"
-    click.echo(f"{target}: edit the lines with -, then compare again{told}")
+    click.echo(f"{target}: edit the lines with -, then compare again")
     return ExitCode.GOOD
