@@ -62,7 +62,7 @@ class Dimension:
     def advice(self, unit: str = "") -> str:
         """What to write, with an example in a unit (see `example_in`) and others that are accepted."""
         others = [other for other in self.examples if other != (unit or self.examples[0])]
-        return f"write one plain number, one space and a unit, such as {self.example_in(unit)} (or in {' or '.join(others)})"
+        return f"write one plain number, one space and a unit, such as {self.example_in(unit)} (other units: {', '.join(others)})"
 
     def accepts(self, exponents: Exponents) -> bool:
         """Whether a unit with these exponents measures this."""

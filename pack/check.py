@@ -48,8 +48,10 @@ def read_table(file: Path) -> dict[str, list[float]]:
     """The columns of a CSV table. Raises BadInput."""
     try:
         lines = [line for line in file.read_text("utf-8-sig").splitlines() if line.strip()]
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInput(f"{file}: cannot be read ({error})") from error
+    except OSError as error:
+        raise BadInput(f"{file}: cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise BadInput(f"{file}: is no text in UTF-8") from error
     names = [name.strip().strip('"') for name in lines[0].split(",")] if lines else []
     if "time" not in names:
         raise BadInput(f"{file}: the first line has no `time`; names are separated by commas, without units")

@@ -35,7 +35,12 @@ Array = NDArray[np.float64]
 SPEED: Final = 12.0  # rad/s
 WANTED: Final = 0.02
 NAMES: Final = (
-    *(name for name in MEASURES if name.startswith(("torque.", "flywheel.", "equivalent.")) or name.endswith(("_power", ".crank_torque"))),
+    *(
+        name
+        for name in MEASURES
+        if (name.startswith(("torque.", "flywheel.", "equivalent.")) or name.endswith(("_power", ".crank_torque")))
+        and name != "equivalent.stress"  # of the arm
+    ),
     *("turn.driven_energy", "turn.returned_energy", "turn.pivot_angle"),
 )
 

@@ -92,6 +92,6 @@ def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str
 
 def test_the_example_in_a_message_has_the_units_of_the_file() -> None:
     metric = SCENE.replace(' in"', ' mm"')
-    for text, unit, others in ((SCENE, "in", "mm or m"), (metric, "mm", "in or m")):
-        with pytest.raises(CaseError, match=f'has no unit; .* such as "2 {unit}" \\(or in {others}\\)'):
+    for text, unit, others in ((SCENE, "in", "mm, m"), (metric, "mm", "in, m")):
+        with pytest.raises(CaseError, match=f'has no unit; .* such as "2 {unit}" \\(other units: {others}\\)'):
             parse_case(text, "scene.toml", {"follower.width": "12"})

@@ -85,7 +85,16 @@ def checks() -> tuple[Check, ...]:
         parameters, state = draw_case(seed, present=1.0)
         p, shapes = build(parameters)
         made.append(Check(p, shapes, state_vector(p, state, *flexible(state)), expected_cubic(parameters, state)))
-    return (*made, _prescribed(), _quartics(), _exact())
+    return (*made, _exchanged(), _prescribed(), _quartics(), _exact())
+
+
+def _exchanged() -> Check:
+    """Crank's length and distance of the pivots exchanged, so that the follower turns fully."""
+    parameters, state = draw_case(1, present=1.0)
+    parameters |= {"crank_length": parameters["pivot_distance"], "pivot_distance": parameters["crank_length"]}
+    state |= {"crank_angle": 2.0}  # the oracle's follower is in its first turn
+    p, shapes = build(parameters)
+    return Check(p, shapes, state_vector(p, state, *flexible(state)), expected_cubic(parameters, state))
 
 
 def _prescribed() -> Check:
