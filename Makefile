@@ -8,6 +8,8 @@ TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
 PARALLEL ?= 2
 PROCESSES ?= 3
+# A test process that crashes ends the run: where xdist replaces it the others may wait for ever (3.8 with groups).
+CRASH := --max-worker-restart 0
 
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
@@ -21,17 +23,17 @@ report: $(READY)
 # longest files come first. Tests wait for programs, browsers and time limits, so that three processes keep two cores busy.
 test: $(TEST)
 	$(MAKE) --jobs $(PARALLEL) lint compile
-	$(BIN)/pytest -n $(PROCESSES) --dist loadgroup --no-loadscope-reorder
+	$(BIN)/pytest -n $(PROCESSES) $(CRASH) --dist loadgroup --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
 # SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`). LEDGER=1: enter
 # the slice in the ledger.
 verify: $(VERIFY)
 ifdef SLICE
-	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --slice $(SLICE) $(if $(MINUTES),--begin-within $(MINUTES)) $(if $(LEDGER),--keep-ledger)
+	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup -m verify --slice $(SLICE) $(if $(MINUTES),--begin-within $(MINUTES)) $(if $(LEDGER),--keep-ledger)
 else
 	$(BIN)/quickreturn benchmark
-	$(BIN)/pytest -n $(PARALLEL) --dist loadgroup -m verify --keep-outcome --keep-ledger
+	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup -m verify --keep-outcome --keep-ledger
 endif
 
 # Files of long tests whose code has changed since they last ran.

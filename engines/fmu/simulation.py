@@ -20,6 +20,7 @@ from quickreturn.reference_model.native import cache_folder
 
 _ADVICE: Final = "try a smaller engine.step, or ask the author of the FMU"
 _TERMINATED: Final = 3  # FMI 2's question whether the FMU wants to end the simulation
+_FATAL: Final = 4  # status in FMI 2 and 3 after which nothing of the instance may be called, not even what frees it
 _LONGEST: Final = 200  # characters of an FMU's message that a sentence quotes
 
 #: Paths of FMUs of which a process can hold one instance -> the simulation that holds it.
@@ -108,18 +109,22 @@ class FmuSimulation(Simulation):
         try:
             _, ended, early, _ = self._instance.doStep(at, step) or (False, False, False, 0.0)
         except Exception as error:
-            ended, early = self._wants_to_end(), False
+            ended, early = self._wants_to_end(error), False
             if not ended:
                 raise _Ended(f"a step from {at:.6g} s failed in the FMU: {self._words(error)}") from error
         if ended or early:
             raise _Ended(f"the FMU ended the simulation in the step from {at:.6g} s{self._last_words()}")
 
-    def _wants_to_end(self) -> bool:
-        with contextlib.suppress(Exception):
-            return self._fmu.fmi == "2" and bool(self._instance.getBooleanStatus(_TERMINATED))
+    def _wants_to_end(self, error: Exception) -> bool:
+        if self._fmu.fmi == "2" and getattr(error, "status", None) != _FATAL:
+            with contextlib.suppress(Exception):
+                return bool(self._instance.getBooleanStatus(_TERMINATED))
         return False
 
     def _words(self, error: Exception) -> str:
+        """What failed, as a clause. An instance that is lost is left as it is: to free it may corrupt the memory of the process."""
+        if getattr(error, "status", None) == _FATAL:
+            self.release.detach()
         return f"{str(error).rstrip('.') or type(error).__name__}{self._last_words()}"
 
     def _last_words(self) -> str:

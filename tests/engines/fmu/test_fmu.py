@@ -1,9 +1,12 @@
 """FMUs as engines: their motion, what they refuse, mistakes in the file beside them, and FMUs that fail."""
 
+import os
 import re
 import shutil
+import subprocess
+import sys
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +24,7 @@ from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine, usable_engine
 from quickreturn.engines.scene import check_scene
+from quickreturn.reference_model.native import cache_folder
 from quickreturn.reference_model.scene_values import changed
 from tests.engines.fmu.build import CASE, CHAIN, MACHINE, build_chain, build_machine
 
@@ -28,11 +32,15 @@ Make = Callable[..., Path]
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("fmus")
     build_machine(folder)
     build_chain(folder)
-    return folder
+    unpacked = Path(os.environ[cache_folder.VARIABLE])
+    before = set(unpacked.glob("fmu-*"))
+    yield folder
+    for of_the_tests in set(unpacked.glob("fmu-*")) - before:  # each build has a date of its own
+        shutil.rmtree(of_the_tests)
 
 
 @pytest.fixture
@@ -184,6 +192,28 @@ def test_an_fmu_that_fails_ends_the_run_with_a_sentence_and_keeps_its_rows(make:
         assert failed.value.partial is not None
         assert len(failed.value.partial) == 52
         assert failed.value.time == pytest.approx(0.051)
+
+
+def test_a_fatal_failure_leaves_the_memory_of_the_process_as_it_was(make: Make) -> None:
+    """An FMU of pythonfmu drops its objects when its code raises, and once more when it is freed, which the standard forbids then."""
+    path = make(MACHINE, ("[outputs]", "[set]\nmode = 3\n[outputs]"))
+    script = f"""
+import gc
+from quickreturn.cases.conformance.bench import Motion
+from quickreturn.cases.conformance.scenes import BASE
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.registry import engine
+one = engine({path!r})
+try:
+    Motion(BASE, 0.1).by(one, one.settings_for(0.01, BASE))
+except EngineFailure as failure:
+    assert "status 4 (fatal)" in str(failure), failure
+gc.collect()
+gc.collect()
+"""
+    # freed memory is overwritten, so that whoever uses it crashes
+    done = subprocess.run([sys.executable, "-c", script], env=os.environ | {"PYTHONMALLOC": "debug"}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_an_fmu_that_ends_its_process_takes_nothing_with_it(make: Make, capfd: pytest.CaptureFixture[str]) -> None:
