@@ -9,16 +9,17 @@ import math
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import ClassVar, Final, Self
+from dataclasses import dataclass, replace
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import Radau
 
-from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, installed
+from quickreturn.engines.base import EngineFailure, ModelDescription, Refusal, Simulation
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.settings import SettingError, Settings, setting
+from quickreturn.engines.one_resolution import OneResolution
+from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
@@ -27,8 +28,6 @@ from quickreturn.reference_model.scene_values import FORCES, OF_TORQUE, changed
 
 Array = NDArray[np.float64]
 
-#: Factor on the resolution for the run that the error is estimated with.
-_FINER: Final = 1.5
 #: Integration tolerance over the error of a resolution, and its loosest and tightest value. At 1e-5 the integration alone makes an error of
 #: 7e-4 with ten polynomials of docs/engine.md in a mild scene; in run 24 (error 3.8e-3) and with four of them (3.7e-3) it does not show.
 _TOLERANCE_PER_ERROR: Final = 5e-4
@@ -106,34 +105,13 @@ class Model(ABC):
             done = reached
 
 
-#: Attributes that an engine's class states.
-_NEEDED: Final = ("name", "method", "model", "library", "errors", "order")
+class SimpleEngine(OneResolution[SimpleSettings]):
+    """An engine with one resolution. Its `errors` are those of the tip deflection in the first 2 s of run 24."""
 
-
-class SimpleEngine(Engine[SimpleSettings]):
-    """An engine with one resolution."""
-
+    needed = ("name", "method", "model", "library", "errors", "order")
     settings_type = SimpleSettings
     default_accuracy = 0.05
     model: ClassVar[type[Model]]
-    #: Distribution whose version is the engine's.
-    library: ClassVar[str]
-    #: Resolution -> measured error of the tip deflection in the first 2 s of run 24, coarse to fine: the resolutions of the ladder.
-    errors: ClassVar[Mapping[int, float]]
-    #: Order of the error in the resolution, for the column that converges most slowly.
-    order: ClassVar[float]
-
-    def __new__(cls) -> Self:
-        """Raises TypeError: the class lacks attributes that every engine needs."""
-        if missing := [name for name in _NEEDED if not hasattr(cls, name)]:
-            raise TypeError(f"class {cls.__name__} lacks {', '.join(missing)}; docs/engine.md says what each of them is")
-        return super().__new__(cls)
-
-    def version(self) -> str:
-        return f"{self.library} {installed(self.library) or 'not installed'}"
-
-    def unavailable(self) -> str | None:
-        return None if installed(self.library) else f"the package {self.library} is not installed"
 
     def check(self, scene: Scene) -> None:
         """Refuse what `quantities` does not name, and a rigid follower."""
@@ -148,30 +126,20 @@ class SimpleEngine(Engine[SimpleSettings]):
         bodies = ("crank", f"follower, resolution {settings.resolution}", *(["tip body"] if mechanism.tip else []))
         return ModelDescription(bodies, ("crank pivot", "follower pivot", "slider on the follower"), free)
 
+    def _rung(self, resolution: int, error: float) -> SimpleSettings:
+        return SimpleSettings(resolution=resolution, tolerance=float(np.clip(_TOLERANCE_PER_ERROR * error, _TIGHTEST, _LOOSEST)))
+
+    def _refined(self, settings: SimpleSettings, resolution: int, factor: float) -> SimpleSettings:
+        """With a tolerance that falls like the error."""
+        return SimpleSettings(resolution=resolution, tolerance=max(_TIGHTEST, factor * settings.tolerance))
+
     def _ladder(self) -> Ladder[SimpleSettings]:
-        rungs = [
-            (SimpleSettings(resolution=size, tolerance=float(np.clip(_TOLERANCE_PER_ERROR * error, _TIGHTEST, _LOOSEST))), error)
-            for size, error in self.errors.items()
-        ]
-        return Ladder(tuple(rungs), "resolution", "tolerance", self.order)
-
-    def settings_for(self, accuracy: float, mechanism: Mechanism) -> SimpleSettings:
-        return self._ladder().pick(accuracy)
-
-    def comparisons(self, settings: SimpleSettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        """A run of 1.5 times the resolution, with a tolerance that falls like the error."""
-        more = math.ceil(_FINER * settings.resolution)
-        factor = (settings.resolution / more) ** self.order
-        return (Comparison(settings, SimpleSettings(resolution=more, tolerance=max(_TIGHTEST, factor * settings.tolerance)), factor),)
-
-    def finer(self, settings: SimpleSettings, excess: Mapping[str, float], output_step: float) -> SimpleSettings | None:
-        return self._ladder().finer(settings, excess)
+        return replace(super()._ladder(), tolerance="tolerance")
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: SimpleSettings) -> Simulation:
         """See `Engine.prepare`; SettingError: a resolution that is coarser than any that was measured."""
         self.check(mechanism)
-        if settings.resolution < (coarsest := min(self.errors)):
-            raise SettingError(f"engine.resolution: {settings.resolution} is not accepted; engine {self.name} begins with {coarsest}")
+        self._not_too_coarse(settings.resolution)
         began = time.perf_counter()
         model = self.model(mechanism, start, settings.resolution)
         return _SimpleSimulation(model, mechanism.follower.length, settings.tolerance, time.perf_counter() - began)

@@ -19,6 +19,8 @@ from quickreturn.engines.base import Refusal as Refusal
 from quickreturn.engines.base import Simulation as Simulation
 from quickreturn.engines.registry import UnknownEngine as UnknownEngine
 from quickreturn.engines.registry import engine as engine
+from quickreturn.engines.rod import Rod as Rod
+from quickreturn.engines.rod import RodEngine as RodEngine
 from quickreturn.engines.settings import SettingError as SettingError
 from quickreturn.engines.settings import Settings as Settings
 from quickreturn.engines.settings import setting as setting

@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from quickreturn.cases.conformance import conform
+
 ROOT = Path(__file__).resolve().parents[1]
 ROWS = re.findall(r"^\| ([^|]*) \| (\d+) \| ([^|]*) % \| ([^|]*) % \| ([^|]*) % \|$", (ROOT / "docs" / "rods.md").read_text("utf-8"), re.M)
 
@@ -31,3 +33,19 @@ def test_the_errors_are_those_of_the_page(errors: Any, program: str, words: str)
 def test_a_program_that_is_not_installed_is_left_out_with_a_word(errors: Any) -> None:
     with pytest.raises(RuntimeError, match="ModuleNotFoundError: No module named 'elastica'"):
         errors.errors("pyelastica_rod", 5, sys.executable)
+
+
+def test_an_adapter_takes_sixty_lines() -> None:
+    """That of the page, and PyElastica's: what an author writes, with its imports."""
+    page = (ROOT / "docs" / "rods.md").read_text("utf-8")
+    (block,) = (each for each in re.findall(r"```python\n(.*?)```", page, re.S) if "qr.RodEngine" in each)
+    script = (ROOT / "examples" / "rods" / "pyelastica_engine.py").read_text("utf-8")
+    assert [len(text.splitlines()) <= 60 for text in (block, script)] == [True, True]
+
+
+@pytest.mark.verify
+@pytest.mark.skipif(importlib.util.find_spec("elastica") is None, reason="PyElastica is not installed")
+def test_pyelastica_conforms(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "examples" / "rods"))
+    found = conform(importlib.import_module("pyelastica_engine").PyElasticaRod(), quiet=True)
+    assert found.conforms, found.failed
