@@ -7,6 +7,7 @@ is tried as a rod.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Final
 
 from quickreturn.cases.conformance.alone import alone
@@ -19,6 +20,7 @@ from quickreturn.cases.conformance.quantities import quantities
 from quickreturn.cases.conformance.repetition import NOT_TRIED, OtherProcesses, elsewhere, repetition
 from quickreturn.cases.conformance.resolution import resolution
 from quickreturn.cases.conformance.rods import motion_alone, rods
+from quickreturn.cases.conformance.turning import turning
 from quickreturn.cases.jobs.display import watched
 from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.isolation import STOPPED
@@ -49,7 +51,7 @@ def _follower_alone(bench: Bench) -> Iterator[Check]:
 _ALONE: Final = "follower alone"
 #: Groups of checks by name, in the order of the output. Numbers of runs are those of `reference`.
 GROUPS: Final[Mapping[str, Group]] = {
-    "motion": Group(lambda bench, _: motion(bench), (6, 2), True),
+    "motion": Group(lambda bench, _: chain(motion(bench), turning(bench)), (7, 3), True),
     "quantities": Group(lambda bench, _: quantities(bench), (65, 60), True),
     "resolution": Group(lambda bench, _: resolution(bench), (12, 2), False),
     "frequencies": Group(lambda bench, _: frequencies(bench), (0, 0), True),

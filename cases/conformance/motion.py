@@ -59,7 +59,7 @@ def motion(bench: Bench) -> Iterator[Check]:
     yield from dict.fromkeys(check for column, check in depending.items() if column not in wrong)  # an explained column is reported once
     wrong.update(depending)
     yield from _identities(bench.run(bench.mild), bench.scene, wrong)
-    yield check_by("first row of the standard start", _first_row, bench, bench.mild, wrong)
+    yield check_by("first row of the standard start", check_first_row, bench, bench.mild, wrong)
     yield from _bent(bench, wrong)
     if bench.seconds is not None:
         yield check_by("pieces continue", pieces, bench, wrong)
@@ -234,7 +234,7 @@ def _identities(run: Trajectory, scene: Mechanism, wrong: set[str]) -> Iterator[
         yield Check(check, "passed") if finding is None else Check(check, "failed", finding.cause, finding.advice)
 
 
-def _first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6) -> None:
+def check_first_row(bench: Bench, motion: Motion, wrong: set[str], part: float = 1e-6) -> None:
     """Check the first row: crank, follower and slider at the start, to `part` of the follower's length or of a radian."""
     run, scene = bench.run(motion), motion.scene
     assert scene.crank is not None
@@ -278,7 +278,7 @@ def _bent(bench: Bench, wrong: set[str]) -> Iterator[Check]:
     # the model reproduces a bent start to about its own error of the deflection
     deflection = rms(right["tip_deflection"])
     part = 0.5 * deflection if tolerances is None else tolerances["tip_deflection"] + 0.02 * deflection
-    first = check_by(f"first row of {check}", _first_row, bench, motion, wrong, part)
+    first = check_by(f"first row of {check}", check_first_row, bench, motion, wrong, part)
     if ignored := _ignored(run.columns, motion, start):
         yield Check(check, "failed", ignored, "see engines.start_state.reconstruct: it tells place and velocity of every point")
         return

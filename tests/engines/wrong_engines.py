@@ -84,3 +84,65 @@ class _Restarted(Simulation):
         half, rest = len(whole) // 2, len(whole) - len(whole) // 2
         columns = {name: np.concatenate([values[:half], values[:rest]]) for name, values in whole.columns.items()}
         return Trajectory({**columns, "time": whole["time"]}, whole.solve_seconds, whole.statistics)
+
+
+class OfASwingingArm(Disguised):
+    """Follows an arm that swings, and is wrong about one that turns fully."""
+
+    def __init__(self, sound: Engine) -> None:
+        super().__init__(sound)
+        self.quantities, self.default_accuracy = sound.quantities, sound.default_accuracy
+
+    def spoil(self, columns: dict[str, NDArray[np.float64]]) -> None:
+        """What goes wrong in a table."""
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
+        sound = self.sound.prepare(mechanism, start, settings)
+        return _Spoilt(sound, self) if mechanism.turns_fully else sound
+
+
+class _Spoilt(Simulation):
+    def __init__(self, sound: Simulation, engine: OfASwingingArm) -> None:
+        self._sound, self._engine, self.setup_seconds, self.time = sound, engine, sound.setup_seconds, sound.time
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        run = self._sound.advance(duration, output_step)
+        columns = dict(run.columns)
+        self._engine.spoil(columns)
+        return replace(run, columns=columns)
+
+
+class WrapsTheAngle(OfASwingingArm):
+    """The angle is that of numpy.arctan2."""
+
+    def spoil(self, columns: dict[str, NDArray[np.float64]]) -> None:
+        columns["follower_angle"] = np.angle(np.exp(1j * columns["follower_angle"]))
+
+
+class BeginsATurnLate(OfASwingingArm):
+    """The angle is a turn less than the crank's."""
+
+    def spoil(self, columns: dict[str, NDArray[np.float64]]) -> None:
+        columns["follower_angle"] = columns["follower_angle"] - 2.0 * np.pi
+
+
+class FoldsTheAngle(OfASwingingArm):
+    """The angle is that of an inverse tangent of one argument, made continuous: it is right beyond P and half a turn off."""
+
+    def spoil(self, columns: dict[str, NDArray[np.float64]]) -> None:
+        columns["follower_angle"] = columns["follower_angle"] - np.pi
+        columns["slider_position"] = -columns["slider_position"]
+
+
+class SlidesBehind(OfASwingingArm):
+    """The slider's place has the wrong sign."""
+
+    def spoil(self, columns: dict[str, NDArray[np.float64]]) -> None:
+        columns["slider_position"] = -columns["slider_position"]
+
+
+class TurnsTheDeflection(OfASwingingArm):
+    """The deflection is counted along n2, not across the arm, behind P."""
+
+    def spoil(self, columns: dict[str, NDArray[np.float64]]) -> None:
+        columns["tip_deflection"] = columns["tip_deflection"] * np.sign(np.cos(columns["follower_angle"]))
