@@ -29,7 +29,7 @@ from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpe
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
-from tests.verification.random_scenes import sensible_machines
+from tests.verification.random_machines import sensible_machines
 
 Array = NDArray[np.float64]
 SPEED: Final = 12.0  # rad/s

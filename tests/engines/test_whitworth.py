@@ -29,7 +29,8 @@ from quickreturn.reference_model.rigid import follower_inertia, rigid_motion
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.spring import Spring
 from tests.cases.conformance.mutants import column
-from tests.verification.random_scenes import OUTPUT_STEP, turning_machines
+from tests.verification.random_machines import turning_machines
+from tests.verification.random_scenes import OUTPUT_STEP
 
 MAIN = ("reference", "thesis", "exudyn", "mujoco")
 CASE = load_case("whitworth")

@@ -48,15 +48,8 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.verification.claims import deliveries, left_out, summary
-from tests.verification.random_scenes import (
-    OUTPUT_STEP,
-    Scene,
-    braked_machines,
-    combined_machines,
-    condition_of,
-    random_scenes,
-    sensible_machines,
-)
+from tests.verification.random_machines import braked_machines, combined_machines, sensible_machines
+from tests.verification.random_scenes import OUTPUT_STEP, Scene, condition_of, random_scenes
 
 SEED: Final = 1999
 ENGINES: Final = ("reference", "exudyn", "mujoco")

@@ -1,4 +1,4 @@
-"""Scenes drawn at random, for checks that must not know the scene beforehand: around the thesis' mechanism, and sensible machines.
+"""Scenes drawn at random around the thesis' mechanism, for checks that must not know the scene beforehand, and which scenes are sensible.
 
 Every quantity is drawn, most of them over a factor of three to thirty or more. Kept are sensible scenes: the slider stays on the follower's
 inner 98 %, the tip deflects by less than an eighth of the follower's length, and the motion is well conditioned. Violent scenes are
@@ -7,9 +7,10 @@ not: they magnify a change of the bending stiffness so much that models of any f
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from functools import partial
+from typing import Final
 
 import numpy as np
 from numpy.random import Generator
@@ -23,7 +24,6 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.natural_modes import stiffness_ratio
-from quickreturn.reference_model.rigid import crank_pace, static_deflection
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.tip import Tip
 
@@ -32,12 +32,6 @@ LARGEST_SLIDER_POSITION: Final = 0.98  # of the follower's length
 LARGEST_DEFLECTION: Final = 0.125  # of the follower's length
 LARGEST_CONDITION: Final = 50.0  # run 24 has 13 over 2 s; at twice its crank speed 80
 LEAST_STIFFNESS_RATIO: Final = 5.0  # first bending frequency over the crank's; run 24 has 4.1
-MACHINE_DURATION: Final = 2.0  # s
-COMBINED_DURATION: Final = 1.0  # s
-BRAKED_DURATION: Final = 0.5  # s
-
-#: Young's modulus (Pa), density (kg/m^3).
-MATERIALS: Final = {"steel": (210e9, 7850.0), "aluminium": (70e9, 2700.0), "plastic": (3e9, 1200.0)}
 
 #: Judges whether a scene around the thesis' mechanism is sensible; a few percent of error do no harm there.
 _JUDGE: Final = ReferenceSettings(modes=4, tolerance=1e-7)
@@ -75,73 +69,7 @@ def random_scenes(seed: int) -> Iterator[Scene]:
     generator, number = np.random.default_rng(seed), 0
     while True:
         mechanism, duration = _mechanism(generator), _duration(generator)
-        scene = _judged(f"random-{number + 1:02d}", mechanism, duration)
-        if scene is not None:
-            number += 1
-            yield scene
-
-
-def sensible_machines(seed: int) -> Iterator[Scene]:
-    """Machines such as an engineer would bring, without end, the same ones for the same seed.
-
-    Stroke of the tip 30 mm to 1.5 m, arm of steel, aluminium or plastic, 10 to 300 times as long as thick, crank at 5 to 600 rpm, tip body
-    of 0 to 5 times the arm's mass, driven and prescribed. No gravity: under its own weight a straight start rings for thousands of cycles,
-    and their phase is known to no model. Beside the criteria of `random_scenes` the first bending frequency must be five times the crank's
-    or more wherever the crank is held.
-    """
-    return _stiff_enough("machine-{:03d}", np.random.default_rng(seed), _machine, MACHINE_DURATION)
-
-
-def turning_machines(seed: int) -> Iterator[Scene]:
-    """Sensible machines whose follower turns fully, without end, the same ones for the same seed.
-
-    Crank and distance of the pivots of `sensible_machines` are exchanged; the slider then covers the same part of the follower.
-    """
-
-    def exchanged(generator: Generator) -> Mechanism:
-        machine = _machine(generator)
-        crank = dataclasses.replace(machine.crank, length=machine.pivot_distance)
-        return dataclasses.replace(machine, pivot_distance=machine.crank.length, crank=crank)
-
-    return _stiff_enough("turning-{:02d}", np.random.default_rng([seed, 13]), exchanged, MACHINE_DURATION)
-
-
-def combined_machines(seed: int) -> Iterator[Scene]:
-    """Sensible machines with everything at once, without end, the same ones for the same seed.
-
-    A slider with mass and in half of them with inertia, a compliant joint in half of them, 30 to 3000 times as stiff as the follower, a
-    force on the tip over a part of the turn in half of them, gravity in most; the follower's damping is 0.2 to 300 % of critical.
-    """
-    return _stiff_enough("combined-{:02d}", np.random.default_rng([seed, 7]), _with_everything, COMBINED_DURATION)
-
-
-def braked_machines(seed: int) -> Iterator[Scene]:
-    """`combined_machines` whose pivot is braked and hardly has inertia, without end, the same ones for the same seed.
-
-    The damper lets the arm turn at its base in 0.1 to 100 % of the time of its first vibration, friction bends it by 1 to 30 % of its
-    static deflection; there is one or the other, or both. Base inertia is 0 in half of them, else 1e-6 to 1e-3 times the arm's mass times
-    its length squared. Gauges stand within 3 % of both ends.
-    """
-    return _stiff_enough("braked-{:02d}", np.random.default_rng([seed, 11]), _braked, BRAKED_DURATION)
-
-
-def heavy_ends(seed: int) -> Iterator[Scene]:
-    """Sensible machines whose bodies at the ends bend the arm there, without end, the same ones for the same seed.
-
-    A tip body of 0.3 to 3 times the arm's mass, with its centre up to a sixth of the length beyond the end and a radius of gyration of 3 to
-    20 % of it; a base with up to a tenth of the arm's inertia and, in half of them, damping. The soft arms of `sensible_machines` are here.
-    """
-    return _stiff_enough("heavy-{:03d}", np.random.default_rng([seed, 11]), _with_heavy_ends, MACHINE_DURATION)
-
-
-def _stiff_enough(name: str, generator: Generator, draw: Callable[[Generator], Mechanism], duration: float) -> Iterator[Scene]:
-    """Sensible scenes whose first bending frequency is `LEAST_STIFFNESS_RATIO` times the crank's or more."""
-    number = 0
-    while True:
-        mechanism = draw(generator)
-        if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO:
-            continue
-        scene = _judged(name.format(number + 1), mechanism, duration)
+        scene = judged(f"random-{number + 1:02d}", mechanism, duration)
         if scene is not None:
             number += 1
             yield scene
@@ -162,8 +90,8 @@ def condition_of(mechanism: Mechanism, duration: float, output_step: float = OUT
     return _rms(other["tip_deflection"] - nominal["tip_deflection"]) / (_STIFFNESS_CHANGE * size), nominal
 
 
-def _judged(name: str, mechanism: Mechanism, duration: float) -> Scene | None:
-    """The scene, or None if it is not sensible."""
+def judged(name: str, mechanism: Mechanism, duration: float) -> Scene | None:
+    """The scene by that name, of that duration (s), or None if it is not sensible."""
     try:
         condition, motion = condition_of(mechanism, duration)
     except EngineFailure:
@@ -177,16 +105,18 @@ def _judged(name: str, mechanism: Mechanism, duration: float) -> Scene | None:
     return Scene(name, mechanism, duration, condition, deflection) if sensible else None
 
 
+def log_uniform(generator: Generator, low: float, high: float) -> float:
+    """A number that is drawn evenly over the orders of magnitude."""
+    return float(math.exp(generator.uniform(math.log(low), math.log(high))))
+
+
 def _duration(generator: Generator) -> float:
     return OUTPUT_STEP * round(generator.uniform(0.5, 1.0) / OUTPUT_STEP)
 
 
 def _mechanism(generator: Generator) -> Mechanism:
     """A scene whose parts fit together; the thesis' values lie within the ranges."""
-    uniform = generator.uniform
-
-    def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
-        return float(math.exp(uniform(math.log(low), math.log(high))))
+    uniform, between = generator.uniform, partial(log_uniform, generator)
 
     def sometimes(value: float) -> float:  # zero in half of the scenes
         return value if uniform() < 0.5 else 0.0
@@ -226,125 +156,6 @@ def _mechanism(generator: Generator) -> Mechanism:
         tip=Tip(mass=tip_mass, inertia=tip_mass * radius**2, center_of_mass=sometimes(uniform(0.0, 0.03))) if uniform() < 0.8 else None,
         slider=Slider(mass=sometimes(between(0.01, 0.3))),
         gravity=(gravity * math.cos(direction), gravity * math.sin(direction)),
-    )
-
-
-def _machine(generator: Generator) -> Mechanism:
-    """A machine whose parts fit together."""
-    uniform = generator.uniform
-
-    def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
-        return float(math.exp(uniform(math.log(low), math.log(high))))
-
-    stroke, swing, reach = between(0.03, 1.5), uniform(0.15, 0.6), uniform(0.6, 0.97)
-    length = stroke / (2.0 * swing)  # the tip swings by asin(crank length / pivot distance) to either side
-    pivot_distance = reach * length / (1.0 + swing)
-    crank_length = swing * pivot_distance
-    modulus, density = MATERIALS[generator.choice(tuple(MATERIALS))]
-    thickness = length / between(10.0, 300.0)
-    width = thickness * uniform(1.0, 5.0)
-    mass_per_length, bending_stiffness = density * width * thickness, modulus * width * thickness**3 / 12.0
-    arm = mass_per_length * length
-    tip_mass = arm * uniform(0.0, 5.0) if uniform() < 0.75 else 0.0
-    speed = between(5.0, 600.0) * math.pi / 30.0 * (1.0 if uniform() < 0.8 else -1.0)
-    base_inertia = 0.01 * arm * length**2 * uniform(0.0, 1.0)
-    # half to thirty times what the follower's inertia amounts to at the crank, turning on within 0.3 to 3 time constants a cycle
-    inertia = between(0.5, 30.0) * (arm / 3.0 + tip_mass) * length**2 * swing**2
-    damping = inertia * abs(speed) / (2.0 * math.pi) * between(0.3, 3.0)
-    prescribed = uniform() < 0.5
-    # 0.2 to 3 % of critical in the first bending vibration of a clamped arm, about
-    rate = 3.52 * math.sqrt(bending_stiffness / mass_per_length) / length**2
-    return Mechanism(
-        pivot_distance=pivot_distance,
-        crank=Crank(
-            length=crank_length,
-            drive=PrescribedSpeed(speed=speed) if prescribed else TorqueDrive(torque=damping * speed, damping=damping, initial_speed=speed),
-            inertia=inertia,
-        ),
-        base=Base(inertia=base_inertia),
-        follower=Follower(
-            length=length,
-            mass_per_length=mass_per_length,
-            bending_stiffness=bending_stiffness,
-            thickness=thickness,
-            width=width,
-            damping=2.0 * between(0.002, 0.03) * rate * mass_per_length,
-            strain_gauges=(0.25 * length, 0.5 * length, 0.75 * length),
-        ),
-        tip=Tip(mass=tip_mass, inertia=tip_mass * (length * uniform(0.01, 0.08)) ** 2) if tip_mass else None,
-    )
-
-
-def _with_everything(generator: Generator) -> Mechanism:
-    """A machine with all that can act on it, see `combined_machines`."""
-    machine, uniform = _machine(generator), generator.uniform
-
-    def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
-        return float(math.exp(uniform(math.log(low), math.log(high))))
-
-    follower = machine.follower
-    arm, length = follower.mass_per_length * follower.length, follower.length
-    rate = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / length**2
-    stiffness = 3.0 * follower.bending_stiffness / length**3
-    slider = Slider(
-        mass=arm * uniform(0.0, 0.5),
-        inertia=arm * (length * uniform(0.005, 0.03)) ** 2 if uniform() < 0.5 else 0.0,
-        joint_stiffness=stiffness * between(30.0, 3000.0) if uniform() < 0.5 else math.inf,
-    )
-    tip = machine.tip or Tip(mass=arm * uniform(0.1, 1.0), inertia=arm * (length * uniform(0.01, 0.08)) ** 2)
-    if uniform() < 0.5:
-        force, direction = stiffness * length * between(1e-4, 1e-2), uniform(0.0, 2.0 * math.pi)
-        acting: dict[str, Any] = {"force_from": math.pi - 1.5, "force_to": math.pi + 1.0, "force_ramp": 0.3}
-        tip = dataclasses.replace(tip, force=(force * math.cos(direction), force * math.sin(direction)), **acting)
-    weight, direction = 9.81 if uniform() < 0.6 else 0.0, uniform(0.0, 2.0 * math.pi)
-    return dataclasses.replace(
-        machine,
-        slider=slider,
-        tip=tip,
-        gravity=(weight * math.cos(direction), weight * math.sin(direction)),
-        follower=dataclasses.replace(follower, damping=2.0 * between(0.002, 3.0) * rate * follower.mass_per_length),
-    )
-
-
-def _braked(generator: Generator) -> Mechanism:
-    """A machine with all that can act on it and a braked pivot, see `braked_machines`."""
-    machine, uniform = _with_everything(generator), generator.uniform
-
-    def between(low: float, high: float) -> float:  # evenly over the orders of magnitude
-        return float(math.exp(uniform(math.log(low), math.log(high))))
-
-    follower, pace = machine.follower, crank_pace(machine)
-    length, arm = follower.length, follower.mass_per_length * follower.length
-    # a moment at the base deflects the tip by about M L^2 / (3 EI)
-    bending = 3.0 * follower.bending_stiffness / length**2 * static_deflection(machine, pace)
-    rate = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / length**2
-    kind = generator.choice(("damping", "friction", "both"))
-    return dataclasses.replace(
-        machine,
-        base=Base(
-            inertia=arm * length**2 * between(1e-6, 1e-3) if uniform() < 0.5 else 0.0,
-            damping=0.0 if kind == "friction" else 3.0 * follower.bending_stiffness / (length * rate) * between(1e-3, 1.0),
-            friction_torque=0.0 if kind == "damping" else bending * between(0.01, 0.3),
-        ),
-        slider=dataclasses.replace(machine.slider, inertia=0.0),  # which no engine models that shares no equations with `reference`
-        follower=dataclasses.replace(
-            follower, strain_gauges=(length * uniform(0.001, 0.03), length * uniform(0.3, 0.7), length * uniform(0.97, 0.995))
-        ),
-    )
-
-
-def _with_heavy_ends(generator: Generator) -> Mechanism:
-    """A machine with heavy bodies at both ends of its arm, see `heavy_ends`."""
-    machine, uniform = _machine(generator), generator.uniform
-    length = machine.follower.length
-    arm = machine.follower.mass_per_length * length
-    mass, radius = arm * uniform(0.3, 3.0), length * uniform(0.03, 0.2)
-    inertia = arm * length**2
-    damping = 0.3 * inertia * abs(crank_pace(machine)) * uniform() if uniform() < 0.5 else 0.0
-    return dataclasses.replace(
-        machine,
-        tip=Tip(mass=mass, inertia=mass * radius**2, center_of_mass=length * uniform(0.0, 1.0 / 6.0)),
-        base=Base(inertia=inertia * uniform(0.0, 0.1), damping=damping),
     )
 
 

@@ -10,7 +10,8 @@ from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.rigid import crank_pace
-from tests.verification.random_scenes import Scene, heavy_ends
+from tests.verification.random_machines import heavy_ends
+from tests.verification.random_scenes import Scene
 
 SEED: Final = 2027
 #: Engines with equations of their own, and accuracies that they are asked for; None: their default.

@@ -21,16 +21,8 @@ from quickreturn.engines.start import standard_start
 from tests.slices import Portion
 from tests.verification.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
 from tests.verification.claims import deliveries, judged, left_out, summary
-from tests.verification.random_scenes import (
-    LARGEST_CONDITION,
-    LARGEST_DEFLECTION,
-    LARGEST_SLIDER_POSITION,
-    Scene,
-    braked_machines,
-    combined_machines,
-    random_scenes,
-    sensible_machines,
-)
+from tests.verification.random_machines import braked_machines, combined_machines, sensible_machines
+from tests.verification.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
 from tests.verification.row import chapter
 
 #: Scenes that a slice of the long tests computes.

@@ -25,7 +25,7 @@ from quickreturn.engines.registry import engine
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed
 from tests.slices import Portion
-from tests.verification.random_scenes import sensible_machines
+from tests.verification.random_machines import sensible_machines
 from tests.verification.test_sensible_machines import SEED, case_of
 
 ENGINES: Final = ("reference", "mujoco")

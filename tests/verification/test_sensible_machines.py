@@ -22,7 +22,8 @@ from quickreturn.engines.relative import rms
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
 from tests.slices import Portion
-from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, Scene, sensible_machines
+from tests.verification.random_machines import sensible_machines
+from tests.verification.random_scenes import LEAST_STIFFNESS_RATIO, Scene
 
 ENGINES = ("reference", "mujoco")
 SEED = 603

@@ -14,7 +14,8 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
-from tests.verification.random_scenes import random_scenes, sensible_machines
+from tests.verification.random_machines import sensible_machines
+from tests.verification.random_scenes import random_scenes
 
 REQUIRED = [name for name in Trajectory.required if name != "time"]
 COLUMNS = ("tip_deflection", "strain_1", "strain_2", "slider_force", "moment_03", "pivot_force_x")

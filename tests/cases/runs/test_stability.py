@@ -15,7 +15,7 @@ from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.scene_values import changed
-from tests.verification.random_scenes import sensible_machines
+from tests.verification.random_machines import sensible_machines
 
 #: Modulus of the largest multiplier in the thesis' runs 1 to 24: eigenvalue of the whole Jacobian of a model with 8 modes, by central
 #: differences a third as large, integrated and searched to 1e-10 and 1e-6.

@@ -19,7 +19,8 @@ from tests.engines.energy import imbalance
 from tests.engines.exudyn.runs import bent_start, simulate
 from tests.engines.scenes import INCH, run_24
 from tests.slices import Portion
-from tests.verification.random_scenes import OUTPUT_STEP, sensible_machines
+from tests.verification.random_machines import sensible_machines
+from tests.verification.random_scenes import OUTPUT_STEP
 
 ENGINE = ExudynEngine()
 SEED = 1999
