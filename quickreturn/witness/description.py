@@ -12,15 +12,13 @@ import casadi as ca
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from quickreturn.derive import Beam, System, turned, vector
 from quickreturn.derive.system import column
-from quickreturn.derive.tables import Table
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
 from quickreturn.reference_model.spring import Spring
-from quickreturn.reference_model.tip import ROUNDING, ForceTable
+from quickreturn.witness.tool import ForceRows, share_of_turn
 
 Array = NDArray[np.float64]
 
@@ -67,24 +65,6 @@ def constants(scene: Mechanism) -> dict[str, float]:
         "spring_stiffness": law.stiffness, "spring_rest": law.rest, "spring_preload": law.preload, "spring_damping": law.damping,
         "spring_shortest": law.shortest, "spring_longest": law.longest, "stop_stiffness": law.stop, "stop_ramp": law.ramp,
     }  # fmt: skip
-
-
-class ForceRows(Table):
-    """A tool's force over the crank's turn, by scipy's monotone cubics through the points of three turns."""
-
-    def __init__(self, index: int, unit: str, away: ca.SX) -> None:
-        super().__init__(index, unit, away, -1e9, 2e9, np.zeros((1, 4, 2)))
-        self.curve, self.begin = PchipInterpolator([0.0, 2.0 * pi], np.zeros((2, 2))), 0.0
-
-    def follow(self, table: ForceTable, scale: float) -> None:
-        """Give the force that a table holds."""
-        points = [(angle, scale * a, scale * b) for angle, a, b in zip(table.angles, table.first, table.second, strict=True)]
-        turns = np.array([(angle + turn * 2.0 * pi, *force) for turn in (-1, 0, 1) for angle, *force in points])
-        self.curve, self.begin = PchipInterpolator(turns[:, 0], turns[:, 1:]), points[0][0]
-
-    def at(self, s: float, slope: bool = False) -> Array:
-        """Both components at a crank angle, or their derivatives by it."""
-        return np.asarray(self.curve(self.begin + (s - self.begin) % (2.0 * pi), int(slope)))
 
 
 class Follower(NamedTuple):
@@ -134,7 +114,7 @@ def quick_return(
     # bodies and drive
     system.body("crank", p.crank_mass, center, p.crank_inertia, q1)
     system.body("slider", p.slider_mass, crank_tip, p.slider_inertia, arm.angle)
-    components = _share_of_turn(q1, p) * vector(p.force_1, p.force_2)
+    components = share_of_turn(q1, p) * vector(p.force_1, p.force_2)
     if tabulated:
         force = ForceRows(0, "rad", q1 - system.freeze(q1))
         system.tables.append(force)
@@ -297,15 +277,6 @@ def _show(system: System, *outputs: tuple[str, Any, str]) -> None:
     for name, value, unit in outputs:
         for k, each in enumerate(ca.vertsplit(ca.SX(value))):
             system.output(name if ca.SX(value).numel() == 1 else f"{name}_{k}", each, unit)
-
-
-def _share_of_turn(crank_angle: ca.SX, p: Any) -> ca.SX:
-    """Part of the tip force that acts at a crank angle. It rises and falls as a polynomial of the fifth degree."""
-    whole = 2.0 * pi
-    turned_by = crank_angle - p.force_from
-    turned_by -= whole * ca.floor(turned_by / whole)
-    u = ca.fmax(0.0, ca.fmin(1.0, ca.fmin(turned_by, p.force_span - turned_by) / p.force_ramp))
-    return ca.if_else(p.force_span >= whole - ROUNDING, 1.0, u**3 * (10.0 - 15.0 * u + 6.0 * u**2))
 
 
 def _curvatures(psi: ca.SX, lengths: list[ca.SX], points: int) -> ca.SX:

@@ -20,8 +20,9 @@ from quickreturn.reference_model.motion.layout import BeamTables
 from quickreturn.reference_model.rigid import crank_pace, deflection_scale, rigid_motion, stiffness_across
 from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import Tip
-from quickreturn.witness.description import ForceRows, constants, quick_return
+from quickreturn.witness.description import constants, quick_return
 from quickreturn.witness.recovery import columns
+from quickreturn.witness.tool import ForceRows
 
 Array = NDArray[np.float64]
 
