@@ -26,19 +26,18 @@ test: $(TEST)
 	$(BIN)/pytest -n $(PROCESSES) $(CRASH) --dist loadgroup --no-loadscope-reorder
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
-# SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`). LEDGER=1: enter
-# the slice in the ledger.
+# SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`).
 verify: $(VERIFY)
 ifdef SLICE
-	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup -m verify --slice $(SLICE) $(if $(MINUTES),--begin-within $(MINUTES)) $(if $(LEDGER),--keep-ledger)
+	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup -m verify --slice $(SLICE) $(if $(MINUTES),--begin-within $(MINUTES))
 else
 	$(BIN)/quickreturn benchmark
-	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup -m verify --keep-outcome --keep-ledger
+	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup -m verify --keep-outcome
 endif
 
-# Files of long tests whose code has changed since they last ran.
+# Files with long tests that have not run since their code changed.
 verify-status: $(VERIFY)
-	$(BIN)/python -m tests.ledger
+	$(BIN)/pytest -m verify --ledger-status --quiet
 
 # For the project itself: results of the long studies as tables that the report shows where the user's own are missing.
 record: $(READY)

@@ -28,8 +28,8 @@ with suppress(FileExistsError):
     (TESTS_ALONE / "tests").symlink_to(Path(__file__).resolve().parent)
 sys.path.insert(0, str(TESTS_ALONE))
 
-from tests.ledger import Ledger, keeps  # noqa: E402 - found by the path above
-from tests.slices import LONGEST, Portion, Slices, add_options, slice_of  # noqa: E402 - found by the path above
+from tests.ledger import Ledger, Status  # noqa: E402 - found by the path above
+from tests.slices import LONGEST, UNREACHED, Portion, Slices, add_options, slice_of  # noqa: E402 - found by the path above
 
 hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
 hypothesis.settings.load_profile("quickreturn")
@@ -52,7 +52,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     add_options(parser)
-    parser.addoption("--keep-ledger", action="store_true", help="enter in tests/verify_ledger.csv each file whose long tests ran")
+    parser.addoption("--ledger-status", action="store_true", help="tell which of the tests should run again, and run none")
     parser.addoption("--keep-outcome", action="store_true", help="write the outcome to the store's folder, where the report finds it")
 
 
@@ -62,9 +62,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         if config.getoption("--keep-outcome"):
             config.pluginmanager.register(_Outcome(), "kept outcome")
-        if keeps(config):
-            part = slice_of(config)
-            config.pluginmanager.register(Ledger(part=str(part or "")), "kept ledger")
+        if config.getoption("--ledger-status"):
+            config.pluginmanager.register(Status(), "status of the ledger")
+        elif config.getoption("-m") == "verify":
+            config.pluginmanager.register(Ledger(UNREACHED), "ledger")
 
 
 @pytest.fixture

@@ -1,107 +1,70 @@
-"""The ledger of the long tests: when each file of tests last ran, with which code, and what came of it.
+"""The ledger of the long tests: with which code each of them last ran, and what came of it.
 
-`make verify` writes `verify_ledger.csv`, which is committed with the work; `python -m tests.ledger` (`make verify-status`) lists the files
-whose code has changed since: the file itself, or a module that it imports, directly or through others. A file may also run in slices
-(`make verify SLICE=k/n LEDGER=1`), one after the other: those that ran with the same code make up one entry.
+A run of long tests (`pytest -m verify`, of all, a slice or a few) enters each that ran in `verify_ledger.csv` in the store's folder.
+`make verify-status` lists the files with tests that have not run since their code changed: the file itself, or a module that it imports,
+directly or through others.
 """
 
 import csv
 import hashlib
 import io
-import re
 import subprocess
-import sys
+from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, fields, replace
-from functools import partial
+from dataclasses import asdict, dataclass, fields
+from functools import cache, partial
 from pathlib import Path
 from typing import Final
 
 import pytest
 
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.whole_file import write_atomically
 from quickreturn.reference_model.imported_modules import imported_modules, source_of
 
 ROOT: Final = Path(__file__).resolve().parents[1]
-LEDGER: Final = ROOT / "tests/verify_ledger.csv"
-#: What shows that a file has long tests: the mark, or laws, each of which has a long form.
-_LONG: Final = re.compile(r"^[ \t@]*[^#\n]*(?:mark\.verify|properties\.law import)", re.MULTILINE)
+FILE: Final = "verify_ledger.csv"
 
 
 @dataclass(frozen=True)
 class Entry:
-    """The last run of a file's long tests.
+    """The last run of a long test.
 
     Attributes:
-        group: the file, relative to the checkout.
+        test: its name, which begins with its file, relative to the checkout.
         commit: of the checkout, abbreviated.
         code: hash of the file and of all modules that it imports.
-        seconds: wall time of its tests, added up.
-        passed: number of cases; likewise `failed` and `skipped`.
-        slices: those that ran, such as "0 3 7/12"; "" where all cases ran at once.
+        seconds: wall time.
+        outcome: "passed", "failed" or "skipped".
     """
 
-    group: str
+    test: str
     commit: str
     code: str
-    seconds: int
-    passed: int = 0
-    failed: int = 0
-    skipped: int = 0
-    slices: str = ""
-
-    @property
-    def outcome(self) -> str:
-        """Numbers of cases, such as "3 passed, 1 failed"."""
-        counts = {"passed": self.passed, "failed": self.failed, "skipped": self.skipped}
-        return ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no case"
-
-    @property
-    def missing(self) -> list[int]:
-        """The slices that have not run."""
-        ran, count = _slices(self.slices)
-        return sorted(set(range(count)) - ran)
-
-    def after(self, earlier: "Entry | None") -> "Entry":
-        """The entry of this run and of the slices that ran before with the same code; of a slice that ran twice the first counts."""
-        if earlier is None or earlier.code != self.code or not self.slices:
-            return self
-        (ran, count), (before, count_before) = _slices(self.slices), _slices(earlier.slices)
-        if ran <= before or count_before == 0:  # all that ran now had run
-            return earlier if self.failed == 0 else self
-        if count != count_before:
-            return self
-        return replace(
-            self,
-            seconds=self.seconds + earlier.seconds,
-            passed=self.passed + earlier.passed,
-            failed=self.failed + earlier.failed,
-            skipped=self.skipped + earlier.skipped,
-            slices=" ".join(str(each) for each in sorted(ran | before)) + f"/{count}",
-        )
+    seconds: float
+    outcome: str
 
 
-def _slices(text: str) -> tuple[set[int], int]:
-    """Numbers and count of "0 3 7/12"; of "" none of none."""
-    numbers, _, count = text.partition("/")
-    return {int(each) for each in numbers.split()}, int(count or 0)
-
-
-def read(ledger: Path = LEDGER) -> dict[str, Entry]:
-    """The entries by their groups; none if there is no ledger."""
+def read(ledger: Path) -> dict[str, Entry]:
+    """The entries by their tests; none if there is no ledger."""
     if not ledger.is_file():
         return {}
     rows = csv.DictReader(io.StringIO(ledger.read_text("utf-8")))
-    whole = ("seconds", "passed", "failed", "skipped")
-    return {row["group"]: Entry(**row | {name: int(row[name]) for name in whole}) for row in rows}
+    return {row["test"]: Entry(**row | {"seconds": float(row["seconds"])}) for row in rows}
 
 
-def write(entries: Iterable[Entry], ledger: Path = LEDGER) -> None:
-    """Write the ledger, sorted by groups."""
+def write(entries: Iterable[Entry], ledger: Path) -> None:
+    """Write the ledger, sorted by tests."""
     text = io.StringIO()
     writer = csv.DictWriter(text, [field.name for field in fields(Entry)], lineterminator="\n")
     writer.writeheader()
-    writer.writerows(asdict(entry) for entry in sorted(entries, key=lambda entry: entry.group))
-    ledger.write_text(text.getvalue(), "utf-8")
+    writer.writerows(asdict(entry) for entry in sorted(entries, key=lambda entry: entry.test))
+    write_atomically(ledger, text.getvalue().encode())
+
+
+def file_of(test: str) -> str:
+    """The file of a test, relative to the checkout."""
+    return test.partition("::")[0]
 
 
 def source(root: Path, module: str) -> Path | None:
@@ -112,11 +75,11 @@ def source(root: Path, module: str) -> Path | None:
     return next((file for file in (place / "__init__.py", place.with_suffix(".py")) if file.is_file()), None)
 
 
-def code_of(group: str, root: Path = ROOT) -> str:
+def code_of(file: str, root: Path = ROOT) -> str:
     """Hash of a file of tests and of all modules that it imports."""
     digest = hashlib.sha256()
-    for module, file in imported_modules([group.removesuffix(".py").replace("/", ".")], find=partial(source, root)).items():
-        digest.update(f"{module} {hashlib.sha256(file.read_bytes()).hexdigest()}\n".encode())
+    for module, found in imported_modules([file.removesuffix(".py").replace("/", ".")], find=partial(source, root)).items():
+        digest.update(f"{module} {hashlib.sha256(found.read_bytes()).hexdigest()}\n".encode())
     return digest.hexdigest()[:16]
 
 
@@ -129,79 +92,66 @@ def commit(root: Path = ROOT) -> str:
     return found.stdout.strip()
 
 
-def long_files(root: Path = ROOT) -> list[str]:
-    """Files that have long tests, relative to the checkout."""
-    files = sorted((root / "tests").rglob("test_*.py"))
-    return [file.relative_to(root).as_posix() for file in files if _LONG.search(file.read_text("utf-8"))]
-
-
-def stale(entries: dict[str, Entry], groups: Iterable[str], code: Callable[[str], str] = code_of) -> dict[str, str]:
-    """Groups that should run again, each with the reason."""
-    found = {}
-    for group in groups:
-        entry = entries.get(group)
+def status(entries: dict[str, Entry], tests: Iterable[str], code: Callable[[str], str] = code_of) -> list[str]:
+    """A line for each file with tests that should run again, and why; the last one says how many need not."""
+    code, files, good, count = cache(code), dict[str, Counter[str]](), 0, 0
+    for count, test in enumerate(tests, 1):  # noqa: B007 - the last one is the number of all
+        entry = entries.get(test)
         if entry is None:
-            found[group] = "is not in the ledger"
-        elif entry.code != code(group):
-            found[group] = f"code has changed since {entry.commit}; it took {entry.seconds} s"
-        elif entry.failed:
-            found[group] = f"{entry.outcome} at {entry.commit}"
-        elif entry.missing:
-            found[group] = f"slices {', '.join(map(str, entry.missing))} have not run"
-    return found
+            reason = "never ran"
+        elif entry.code != code(file_of(test)):
+            reason = f"ran at {entry.commit}, with other code"
+        elif entry.outcome != "passed":
+            reason = f"{entry.outcome} at {entry.commit}"
+        else:
+            good += 1
+            continue
+        files.setdefault(file_of(test), Counter())[reason] += 1
+    lines = [f"{file}: {'; '.join(f'{number} {reason}' for reason, number in reasons.items())}" for file, reasons in files.items()]
+    return [*lines, f"{good} of {count} long tests passed with the code as it is"]
 
 
 class Ledger:
-    """Plugin that enters each file of which every long test has run, or every one of a slice ("3/12"; "" without)."""
+    """Plugin that enters each long test that ran, and none that was skipped for the reason `unreached`."""
 
-    def __init__(self, file: Path = LEDGER, root: Path = ROOT, part: str = "") -> None:
-        self.file, self.root, self.part = file, root, part
-        self.outcomes: dict[str, list[str]] = {}
-        self.seconds: dict[str, float] = {}
+    def __init__(self, unreached: str, root: Path = ROOT) -> None:
+        self.unreached = unreached
+        self.commit, self.code = commit(root), cache(partial(code_of, root=root))
+        self.entries: dict[str, Entry] = {}
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        """Read the code before it runs: it may change during hours of tests."""
+        self.code(file_of(nodeid))
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Count a case, and its time."""
-        group = report.nodeid.partition("::")[0]
-        self.seconds[group] = self.seconds.get(group, 0.0) + report.duration
-        if report.when == "call" or report.outcome != "passed":
-            self.outcomes.setdefault(group, []).append(report.outcome)
-
-    def pytest_sessionfinish(self, exitstatus: int) -> None:
-        """Write the ledger, unless the run was interrupted."""
-        if exitstatus not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED):
+        """Remember the outcome of a test, which has passed if all its parts have, and its time."""
+        if report.skipped and self.unreached in str(report.longrepr):
             return
-        at = commit(self.root)
-        entries = read(self.file)
-        groups = long_files(self.root)
-        for group in groups if self.part else self.outcomes:  # a file with no case in a slice has nothing left to run in it
-            outcomes = self.outcomes.get(group, [])
-            counts = (outcomes.count(name) for name in ("passed", "failed", "skipped"))
-            ran = Entry(group, at, code_of(group, self.root), round(self.seconds.get(group, 0.0)), *counts, slices=self.part)
-            entries[group] = ran.after(entries.get(group))
-        write((entry for entry in entries.values() if entry.group in groups), self.file)
+        before = self.entries.get(report.nodeid)
+        outcome = report.outcome if before is None or before.outcome == "passed" else before.outcome
+        seconds = round(report.duration + (before.seconds if before else 0.0), 2)
+        self.entries[report.nodeid] = Entry(report.nodeid, self.commit, self.code(file_of(report.nodeid)), seconds, outcome)
+
+    def pytest_sessionfinish(self) -> None:
+        """Write the ledger."""
+        if self.entries:
+            ledger = Store().folder / FILE
+            write((read(ledger) | self.entries).values(), ledger)
 
 
-def keeps(config: pytest.Config) -> bool:
-    """Whether a run enters its files: it was asked to, and leaves out none of their long tests. UsageError: it was asked to, and would."""
-    if not config.getoption("--keep-ledger"):
-        return False
-    partial_run = [name for name in ("--begin-within", "-k") if config.getoption(name)]
-    partial_run += [argument for argument in config.args if "::" in argument]
-    if partial_run or config.getoption("-m") != "verify":
-        without = ", ".join(partial_run) or "another -m"
-        raise pytest.UsageError(f"--keep-ledger needs all long tests of a file: -m verify, without {without}")
-    return True
+class Status:
+    """Plugin that tells which of the tests chosen should run again, and runs none."""
 
+    def __init__(self) -> None:
+        self.lines: list[str] = []
 
-def main() -> int:
-    """List what should run again."""
-    entries, groups = read(), long_files()
-    found = stale(entries, groups)
-    for group, reason in found.items():
-        sys.stdout.write(f"{group}: {reason}\n")
-    sys.stdout.write(f"{len(groups) - len(found)} of {len(groups)} files of long tests ran with the code as it is\n")
-    return 0
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Compare in place of running."""
+        self.lines = status(read(Store().folder / FILE), [item.nodeid for item in session.items])
+        return True
 
-
-if __name__ == "__main__":
-    sys.exit(main())
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Print the lines."""
+        for line in self.lines:
+            terminalreporter.write_line(line)

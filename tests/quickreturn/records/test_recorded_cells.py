@@ -205,5 +205,5 @@ def test_two_recorded_cells_come_out_again(study: str, request: pytest.FixtureRe
     chosen = slice_of(request.config)
     generator = random.Random(json.dumps([study, known.confirmed or known.commit, chosen.number if chosen else 0]))
     AGAIN[study](lambda cells: generator.sample(list(cells), min(CELLS, len(cells))), Workshop(Store(tmp_path), LocalProcesses()))
-    if request.config.getoption("--keep-ledger") and chosen is None:
+    if request.config.getoption("--keep-outcome") and chosen is None:
         confirm(study)
