@@ -95,6 +95,8 @@ def tip_force(tip: Tip, crank_angle: Array, end_angle: Array | float) -> NDArray
         crank_angle: rad.
         end_angle: of the follower's tangent at its flexible end, from n1, rad.
     """
+    if not tip.is_forced:
+        return np.zeros(np.shape(crank_angle), dtype=np.complex128)
     given = constants(tip).values()
     at = np.array([tool_force(angle, *given) for angle in np.ravel(crank_angle)]).reshape(*np.shape(crank_angle), 3)
     force = at[..., 0] * (at[..., 1] + 1j * at[..., 2])

@@ -263,21 +263,21 @@ def _nodes(known: KnownMoments, rows: Numbers, numbers: Numbers, inner: bool) ->
 
 
 def _polynomials(nodes: Array, values: Array, x: Array) -> Array:
-    """Values at `x` (shape (m,)) of Lagrange's polynomials through the nearest of the nodes (shape (rows, n)), shape (rows, m)."""
+    """Values at `x` (shape (m,)) of Newton's polynomials through the nearest of the nodes (shape (rows, n)), shape (rows, m)."""
     count = nodes.shape[1]
     through = min(THROUGH, count)
     cell = (x[None, :, None] > nodes[:, None, :]).sum(axis=2) - 1
     first = np.clip(cell - (through - 2) // 2, 0, count - through)
-    index = first[..., None] + np.arange(through)
-    near, near_values = (np.take_along_axis(each[:, None, :], index, axis=2) for each in (nodes, values))
-    interpolant = np.zeros(first.shape)
+    windows = np.arange(through)[:, None] + np.arange(count - through + 1)
+    near, differences = (np.moveaxis(each[:, windows], 1, 0) for each in (nodes, values))  # (through, rows, windows) each
     with np.errstate(divide="ignore", invalid="ignore"):  # a slider at the very end leaves a side without length, where no `x` lies
-        for j in range(through):
-            weight = np.ones(first.shape)
-            for k in range(through):
-                if k != j:
-                    weight *= (x - near[..., k]) / (near[..., j] - near[..., k])
-            interpolant += weight * near_values[..., j]
+        for order in range(1, through):
+            differences[order:] = np.diff(differences[order - 1 :], axis=0) / (near[order:] - near[:-order])
+        rows = np.arange(len(nodes))[:, None]
+        near, differences = near[:, rows, first], differences[:, rows, first]
+        interpolant = differences[-1]
+        for node, difference in zip(near[-2::-1], differences[-2::-1], strict=True):
+            interpolant = interpolant * (x - node) + difference
     return interpolant
 
 

@@ -26,7 +26,7 @@ def peak_of(signal: Array, columns: Mapping[str, Array], claim: Callable[[float]
         place: arc length at which the signal is taken, m; None if it is no quantity of the arm.
     """
     time = columns["time"]
-    largest = max(extremes(time, signal, time[0], time[-1]), key=lambda extreme: abs(extreme.value))
+    largest = max(extremes(time, signal)[0], key=lambda extreme: abs(extreme.value))
     angle = float(np.interp(largest.time, time, columns["crank_angle"])) if "crank_angle" in columns else None
     turned = None if angle is None else angle % (2.0 * math.pi)
     return replace(largest, value=abs(largest.value), estimate=claim(angle or 0.0), crank_angle=turned, place=place)

@@ -183,9 +183,9 @@ class _Arm:
         """Stress over moment, 1/m^3, and over normal force, 1/m^2."""
         return 1.0 / section_modulus(self.scene.follower), 1.0 / self.scene.follower.section.area()
 
-    def field(self, places: Array, every_row: bool = False) -> _Field:
-        """The stress at some places in some rows, or in all of them."""
-        step = 1 if every_row else max(1, self.known.slider.size // SEARCHED)
+    def field(self, places: Array) -> _Field:
+        """The stress at some places in some rows."""
+        step = max(1, self.known.slider.size // SEARCHED)
         known, (of_moment, of_force) = self.known.every(step), self.units
         moments, open_moments = interpolated(places, known), between(places, left_out(known), known)
         rows = {name: values[::step] for name, values in self.columns.items()}
@@ -195,7 +195,9 @@ class _Arm:
 
     def series(self, place: float, side: float) -> Array:
         """The stress at a place of a surface in all rows, Pa, shape (rows,)."""
-        return self.field(np.array([place]), every_row=True).at_surface(side)[:, 0]
+        places, (of_moment, of_force) = np.array([place]), self.units
+        forces, _ = axial_forces(self.scene, self.columns, self.known, places)
+        return np.asarray(side * of_moment * interpolated(places, self.known) + of_force * forces)[:, 0]
 
     def at_slider(self) -> Iterator[tuple[Array, Array]]:
         """Stress by bending and by the normal force on either side of the slider, Pa, shape (rows,) each; nothing where there is none."""
@@ -204,14 +206,14 @@ class _Arm:
             for moment, name in ((known.outboard, "axial_slider"), (known.inboard, "axial_inboard")):
                 yield of_moment * moment, of_force * (self.columns[name] if self.has_axial else np.zeros(moment.size))
 
-    def peak(self, place: float, side: float) -> Number:
-        """Peak of the magnitude at a place of a surface.
+    def peak(self, place: float, series: Array) -> Number:
+        """Peak of the magnitude of a `series` at a place.
 
         The claim is that for the moments at the nearest given places; a moment at an end without a column is zero.
         """
         twelfth = place / self.known.spacing
         given = [ALONG[number] for number in {math.floor(twelfth), math.ceil(twelfth)} if ALONG[number] in self.columns]
-        return peak_of(self.series(place, side), self.columns, self.claimed(given), place)
+        return peak_of(series, self.columns, self.claimed(given), place)
 
     def claimed(self, moments: Collection[str]) -> Callable[[float], float | None]:
         """Crank angle -> claim for a stress, Pa: the largest for the moments of these columns, and the largest for normal forces."""
@@ -240,7 +242,8 @@ def _largest(arm: _Arm, field: _Field) -> tuple[Number, Number]:
     row, at = (int(number) for number in np.unravel_index(int(sizes.argmax()), sizes.shape))
     axial = Number(float(field.axial[row, at]), measurement=float(field.axial_open[row, at]))
     side = _side(float(field.bending[row, at]), axial.value)
-    peak, beyond = arm.peak(float(field.places[at]), side), field.beyond(side, row, at)
+    place, beyond = float(field.places[at]), field.beyond(side, row, at)
+    peak = arm.peak(place, arm.series(place, side))
     for bending, along in arm.at_slider():
         row = int((np.abs(bending) + np.abs(along)).argmax())
         at_slider = peak_of(_side(float(bending[row]), float(along[row])) * bending + along, arm.columns, arm.claimed(["moment_slider"]))
@@ -270,12 +273,12 @@ def _worst(arm: _Arm, fields: Sequence[tuple[_Field, Array]], ratio: float, *, e
     _, field, side, at, factor = max(found, key=lambda each: each[0])
     place, time = float(field.places[at]), arm.columns["time"]
     series = arm.series(place, side)
-    low, high = extremes(time, series, time[0], time[-1])
+    ((low, high),) = extremes(time, series)
     amplitude, mean = (high.value - low.value) / 2.0, (high.value + low.value) / 2.0
     left_open = (low.uncertainty + high.uncertainty) / 2.0 + float(field.open[:, at].max())
     if even and field is fields[0][0]:
         left_open += field.beyond(side, int(np.abs(field.at_surface(side)[:, at]).argmax()), at)
-    error = replace(arm.peak(place, side), measurement=left_open).times(factor + (ratio if mean > 0.0 else 0.0))
+    error = replace(arm.peak(place, series), measurement=left_open).times(factor + (ratio if mean > 0.0 else 0.0))
     return Fatigue(
         equivalent=replace(error, value=float(equivalent_amplitude(factor * amplitude, mean, ratio))),
         notch_factor=factor,

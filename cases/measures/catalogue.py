@@ -81,7 +81,7 @@ class SettledMotion:
         """Least and greatest value of a column that the engine gives."""
         if column not in self._extremes:
             cycle = self.run.cycle
-            low, high = extremes(cycle["time"], cycle[column], cycle["time"][0], cycle["time"][-1])
+            ((low, high),) = extremes(cycle["time"], cycle[column])
             self._extremes[column] = self._claimed(column, low), self._claimed(column, high)
         return self._extremes[column]
 
@@ -210,7 +210,7 @@ def _power(sign: float, motion: SettledMotion) -> Number:
     cycle = motion.run.cycle
     if not {*drive.POWER} <= cycle.keys():
         return NO_NUMBER
-    largest = extremes(cycle["time"], sign * drive.drive_power(cycle), cycle["time"][0], cycle["time"][-1])[1]
+    ((_, largest),) = extremes(cycle["time"], sign * drive.drive_power(cycle))
     angle = float(np.interp(largest.time, cycle["time"], cycle["crank_angle"]))
     errors = [motion.claim(column, angle) for column in drive.POWER]
     sizes = [float(np.abs(cycle[column]).max()) for column in reversed(drive.POWER)]

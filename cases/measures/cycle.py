@@ -123,6 +123,7 @@ def measure_cycle(
     angle = CubicSpline(time, crank_angle)
     signals = {name: CubicSpline(time, values) for name, values in channels.items()}
     filtered = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
+    ends = {name: extremes(time, values, boundaries) for name, values in filtered.items()}
     vibrating = [name for name in channels if scale is not None and name in scale.channels]
     measures: list[ChannelMeasures] = []
     consensuses: list[Consensus] = []
@@ -131,13 +132,13 @@ def measure_cycle(
     vibrations = _vibrations(
         [{name: channel_half(scale, half, name, signals[name]) for name in vibrating} for half in halves] if scale else []
     )
-    for half, (start, end), fitted in zip(HALVES, spans, vibrations or ({}, {}), strict=True):
+    for at, (half, fitted) in enumerate(zip(HALVES, vibrations or ({}, {}), strict=True)):
         for name in channels:
             first, second = fitted.get(name, NO_VIBRATION)
-            low, high = extremes(time, filtered[name], start, end)
+            low, high = ends[name][at]
             vibration = first.frequency, first.frequency_uncertainty, first.amplitude, first.amplitude_uncertainty
-            ends = low.value, low.uncertainty, high.value, high.uncertainty
-            measures.append(ChannelMeasures(half, name, *vibration, second, *ends, first.reason))
+            found = low.value, low.uncertainty, high.value, high.uncertainty
+            measures.append(ChannelMeasures(half, name, *vibration, second, *found, first.reason))
         consensuses.append(consensus_of(half, [measure for measure in measures if measure.half == half]))
     return CycleMeasures(tuple(measures), tuple(consensuses))
 
@@ -145,7 +146,7 @@ def measure_cycle(
 def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[Number, Number]]:
     """Least and greatest value of any column in each half of a cycle; arguments and errors as of `measure_cycle`."""
     filtered, boundaries = low_pass(time, values) if measured else values, _boundaries(time, crank_angle)
-    return {half: extremes(time, filtered, *boundaries[at : at + 2]) for at, half in enumerate(HALVES)}
+    return dict(zip(HALVES, extremes(time, filtered, boundaries), strict=True))
 
 
 def consensus_of(half: str, measures: Sequence[ChannelMeasures]) -> Consensus:

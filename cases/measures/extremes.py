@@ -1,4 +1,6 @@
-"""Least and greatest value of a channel in a half cycle."""
+"""Least and greatest value of a channel in each half of a cycle."""
+
+import itertools
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
@@ -36,30 +38,33 @@ def low_pass(time: Array, signal: Array) -> Array:
     return np.asarray(periodic(time))
 
 
-def extremes(time: Array, signal: Array, start: float, end: float) -> tuple[Number, Number]:
-    """Minimum and maximum of the cubic spline through a signal between two instants (s), both included, without an engine's estimate.
+def extremes(time: Array, signal: Array, boundaries: Array | None = None) -> list[tuple[Number, Number]]:
+    """Minimum and maximum of the cubic spline through a signal between any two neighbouring boundaries, without an engine's estimate.
 
-    The spline is evaluated between the samples and at the ends: if a half begins on a steep flank, the nearest samples of two engines
+    The spline is evaluated between the samples and at the boundaries: if a half begins on a steep flank, the nearest samples of two engines
     differ by a good percent of the peak.
 
     Args:
         time: s, increasing, shape (n,).
         signal: shape (n,).
-        start: s, within the samples but for round-off.
-        end: s, likewise.
+        boundaries: s, increasing, within the samples but for round-off; None: the first and the last sample.
     """
-    curve = CubicSpline(time, signal)
+    curve, left_out = CubicSpline(time, signal), _left_out(time, signal)
     turning = curve.turning_points()
-    inside = turning[(turning > start) & (turning < end)]
-    instants = np.concatenate([np.clip([start, end], time[0], time[-1]), inside])
-    values, left_out = curve(instants), _left_out(time, signal)
 
-    def extreme(at: int) -> Number:
-        before = int(np.searchsorted(time, instants[at]))
-        near = left_out[max(before - 2, 0) : before + 2]
-        return Number(float(values[at]), measurement=CORNER * float(near.max()), time=float(instants[at]))
+    def between(start: float, end: float) -> tuple[Number, Number]:
+        inside = turning[(turning > start) & (turning < end)]
+        instants = np.concatenate([np.clip([start, end], time[0], time[-1]), inside])
+        values = curve(instants)
 
-    return extreme(int(values.argmin())), extreme(int(values.argmax()))
+        def extreme(at: int) -> Number:
+            before = int(np.searchsorted(time, instants[at]))
+            near = left_out[max(before - 2, 0) : before + 2]
+            return Number(float(values[at]), measurement=CORNER * float(near.max()), time=float(instants[at]))
+
+        return extreme(int(values.argmin())), extreme(int(values.argmax()))
+
+    return [between(*pair) for pair in itertools.pairwise(time[[0, -1]] if boundaries is None else boundaries)]
 
 
 def _left_out(time: Array, signal: Array) -> Array:

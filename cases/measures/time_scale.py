@@ -71,7 +71,7 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     return _tabulated(changed(mechanism, of_torque if mechanism.crank_is_free else {"crank.prescribed_speed": 1.0}))
 
 
-@functools.lru_cache(maxsize=4)  # several recorded tables are measured in one scene, and so are their engines
+@functools.lru_cache(maxsize=32)  # several recorded tables are measured in one scene, and so are their engines
 def _tabulated(mechanism: Mechanism) -> TimeScale:
     """The scale of a scene with a flexible follower, whatever its speed."""
     angles = turn_angles(mechanism, ANGLES)

@@ -146,7 +146,7 @@ def _following(bare: Mechanism, modes: int, base_shape: bool, covered: _Range) -
     return Following(tables, covered.high - reach.leaving * bare.follower.length, family, seconds)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _family(bare: Mechanism, modes: int, base_shape: bool, covered: _Range) -> tuple[ModeFamily, float]:
     """The modes as functions, and the wall time (s) that making them took."""
     began = time.perf_counter()

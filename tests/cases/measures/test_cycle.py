@@ -88,7 +88,7 @@ def test_extremes_belong_to_their_half() -> None:
 def test_extremes_do_not_depend_on_where_the_samples_lie(samples: int, waves: float, phase: float) -> None:
     time = np.linspace(0.0, 1.0, samples)
     start, end = 0.2137, 0.7411  # between samples
-    found = extremes(time, np.sin(2.0 * np.pi * waves * time + phase), start, end)
+    (found,) = extremes(time, np.sin(2.0 * np.pi * waves * time + phase), np.array([start, end]))
     dense = np.sin(2.0 * np.pi * waves * np.linspace(start, end, 20_001) + phase)
     # a cubic spline with ten samples in a wave is off by 5/384 (2 pi / 10)^4 = 2e-3, at the ends of the samples by some times that
     assert [each.value for each in found] == pytest.approx([dense.min(), dense.max()], abs=4e-3)
@@ -102,7 +102,7 @@ def test_a_corner_between_samples_is_missed_by_no_more_than_is_said(place: float
     corner, last = 20.0 + place, 30.0
     away = time - corner
     signal = np.where(away < 0.0, away, -other_side * away) - bend * (away / 10.0) ** 2
-    _, highest = extremes(time, signal, 10.0, last)
+    ((_, highest),) = extremes(time, signal, np.array([10.0, last]))
     # on the other side the signal is a parabola in the distance from the corner: where it rises its peak is at the end or before it
     farthest = last - corner
     top = farthest if bend == 0.0 else min(max(-50.0 * other_side / bend, 0.0), farthest)
@@ -113,7 +113,7 @@ def test_a_corner_between_samples_is_missed_by_no_more_than_is_said(place: float
 def test_smooth_extremes_are_hardly_uncertain() -> None:
     """Twelve samples in a wave, as cycles of simulations have in one of the third mode; 16 times what the spline is off by."""
     time = np.linspace(0.0, 10.0, 121)
-    for extreme, true in zip(extremes(time, np.sin(2.0 * np.pi * time), 2.0, 8.0), (-1.0, 1.0), strict=True):
+    for extreme, true in zip(extremes(time, np.sin(2.0 * np.pi * time), np.array([2.0, 8.0]))[0], (-1.0, 1.0), strict=True):
         assert abs(extreme.value - true) < extreme.uncertainty < 0.02
 
 
