@@ -61,13 +61,9 @@ inline Table read_table(const std::string& file) {
         if (trimmed(line).empty()) continue;
         const auto fields = fields_of(line);
         const std::string row = file + ", row " + std::to_string(++number);
-        if (number == 1) {
-            names = fields;
-            columns.resize(names.size());
-            continue;
-        }
+        if (number == 1) columns.resize((names = fields).size());
         if (fields.size() != names.size()) throw BadInput(row + ": " + std::to_string(fields.size()) + " fields, " + std::to_string(names.size()) + " names");
-        for (size_t k = 0; k < fields.size(); ++k) {
+        for (size_t k = 0; number > 1 && k < fields.size(); ++k) {
             char* end = nullptr;
             const double value = fields[k].empty() ? std::numeric_limits<double>::quiet_NaN() : std::strtod(fields[k].c_str(), &end);
             if (end && *end) throw BadInput(row + ": not numbers: " + line.substr(0, 60));
@@ -78,9 +74,8 @@ inline Table read_table(const std::string& file) {
     for (size_t k = 0; k < names.size(); ++k) table[names[k]] = columns[k];
     if (!table.count("time")) throw BadInput(file + ": the first line has no `time`; names are separated by commas, without units");
     const Column& time = table["time"];
-    bool increases = time.size() > 1;
-    for (size_t k = 1; k < time.size(); ++k) increases = increases && time[k - 1] < time[k];
-    if (!increases) throw BadInput(file + ": the times do not increase, or are fewer than two");
+    const bool falls = std::adjacent_find(time.begin(), time.end(), [](double a, double b) { return !(a < b); }) != time.end();
+    if (time.size() < 2 || falls) throw BadInput(file + ": the times do not increase, or are fewer than two");
     return table;
 }
 
@@ -99,38 +94,35 @@ inline double interpolated(const Column& times, const Column& values, double t) 
 }
 
 inline Verdict judged_signal(const std::string& name, double bound, double horizon, const Table& right, const Table& table) {
+    struct Row {
+        double time, error;
+    };
     if (!table.count(name)) return {name, "missing", ""};
     const Column &times = right.at("time"), &values = right.at(name), &time = table.at("time"), &own = table.at(name);
     const double begin = times.front(), slack = 1e-9 * (times.back() - begin);
-    double before = begin, worst = -1, at = begin, later = std::numeric_limits<double>::quiet_NaN(), gap_from = 0, gap_to = -1;
-    auto pass = [&](double t) {
-        if (gap_to < gap_from && t - before > (horizon - begin) / 50 + slack) gap_from = before, gap_to = t;
-        before = t;
-    };
-    std::string no_number;
-    long beyond = 0;
+    std::vector<Row> now, later;
     for (size_t k = 0; k < time.size(); ++k) {
-        const double t = time[k];
-        beyond += t > horizon + slack;
-        if (t < begin - slack || t > times.back() + slack) continue;
-        const double error = std::abs(own[k] - interpolated(times, values, t));
-        if (t > horizon + slack) {
-            if (!(error <= bound) && std::isnan(later)) later = t;
-            continue;
-        }
-        pass(t);
-        if (!std::isfinite(error) && no_number.empty()) no_number = "not a number at " + text(t) + " s";
-        if (error > worst) worst = error, at = t;
-        if (worst < 0) worst = 0;
+        const Row row{time[k], std::abs(own[k] - interpolated(times, values, time[k]))};
+        if (begin - slack <= row.time && row.time <= horizon + slack) now.push_back(row);
+        if (horizon + slack < row.time) later.push_back(row);
     }
-    if (worst < 0) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
-    pass(horizon);
-    if (gap_from < gap_to) return {name, "outside", "no row between " + text(gap_from) + " and " + text(gap_to) + " s; the horizon is " + text(horizon) + " s"};
-    if (!no_number.empty()) return {name, "outside", no_number};
-    const std::string off = "off by " + text(worst, 2), limit = ", bound " + text(bound, 2);
-    if (worst > bound) return {name, "outside", off + " at " + text(at) + " s" + limit};
-    if (!std::isnan(later)) return {name, "beyond the horizon", "within up to " + text(horizon) + " s; off from " + text(later) + " s"};
-    return {name, "within", off + limit + (beyond ? "; " + std::to_string(beyond) + " rows beyond the horizon" : "")};
+    if (now.empty()) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
+    const Row worst = *std::max_element(now.begin(), now.end(), [](const Row& a, const Row& b) { return a.error < b.error; });
+    now.push_back({horizon, 0});
+    double before = begin;
+    for (const Row& row : now) {
+        if (row.time - before > (horizon - begin) / 50 + slack)
+            return {name, "outside", "no row between " + text(before) + " and " + text(row.time) + " s; the horizon is " + text(horizon) + " s"};
+        before = row.time;
+    }
+    for (const Row& row : now)
+        if (!std::isfinite(row.error)) return {name, "outside", "not a number at " + text(row.time) + " s"};
+    const std::string off = "off by " + text(worst.error, 2), limit = ", bound " + text(bound, 2);
+    if (worst.error > bound) return {name, "outside", off + " at " + text(worst.time) + " s" + limit};
+    for (const Row& row : later)
+        if (row.time <= times.back() + slack && !(row.error <= bound))
+            return {name, "beyond the horizon", "within up to " + text(horizon) + " s; off from " + text(row.time) + " s"};
+    return {name, "within", off + limit + (later.empty() ? "" : "; " + std::to_string(later.size()) + " rows beyond the horizon")};
 }
 
 // The verdicts on the signals of a table; `share` of each signal's largest value is added to its bound.
@@ -142,13 +134,11 @@ inline std::vector<Verdict> judged(const std::string& folder, const std::string&
     const Table right = read_table(folder + "/" + problem + "/results.csv"), table = read_table(file);
     const std::regex entry("\"(\\w+)\": \\{\"bound\": ([^,]+), \"horizon\": ([^,]+), \"scale\": ([^,]+),");  // a line for each signal
     std::vector<Verdict> verdicts;
-    bool any = false;
     for (std::sregex_iterator each(bounds.begin(), bounds.end(), entry), end; each != end; ++each) {
         const double bound = std::stod((*each)[2]) + share * std::stod((*each)[4]);
         verdicts.push_back(judged_signal((*each)[1], bound, std::stod((*each)[3]), right, table));
-        any = any || verdicts.back().status != "missing";
     }
-    if (!any) throw BadInput(file + ": has none of the signals of " + problem);
+    if (std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& each) { return each.status == "missing"; })) throw BadInput(file + ": has none of the signals of " + problem);
     return verdicts;
 }
 

@@ -15,13 +15,9 @@ function code = check(problem, file, share)
     code = 2;
     return
   end
-  code = 0;
-  for k = 1:size(verdicts, 1)
-    fprintf('%-18s %-18s %s\n', verdicts{k, :});
-    if strcmp(verdicts{k, 2}, 'outside')
-      code = 1;
-    end
-  end
+  lines = verdicts';
+  fprintf('%-18s %-18s %s\n', lines{:});
+  code = double(any(strcmp(verdicts(:, 2), 'outside')));
 end
 
 function verdicts = judged(problem, file, share)
@@ -61,11 +57,7 @@ function [names, rows] = read_table(file)
   lines = lines(~cellfun(@(line) isempty(strtrim(line)), lines));
   names = {};
   if ~isempty(lines)
-    first = lines{1};
-    if numel(first) > 2 && all(double(first(1:3)) == [239 187 191])
-      first = first(4:end);
-    end
-    first = first(double(first) ~= 65279);  % the mark of UTF-8, where it is read as one sign
+    first = lines{1}(lines{1} >= ' ' & lines{1} <= '~');  % without the mark of UTF-8
     names = strrep(strtrim(regexp(first, ',', 'split')), '"', '');
   end
   if ~any(strcmp(names, 'time'))
@@ -94,10 +86,7 @@ function [status, told] = judged_signal(bound, horizon, right, own)
   slack = 1e-9 * (last - first);
   beyond = sum(own(:, 1) > horizon + slack);
   own = own(own(:, 1) >= first - slack & own(:, 1) <= last + slack, :);
-  errors = zeros(size(own, 1), 1);
-  for k = 1:numel(errors)
-    errors(k) = abs(own(k, 2) - interpolated(right(:, 1), right(:, 2), own(k, 1)));
-  end
+  errors = abs(own(:, 2) - arrayfun(@(t) interpolated(right(:, 1), right(:, 2), t), own(:, 1)));
   now = own(:, 1) <= horizon + slack;
   if ~any(now)
     [status, told] = deal('beyond the horizon', sprintf('no row from %g to %g s', first, horizon));

@@ -75,26 +75,23 @@ def judged_signal(name: str, signal: dict[str, Any], right: dict[str, list[float
     """The verdict on a signal of the table, whose entry in bounds.json is `signal`."""
     if name not in table:
         return Verdict(name, "missing", "")
-    begin, end, horizon, unit = right["time"][0], right["time"][-1], signal["horizon"], signal["unit"]
-    bound, slack = signal["bound"] + share * signal["scale"], 1e-9 * (right["time"][-1] - right["time"][0])
-    rows = [(t, y) for t, y in zip(table["time"], table[name], strict=True) if begin - slack <= t <= end + slack]
-    judged_rows = [(t, y) for t, y in rows if t <= horizon + slack]
-    if not judged_rows:
+    times, horizon, unit = right["time"], signal["horizon"], signal["unit"]
+    begin, end = times[0], times[-1]
+    bound, slack = signal["bound"] + share * signal["scale"], 1e-9 * (end - begin)
+    near = [(t, y) for t, y in zip(table["time"], table[name], strict=True) if begin - slack <= t <= end + slack]
+    rows = [(t, abs(y - interpolated(times, right[name], t))) for t, y in near]
+    now = [(t, error) for t, error in rows if t <= horizon + slack]
+    if not now:
         return Verdict(name, "beyond the horizon", f"no row from {begin:g} to {horizon:g} s")
-    marks = [begin, *(t for t, _ in judged_rows), horizon]
-    for a, b in itertools.pairwise(marks):
+    for a, b in itertools.pairwise([begin, *(t for t, _ in now), horizon]):
         if b - a > (horizon - begin) / FEWEST + slack:
             return Verdict(name, "outside", f"no row between {a:g} and {b:g} s; the horizon is {horizon:g} s")
-    worst, at = -1.0, begin
-    for t, y in judged_rows:
-        error = abs(y - interpolated(right["time"], right[name], t))
-        if not math.isfinite(error):
-            return Verdict(name, "outside", f"not a number at {t:g} s")
-        worst, at = (error, t) if error > worst else (worst, at)
+    if odd := [t for t, error in now if not math.isfinite(error)]:
+        return Verdict(name, "outside", f"not a number at {odd[0]:g} s")
+    at, worst = max(now, key=lambda row: row[1])
     if worst > bound:
         return Verdict(name, "outside", f"off by {worst:.2g} {unit} at {at:g} s, bound {bound:.2g}")
-    later = [t for t, y in rows if t > horizon + slack and not abs(y - interpolated(right["time"], right[name], t)) <= bound]
-    if later:
+    if later := [t for t, error in rows if t > horizon + slack and not error <= bound]:
         return Verdict(name, "beyond the horizon", f"within up to {horizon:g} s; off from {later[0]:g} s")
     beyond = sum(t > horizon + slack for t in table["time"])
     more = f"; {beyond} rows beyond the horizon" if beyond else ""
