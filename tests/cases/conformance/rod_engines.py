@@ -99,6 +99,11 @@ class LinearMotion(Simulation):
         self.rest = np.linalg.solve(springs, weights)
         self.matrix = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(masses, springs), -np.linalg.solve(masses, losses)]])
         self.state = np.append(-self.rest, np.zeros(n))
+        beam = scene.follower
+        # curvature at the joints, that at the clamp standing for half a link, and none at the free end
+        curvature = np.diag(np.append(2.0, np.ones(n - 1)) * n / self.length) @ turns
+        at = beam.strain_gauges, self.length / n * np.arange(n + 1)
+        self.strains = beam.extreme_fibre * np.array([np.interp(*at, np.append(column, 0.0)) for column in curvature.T]).T
 
     def advance(self, duration: float, output_step: float) -> FollowerTrajectory:
         rows, step, n = round(duration / output_step), expm(output_step * self.matrix), len(self.rest)
@@ -110,7 +115,8 @@ class LinearMotion(Simulation):
         self.time, deflection, still = float(times[-1]), table[:, n - 1] + self.rest[-1], np.zeros_like(times)
         columns = {"time": times, "follower_angle": still, "tip_x": still + self.length, "tip_y": deflection}
         columns |= {"tip_deflection": deflection, "tip_acceleration": (table @ self.matrix.T)[:, -1]}
-        return FollowerTrajectory(columns | {f"strain_{k}": still for k in (1, 2, 3)}, 0.0)
+        strains = (table[:, :n] + self.rest) @ self.strains.T
+        return FollowerTrajectory(columns | {f"strain_{k + 1}": strains[:, k] for k in range(3)}, 0.0)
 
 
 class RoundSection(LinearRod):

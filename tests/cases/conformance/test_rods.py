@@ -52,7 +52,7 @@ def test_a_chain_for_small_deflections_is_right_in_them_and_wrong_beyond() -> No
     found = tried(LinearRod())
     beyond = found.pop("rod: sag beyond small deflections")
     assert {check.status for check in found.values()} == {"passed"}, found
-    assert len(found) == 5
+    assert len(found) == 7
     assert beyond.status == "failed"
     assert "small deflections are right" in beyond.advice
 
@@ -60,7 +60,7 @@ def test_a_chain_for_small_deflections_is_right_in_them_and_wrong_beyond() -> No
 def test_reference_as_a_rod_is_not_accused() -> None:
     found = tried(alone(ReferenceEngine))
     assert {check.status for check in found.values()} == {"passed"}, found
-    assert len(found) == 6
+    assert len(found) == 8
 
 
 @pytest.mark.verify
