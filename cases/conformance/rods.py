@@ -20,6 +20,7 @@ from quickreturn.cases.conformance.alone import SCENE as SPUN_UP
 from quickreturn.cases.conformance.bench import TOLERANCE_FACTOR, Bench, Motion, solution
 from quickreturn.cases.conformance.checks import Array, Check, Fault, LeftOut, Unjudged, check_by
 from quickreturn.cases.conformance.clamped import Mistake, Ring, Rod, by_piece_words, right, ring, staying_words
+from quickreturn.cases.conformance.rod_rows import acceleration, strains
 from quickreturn.cases.conformance.scenes import BASE, OUTPUT_STEP, PRESCRIBED
 from quickreturn.cases.mistakes.diagnosis import share_of
 from quickreturn.cases.mistakes.explanation import Hypothesis, explain
@@ -117,6 +118,11 @@ def rods(bench: Bench) -> Iterator[Check]:
             yield check_by(f"rod: {what}", _sizes, bench, levels, look)
     for quantity in _CRITICAL:
         yield check_by(f"rod: decay by {quantity}", _decay, bench, levels, quantity, named.status == "failed")
+    for name, rows in (("strains at rest", strains), ("tip_acceleration", acceleration)):
+        if named.status == "failed":
+            yield Check(f"rod: {name}", "not judged", "a mistake is named already", _MEND)
+        else:
+            yield check_by(f"rod: {name}", rows, bench, Motion(SCENE, _DURATION, OUTPUT_STEP))
     if named.status == "failed":
         yield Check("rod: sag beyond small deflections", "not judged", "a mistake is named already", _MEND)
     else:

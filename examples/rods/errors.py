@@ -1,6 +1,6 @@
-"""Errors of the rods over their pieces: runs each program, prints a table and draws a picture.
+"""Errors of the rods over their pieces: runs each program and prints a table, as `errors.csv`.
 
-    python errors.py [--picture FILE] [--python NAME=PROGRAM] [PIECES ...]
+    python errors.py [--python NAME=PROGRAM] [PIECES ...]
 
 A program that is not installed is left out, with a word. `--python` names the Python that runs a
 script, such as `mujoco_bend=/venvs/mujoco3/bin/python`; it may be repeated.
@@ -26,7 +26,7 @@ PROGRAMS: Final = (
     "pyelastica_rod",
     "newton_hinges",
 )
-PIECES: Final = (5, 10, 20)
+PIECES: Final = (3, 5, 10, 20)
 #: Sag, m, and frequencies, Hz, by the closed forms for small deflections.
 SAG: Final = rod.MASS_PER_LENGTH * rod.GRAVITY * rod.LENGTH**4 / (8.0 * rod.STIFFNESS)
 UNIT: Final = np.sqrt(rod.STIFFNESS / rod.MASS_PER_LENGTH) / (2.0 * np.pi * rod.LENGTH**2)
@@ -47,41 +47,22 @@ def errors(program: str, pieces: int, python: str) -> list[float]:
 
 
 def main() -> None:
-    """The table, row by row, and the picture."""
+    """The table, row by row."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("pieces", nargs="*", type=int, default=PIECES)
-    parser.add_argument("--picture")
     parser.add_argument("--python", action="append", default=[])
     given = parser.parse_args()
     pythons = dict(each.split("=", 1) for each in given.python)
-    table, rows = csv.writer(sys.stdout), {}
+    table = csv.writer(sys.stdout, lineterminator="\n")
     table.writerow(COLUMNS)
     for program in PROGRAMS:
         try:
             for pieces in given.pieces:
                 found = errors(program, pieces, pythons.get(program, sys.executable))
-                rows[program, pieces] = found
                 table.writerow([program, pieces, *(f"{each:.2e}" for each in found)])
                 sys.stdout.flush()
         except (RuntimeError, subprocess.TimeoutExpired) as why:
             print(f"{program} is left out: {why}", file=sys.stderr)
-    if given.picture:
-        draw(rows, given.picture)
-
-
-def draw(rows: dict[tuple[str, int], list[float]], file: str) -> None:
-    """Error of sag and first frequency over the pieces, a line for each program."""
-    import matplotlib.pyplot as plt
-
-    figure, both = plt.subplots(1, 2, figsize=(9.0, 3.6), sharex=True)
-    for axes, column, words in zip(both, (0, 1), ("sag", "first frequency"), strict=True):
-        for program in dict.fromkeys(name for name, _ in rows):
-            of = [(n, abs(found[column])) for (name, n), found in rows.items() if name == program]
-            axes.loglog(*zip(*of, strict=True), "o-", label=program)
-        axes.set(xlabel="pieces", ylabel=f"relative error of the {words}")
-    both[0].legend()
-    figure.tight_layout()
-    figure.savefig(file)
 
 
 if __name__ == "__main__":
