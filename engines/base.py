@@ -71,11 +71,11 @@ class EngineFailure(EngineTrouble):
 
 @dataclass(frozen=True)
 class ModelDescription:
-    """What an engine builds for a scene: one line per body and joint, and the number of degrees of freedom it integrates."""
+    """What an engine builds for a scene: one line per body and joint, and the number of degrees of freedom it integrates; None: unknown."""
 
     bodies: tuple[str, ...]
     joints: tuple[str, ...]
-    degrees_of_freedom: int
+    degrees_of_freedom: int | None
 
 
 class Simulation(ABC):
@@ -176,6 +176,7 @@ class Engine(ABC, Generic[S]):
     compiles: bool = False  # whether code is compiled or loaded on first use, which must not count as setup or solve time
     default_accuracy: float  # error of the tip deflection that the default settings aim at
     estimates: EstimateOf = "total"  # the error that it estimates
+    begins_bent: bool = True  # whether a run can begin with a bent follower, as one from the periodic state of `reference` does
     quantities: tuple[str, ...] = ()  # `section.key` of those quantities in `scene_values.NAMED` that the model has
     settings_type: type[S]
 

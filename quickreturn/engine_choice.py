@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 AnyEngineOrTable = str | os.PathLike[str] | AnyEngine
 
 
-def engine_given(engine: str | AnyEngine) -> str | AnyEngine:
-    """The argument itself. UnknownEngine: it is neither a name nor an engine."""
+def engine_given(engine: AnyEngineOrTable) -> str | AnyEngine:
+    """The argument itself, a path as text. UnknownEngine: it is neither a name nor a path nor an engine."""
+    if isinstance(engine, os.PathLike):
+        return os.fspath(engine)
     if isinstance(engine, (str, Engine)):
         return engine
     if isinstance(engine, type):
@@ -74,7 +76,7 @@ def prepared(
     from quickreturn.cases.recorded import is_table, tables_of  # a simulation needs none of it
 
     _ = [case.mechanism for case in cases]  # raises CaseError for a follower alone
-    given = [os.fspath(one) if isinstance(one, os.PathLike) else engine_given(one) for one in several(engines)]
+    given = [engine_given(one) for one in several(engines)]
     paths = list(dict.fromkeys(one for one in given if isinstance(one, str) and is_table(one)))
     names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in given if one not in paths) or MAIN)
     for name in names:

@@ -9,18 +9,19 @@ import numpy as np
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.solving import frequencies_job
 from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.engine_choice import engine_given
 from quickreturn.engines.settings import as_texts
 from quickreturn.solution import answered, engine_from, opened_store
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from quickreturn.engines.base import AnyEngine
+    from quickreturn.engine_choice import AnyEngineOrTable
 
 
 def modes(
     case: AnyCase,
-    engine: "str | AnyEngine" = "reference",
+    engine: "AnyEngineOrTable" = "reference",
     crank_angle: float | Sequence[float] = 0.0,
     *,
     count: int = 4,
@@ -32,7 +33,7 @@ def modes(
 
     Args:
         case: a name, a path or a `Case`.
-        engine: a name or an engine.
+        engine: a name, the path of a file that declares one, or an engine.
         crank_angle: angle at which the crank is held, degrees; one or several.
         count: largest number of frequencies; there are fewer columns if the model has fewer.
         settings: of the engine, by name; None: those for its default accuracy.
@@ -52,6 +53,7 @@ def modes(
     if not (isinstance(count, int) and count > 0):
         raise ValueError(f"count={count!r}: a whole number from 1 on is needed")
     angles = given.tolist()
+    engine = engine_given(engine)
     scene, chosen, texts = one_case(case), engine_from(engine), as_texts(settings or {})
     job = frequencies_job(chosen.name, scene.mechanism, engine, [math.radians(angle) for angle in angles], count, texts)
     with compilation_announced(quiet):

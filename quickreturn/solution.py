@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from quickreturn.cases.loads import Loads
+    from quickreturn.engine_choice import AnyEngineOrTable
     from quickreturn.reports.drawing.style import Drawing
 
 
@@ -219,7 +220,7 @@ class Solution(Displayed):
 
 def simulate(
     case: AnyCase,
-    engine: "str | AnyEngine" = "reference",
+    engine: "AnyEngineOrTable" = "reference",
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Any] | None = None,
@@ -232,7 +233,7 @@ def simulate(
 
     Args:
         case: a name, a path or a `Case`.
-        engine: a name or an engine, for example one of your own.
+        engine: a name, the path of a file that declares one, or an engine, for example one of your own.
         accuracy: relative error of the tip deflection asked for; None: the engine's default.
         settings: settings of the engine, by name; they are used as they are, and the error is still estimated.
         estimate: False: make one run without the runs for an error estimate; its error is then unknown.
@@ -245,6 +246,7 @@ def simulate(
         ValueError: `accuracy` is out of range, or is given without an estimate.
         EngineFailure: the run failed; `partial` holds the trajectory up to then.
     """
+    engine = engine_given(engine)
     chosen, scene = engine_from(engine), one_case(case)
     if sentence := cache_folder.warning_if_not_kept():
         warnings.warn(sentence, stacklevel=2)

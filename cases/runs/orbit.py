@@ -120,8 +120,8 @@ def cycles_needed(multiplier: float, error: float) -> float:
 
 
 def begins_in_orbit(engine: AnyEngine) -> bool:
-    """Whether an engine shall begin in the orbit of `reference`; not if it solves other equations, which have another orbit."""
-    return engine.estimates != "integration"
+    """Whether an engine shall begin in the orbit of `reference`; not if it cannot, or solves other equations, which have another orbit."""
+    return engine.begins_bent and engine.estimates != "integration"
 
 
 def find_orbit(mechanism: Mechanism) -> Orbit:

@@ -2,7 +2,8 @@
 
 `reference` finds each periodic state from its neighbour's, so a row follows one branch of motions if there are several, and its results
 depend on the direction: hence a row is computed as a whole, and stored under one key. The other engines, and scenes whose periodic state is
-not found directly, are computed as `run` does, from the periodic state that `reference` found.
+not found directly, are computed as `run` does, from the periodic state that `reference` found; or from the standard start, if the engine
+cannot begin with a bent follower.
 """
 
 import math
@@ -133,7 +134,7 @@ class _Point:
         """Find the settled motion, from a neighbour's or anew; return the periodic state from which the next point may begin."""
         try:
             settings = self._settings()
-            state = periodic_state(self._scene, settings, near)
+            state = periodic_state(self._scene, settings, near) if self._engine.begins_bent else None
             if state is not None and isinstance(self._engine, ReferenceEngine):
                 self._measure(state, settings)
             else:

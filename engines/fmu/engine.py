@@ -45,6 +45,7 @@ class FmuEngine(Engine[FmuSettings]):
     """A model in an FMU. The name is the path of the file that declares it."""
 
     settings_type = FmuSettings
+    begins_bent = False  # no parameter describes a bent follower
 
     def __init__(self, name: str, declared: Declarations | None, fmu: Fmu | None, reason: str = "") -> None:
         """An engine; without an FMU it is not available, and `reason` says why."""
@@ -99,7 +100,7 @@ class FmuEngine(Engine[FmuSettings]):
     def describe(self, scene: Scene, settings: FmuSettings, /) -> ModelDescription:
         self.check(scene)
         inside = f"as in {self.fmu.path if self.fmu else self.name}"
-        return ModelDescription((f"all bodies {inside}",), (f"all joints {inside}",), self.fmu.states // 2 if self.fmu else 0)
+        return ModelDescription((f"all bodies {inside}",), (f"all joints {inside}",), (self.fmu.states // 2 or None) if self.fmu else None)
 
     def settings_for(self, accuracy: float, scene: Scene, /) -> FmuSettings:
         """The first step whose declared error is small enough, else the finest; the coarsest if no errors are declared."""
@@ -115,6 +116,9 @@ class FmuEngine(Engine[FmuSettings]):
         """The next step that changes anything: a step longer than the output step is cut to it."""
         present = steps_within(output_step, settings.step)
         return next((FmuSettings(step=step) for step in self._declared.steps if steps_within(output_step, step) > present), None)
+
+    def ladder(self, mechanism: Mechanism, /) -> tuple[FmuSettings, ...]:
+        return tuple(FmuSettings(step=step) for step in self._declared.steps)
 
     def prepare(self, scene: Scene, start: Start | None, settings: FmuSettings, /) -> "FmuSimulation":
         """See `Engine.prepare`. Refusal: also a start with a bent follower, which no parameter describes."""

@@ -123,4 +123,5 @@ def _row(trial: "Trial", best: bool, settings: str) -> tuple[str, ...]:
         return (*head, *[""] * 7, trial.status)
     shown = [trial.error_of(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
     times = (f"{trial.seconds:.4f}", f"{trial.solve_seconds_largest:.4f}")
-    return (*head, str(trial.degrees_of_freedom), *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")
+    free = "-" if trial.degrees_of_freedom is None else str(trial.degrees_of_freedom)
+    return (*head, free, *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")

@@ -87,7 +87,7 @@ def print_document(document: dict[str, Any], case: Case) -> None:
             click.echo(f"\n{built['engine']}: {built['refused']}")
             continue
         count = built["degrees_of_freedom"]
-        click.echo(f"\n{built['engine']}: {count} degree{'s' * (count != 1)} of freedom")
+        click.echo(f"\n{built['engine']}: {'an unknown number of' if count is None else count} degree{'s' * (count != 1)} of freedom")
         lines = [("  body", body) for body in grouped(built["bodies"])] + [("  joint", joint) for joint in grouped(built["joints"])]
         print_table(lines or [("", "")])
 

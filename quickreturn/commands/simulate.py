@@ -3,7 +3,7 @@
 import itertools
 import shlex
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -106,7 +106,12 @@ def _places(output: str | None, cases: "Sequence[Case]", engines: Sequence[str])
     for what, several in (("{engine}", engines), ("{case}", cases)):
         if len(several) > 1 and what not in output:
             raise click.UsageError(f"--output {output}: several {what[1:-1]}s would write the same file; put {what} into its name")
-    return {(case.name, engine): output.replace("{engine}", engine).replace("{case}", case.name) for case in cases for engine in engines}
+    names = {engine: PurePath(engine).name for engine in engines}  # of an engine's file the name without its folder
+    if twice := next((engine for engine in engines if list(names.values()).count(names[engine]) > 1), None):
+        raise click.UsageError(f"--output {output}: two engines are called {names[twice]}; simulate one after the other")
+    return {
+        (case.name, each): output.replace("{engine}", name).replace("{case}", case.name) for case in cases for each, name in names.items()
+    }
 
 
 def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:

@@ -1,5 +1,6 @@
 """What happens in a turn of a machine, in sentences with numbers."""
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -36,7 +37,7 @@ class Explanation(Displayed):
 
 def explain(
     case: AnyCase,
-    engine: str = "reference",
+    engine: str | os.PathLike[str] = "reference",
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Any] | None = None,
@@ -46,7 +47,7 @@ def explain(
 
     Args:
         case: a name, a path or a `Case`.
-        engine: name of the engine.
+        engine: name, or path of a file that declares one.
         accuracy: relative error of the tip deflection asked for; None: the engine's default.
         settings: settings of the engine, by name.
         quiet: whether progress on standard error is left out.
@@ -54,6 +55,7 @@ def explain(
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError, StoreError, KeyboardInterrupt: as `run`.
     """
+    engine = os.fspath(engine)
     return explanation(one_case(case), engine, given_settings({engine: settings or {}}), accuracy, Computing(quiet=quiet))
 
 

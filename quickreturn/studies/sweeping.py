@@ -1,5 +1,6 @@
 """Studies over grids of machines, as datasets with the meaning and the error of each variable."""
 
+import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
@@ -45,7 +46,7 @@ def sweep(
     case: AnyCase,
     vary: Mapping[str, str | Sequence[Any]],
     measures: str | Sequence[str] = USUAL,
-    engine: str = "reference",
+    engine: str | os.PathLike[str] = "reference",
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Any] | None = None,
@@ -62,7 +63,7 @@ def sweep(
         vary: dotted key of a case file, or "engine" -> values: "60 rpm .. 300 rpm : 241", "log 1 N/m .. 1e6 N/m : 7", "0 g; 25 g; 50 g",
             a list of such texts, or numbers in SI.
         measures: one name or several, see `measures`.
-        engine: name, unless engines vary.
+        engine: name, or path of a file that declares one, unless engines vary.
         accuracy: error of the tip deflection to ask for; None: the engine's default.
         settings: settings of the engine, by name.
         claims: whether every number gets its error estimate, which takes about twice as long.
@@ -82,7 +83,7 @@ def sweep(
     names = texts_given(measures, "measures", USUAL[0])
     axes = tuple(_axis(key, values) for key, values in vary.items())
     with nullcontext(workshop) if workshop is not None else Computing(jobs, quiet=quiet).opened() as opened:
-        return dataset_of(computed(chosen, axes, names, engine, accuracy, settings, claims, path, opened))
+        return dataset_of(computed(chosen, axes, names, os.fspath(engine), accuracy, settings, claims, path, opened))
 
 
 def computed(

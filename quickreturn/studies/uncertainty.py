@@ -41,7 +41,7 @@ def uncertainty(
     measures: str | Sequence[str] = (),
     samples: int | None = None,
     *,
-    engine: str | None = None,
+    engine: str | os.PathLike[str] | None = None,
     settings: Mapping[str, Any] | None = None,
     claims: bool = True,
     accuracy: float | None = None,
@@ -57,7 +57,7 @@ def uncertainty(
             study file; None: the tolerances of the case file.
         measures: one name or several, see `qr.measures`.
         samples: number of points, a power of two; None: that of the study file, or 256.
-        engine: name; None: that of the study file, or "reference".
+        engine: name, or path of a file that declares one; None: that of the study file, or "reference".
         settings: of the engine, by name.
         claims: whether every number gets the simulation's error estimate, which takes about twice as long.
         accuracy: error of the tip deflection to ask for; None: that of the study file, or the engine's default.
@@ -80,7 +80,7 @@ def uncertainty(
         source = os.fspath(uncertain)
         study = study_of(source)
         study |= {} if case is None else {"case": one_case(case)}
-    points = points_of(study, source, measures, samples, engine, settings, claims, accuracy)
+    points = points_of(study, source, measures, samples, None if engine is None else os.fspath(engine), settings, claims, accuracy)
     with Computing(jobs, quiet=quiet).opened() as workshop:
         return points.scatter(workshop)
 
@@ -154,6 +154,8 @@ def study_of(path: str, overrides: Mapping[str, str] | None = None) -> dict[str,
         for section, value in content["uncertain"].items():
             flat |= {f"{section}.{key}": text for key, text in value.items()} if isinstance(value, dict) else {section: value}
         content["uncertain"] = flat
+    if content.get("engine", "reference") not in engine_names():  # a file, whose path is that from the study's folder
+        content["engine"] = os.path.join(os.path.dirname(path), content["engine"])
     return {**content, "case": _case(path, content["case"], overrides or {})}
 
 
