@@ -3,293 +3,286 @@
 The registry of engines finds this module by the entry-point group `quickreturn.engine_files`: units are read here, and not below.
 """
 
+import contextlib
 import functools
 import hashlib
+import operator
 import os
 import re
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, TypeVar
 
 from quickreturn.cases.errors import CaseError, as_written, attempted, nearest, nearest_or_all, path_shown, together
 from quickreturn.cases.text.broken_toml import toml_of
 from quickreturn.cases.text.number_rows import unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.cases.units import DIMENSIONS, TIME, QuantityError, parse_quantity
-from quickreturn.engines.base import ESTIMATES, SPIN_UP
+from quickreturn.engines.base import ESTIMATES, SPIN_UP, AnyEngine
 from quickreturn.engines.fmu.description import Declarations, Fmu, Variable
 from quickreturn.engines.fmu.engine import EXTREME_FIBRE, FmuEngine
+from quickreturn.engines.registry import Missing
 from quickreturn.engines.trajectory import REQUIRED
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.follower import DIMENSIONS as OF_SECTION
 from quickreturn.reference_model.scene_values import SECTIONS
 
+T = TypeVar("T")
+
 _SECTIONS: Final = ("fmu", "method", "resolution", "parameters", "fixed", "set", "outputs")
-_RESOLUTION: Final = ("steps", "errors", "order", "estimates")
-#: Types of numbers in FMI 2 and 3.
+#: Key of [resolution] -> what is accepted.
+_RESOLUTION: Final = {
+    "steps": 'communication steps of at most 1 s from coarse to fine, such as ["1 ms", "0.5 ms"]',
+    "errors": "a number from 0 to 1 for each step, such as [0.02, 0.005]",
+    "order": "a number from 0.1 to 10",
+    "estimates": f"one of {', '.join(ESTIMATES)}",
+}
+#: Types of variables in FMI 2 and 3.
 _REAL: Final = ("Real", "Float64", "Float32")
-_NUMBERS: Final = (*_REAL, "Integer", "Int32", "Int64")
-_VARIABLE: Final = re.compile(r"(.*?)(?:\s+\[([^\[\]]*)\])?")
+_WHOLE: Final = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+#: Type -> the types of Python that it takes, and what that is.
+_TAKEN: Final[Mapping[str, tuple[tuple[type, ...], str]]] = (
+    dict.fromkeys(_REAL, ((int, float), "a plain number"))
+    | dict.fromkeys((*_WHOLE, "Enumeration"), ((int,), "a whole number"))
+    | {"Boolean": ((bool,), "true or false"), "String": ((str,), "a text")}
+)
+_NUMBER: Final = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_MAPPED: Final = re.compile(rf"(-)?\s*(?:({_NUMBER})\s*\*\s*)?(.+?)(?:\s+\[([^\[\]]*)\])?(?:\s*([+-])\s*({_NUMBER}))?")
 _EXAMPLE: Final = 'write the name of a variable, with its unit in brackets if it has another than the FMU declares, such as "r [mm]"'
 
-
-class _Key(NamedTuple):
-    """What may be mapped: its SI unit, and how many numbers it has."""
-
-    unit: str
-    numbers: int
-
-
-#: Keys of a case to which a parameter may belong: numbers and lists of them on which the motion or the strains depend.
-KEYS: Final[Mapping[str, _Key]] = {
-    f"{section}.{name}": _Key(quantity.unit, quantity.count or 1)
+#: Keys of a case to which a parameter may belong, with SI unit and count: numbers on which the motion or the strains depend.
+KEYS: Final[Mapping[str, tuple[str, int]]] = {
+    f"{section}.{name}": (quantity.unit, quantity.count or 1)
     for section, quantities in SECTIONS.items()
     for name, quantity in quantities.items()
     if quantity.moves and not quantity.in_file and not (section == "follower" and name in (*OF_SECTION, "elastic_modulus", "density"))
-} | {EXTREME_FIBRE: _Key("m", 1)}
-_OF_COLUMNS: Final = {name: _Key(column.unit.replace(" ", "*"), 1) for name, column in COLUMNS.items() if name != "time"}
+} | {EXTREME_FIBRE: ("m", 1)}
+_UNITS: Final = {name: column.unit.replace(" ", "*") for name, column in COLUMNS.items() if name != "time"}
 
 
-def engine_of(name: str) -> FmuEngine:
+def engine_of(name: str) -> AnyEngine:
     """The engine that a file declares; one that is not available if fmpy is missing or the FMU cannot be used here.
 
     Raises:
         CaseError: mistakes in the file.
     """
     source, text = path_shown(name), read_text(name, "a file that declares an FMU as an engine")
-    fmu = toml_of(text, source).get("fmu")
-    if not isinstance(fmu, str):
+    content = toml_of(text, source)
+    if unknown := [key for key in content if key not in _SECTIONS]:
+        raise CaseError(source, unknown[0], None, "is unknown", nearest_or_all(unknown[0], _SECTIONS))
+    if not isinstance(given := content.get("fmu"), str):
         raise CaseError(source, "fmu", None, "is missing", 'give the path of the FMU, such as fmu = "chain.fmu"')
-    file = Path(name).parent / fmu
+    file = os.path.abspath(Path(name).parent / given)
     try:
-        return _engine_of(name, text, os.path.abspath(file), file.stat().st_mtime_ns)
+        written = os.stat(file)
     except OSError as error:
-        raise CaseError(source, "fmu", as_written(fmu), f"cannot be read ({error.strerror})", "give its path from this file") from None
+        raise CaseError(source, "fmu", as_written(given), f"cannot be read ({error.strerror})", "give its path from this file") from None
+    if find_spec("fmpy") is None:
+        return Missing(name, "fmpy is not installed; pip install 'quickreturn[fmu]'")
+    about, digest, reason = _described(file, (written.st_mtime_ns, written.st_size))
+    if about is None:
+        return Missing(name, f"{given} {reason}")
+    fmu = Fmu(file, about, digest, _hash(f"{digest}{text}".encode()))
+    return FmuEngine(name, fmu, _Reader(source, content, about).declarations())
 
 
 @functools.lru_cache(maxsize=8)
-def _engine_of(name: str, text: str, file: str, _changed: int) -> FmuEngine:
-    """See `engine_of`; an FMU that was written at another time is another one."""
-    source, content = path_shown(name), toml_of(text, name)
-    if unknown := [key for key in content if key not in _SECTIONS]:
-        raise CaseError(source, unknown[0], None, "is unknown", nearest_or_all(unknown[0], _SECTIONS))
-    if find_spec("fmpy") is None:
-        return FmuEngine(name, None, None, "fmpy is not installed; pip install 'quickreturn[fmu]'")
-    about, reason = _described(file)
-    if about is None:
-        return FmuEngine(name, None, None, f"{content['fmu']} {reason}")
-    fmu = Fmu(
-        path=file,
-        fmi=about.fmiVersion[0],
-        identifier=about.coSimulation.modelIdentifier,
-        token=about.guid,
-        maker=about.generationTool or "an unknown tool",
-        states=int(about.numberOfContinuousStates or len(about.derivatives)),
-        once=bool(about.coSimulation.canBeInstantiatedOnlyOncePerProcess),
-        fingerprint=hashlib.sha256(Path(file).read_bytes() + text.encode()).hexdigest()[:12],
-    )
-    return FmuEngine(name, _Reader(source, content, about).declarations(), fmu)
+def _described(file: str, _written: tuple[int, int]) -> tuple[Any, str, str]:
+    """The FMU's description by fmpy and the file's hash; no description if it cannot be used here, with a clause that says why.
 
-
-def _described(file: str) -> tuple[Any, str]:
-    """The FMU's description by fmpy; None if it cannot be used here, with a clause that says why."""
+    An FMU that was written at another time is another one.
+    """
     import fmpy
 
     try:
         about = fmpy.read_model_description(file, validate=False)
         platforms = fmpy.supported_platforms(file)
     except zipfile.BadZipFile:
-        return None, "is no FMU: it is no zip archive, or damaged"
+        return None, "", "is no FMU: it is no zip archive, or damaged"
     except Exception as error:  # whatever a description that is none makes of it
-        return None, f"has no description that can be read ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
+        return None, "", f"has no description that can be read ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
     if about.fmiVersion[:1] not in ("2", "3"):
-        return None, f"is of FMI {about.fmiVersion}; FMI 2 and 3 are accepted"
+        return None, "", f"is of FMI {about.fmiVersion}; FMI 2 and 3 are accepted"
     if about.coSimulation is None:
-        return None, "is for model exchange; export it for co-simulation"
+        return None, "", "is for model exchange; export it for co-simulation"
     if fmpy.platform not in platforms:
-        return None, f"has no library for {fmpy.platform}, only for {' and '.join(platforms) or 'no system'}; export it for {fmpy.platform}"
-    return about, ""
+        return (
+            None,
+            "",
+            f"has no library for {fmpy.platform}, only for {' and '.join(platforms) or 'no system'}; export it for {fmpy.platform}",
+        )
+    return about, _hash(Path(file).read_bytes()), ""
+
+
+def _hash(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:12]
 
 
 class _Reader:
     """Reads the declarations; `mistakes` collects what is wrong."""
 
     def __init__(self, source: str, content: Mapping[str, Any], about: Any) -> None:
-        self.source, self.content, self.mistakes = source, content, list[CaseError]()
+        self.source, self.content, self.about, self.mistakes = source, content, about, list[CaseError]()
         self.variables = {variable.name: variable for variable in about.modelVariables}
+        bases = {unit.name: unit.baseUnit for unit in about.unitDefinitions if unit.baseUnit is not None}
+        self.units = {name: base for name, base in bases.items() if not (base.A or base.K or base.mol or base.cd)}
 
     def declarations(self) -> Declarations:
         """What the file says. CaseError: all its mistakes."""
-        parameters, fixed = {}, {}
-        for key, given in self._entries("parameters", KEYS):
-            if (read := attempted(self.mistakes, self._parameters, key, given)) is not None:
-                parameters[key] = read
-        for key, given in self._entries("fixed", KEYS):
-            if (value := attempted(self.mistakes, self._fixed, key, given)) is not None:
-                fixed[key] = value
-        outputs = {}
-        for column, given in self._entries("outputs", _OF_COLUMNS):
-            if (
-                one := attempted(self.mistakes, self._variable, f"outputs.{column}", given, _OF_COLUMNS[column].unit, _NUMBERS)
-            ) is not None:
-                outputs[column] = one
-        constants = [attempted(self.mistakes, self._constant, name, value) for name, value in self._table("set").items()]
+        parameters = self._section("parameters", KEYS, self._parameters)
+        fixed = self._section("fixed", KEYS, self._fixed)
+        outputs = self._section("outputs", _UNITS, self._output)
+        constants = self._section("set", None, self._constant)
         self._check_together(parameters, fixed, outputs)
-        resolution = attempted(self.mistakes, self._resolution) or {}
+        resolution = self._resolution()
         if self.mistakes:
             raise together(self.mistakes)
-        method = str(self.content.get("method", ""))
-        return Declarations(parameters, fixed, tuple(each for each in constants if each), outputs, method=method, **resolution)
+        method = str(self.content.get("method", "a model in an FMU"))
+        return Declarations(parameters, fixed, tuple(constants.values()), outputs, method=method, **resolution)
+
+    def _wrong(self, key: str, given: Any, problem: str, accepted: str) -> CaseError:
+        return CaseError(self.source, key, None if given is None else as_written(given), problem, accepted)
 
     def _table(self, section: str) -> Mapping[str, Any]:
         given = self.content.get(section, {})
         if isinstance(given, dict):
             return given
-        self.mistakes.append(
-            CaseError(self.source, section, as_written(given), "is no section", f"write [{section}] and its lines below it")
-        )
+        self.mistakes.append(self._wrong(section, given, "is no section", f"write [{section}] and its lines below it"))
         return {}
 
-    def _entries(self, section: str, known: Mapping[str, _Key]) -> Iterator[tuple[str, Any]]:
-        """The entries of a section by dotted key; unknown keys are mistakes."""
+    def _section(self, section: str, known: Container[str] | None, read: Callable[[str, str, Any], T]) -> dict[str, T]:
+        """The entries of a section by dotted key, as `read` makes them of place, key and value; mistakes are kept."""
+        found = {}
+        for key, given in _flat(self._table(section)):
+            place = f"{section}.{key}"
+            if known is not None and key not in known:
+                accepted = nearest_or_all(key, [*KEYS] if known is KEYS else [*_UNITS], f"{section}.")
+                self.mistakes.append(self._wrong(place, given, "is unknown", accepted))
+            elif (entry := attempted(self.mistakes, read, place, key, given)) is not None:
+                found[key] = entry
+        return found
 
-        def within(prefix: str, table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-            for name, value in table.items():
-                if isinstance(value, dict) and "variable" not in value and f"{prefix}{name}" not in known:
-                    yield from within(f"{prefix}{name}.", value)
-                else:
-                    yield f"{prefix}{name}", value
-
-        for key, value in within("", self._table(section)):
-            if key in known:
-                yield key, value
-            else:
-                accepted = nearest_or_all(key, [*known], f"{section}.") if section != "outputs" else nearest_or_all(key, [*known])
-                self.mistakes.append(CaseError(self.source, f"{section}.{key}", as_written(value), "is unknown", accepted))
-
-    def _parameters(self, key: str, given: Any) -> tuple[Variable, ...]:
+    def _parameters(self, place: str, key: str, given: Any) -> tuple[Variable, ...]:
         unit, count = KEYS[key]
-        names = given if isinstance(given, list) else [given]
-        if len(names) != count:
+        texts = given if isinstance(given, list) else [given]
+        if len(texts) != count:
             accepted = f"{count} {'variables are needed, as a list' if count > 1 else 'variable is needed'}"
-            raise CaseError(self.source, f"parameters.{key}", as_written(given), f"names {len(names)}", accepted)
-        return tuple(self._variable(f"parameters.{key}", name, unit, _REAL, settable=True) for name in names)
+            raise self._wrong(place, given, f"names {len(texts)}", accepted)
+        return tuple(self._variable(place, text, unit, _REAL, settable=True) for text in texts)
 
-    def _fixed(self, key: str, given: Any) -> float | tuple[float, ...]:
-        (unit, count), place = KEYS[key], f"fixed.{key}"
+    def _fixed(self, place: str, key: str, given: Any) -> float | tuple[float, ...]:
+        unit, count = KEYS[key]
         texts = given if isinstance(given, list) else [given]
         if len(texts) != count or not all(isinstance(text, str) for text in texts):
-            raise CaseError(self.source, place, as_written(given), "is no value as in a case file", f"write {DIMENSIONS[unit].example}")
+            raise self._wrong(place, given, "is no value as in a case file", f"write {DIMENSIONS[unit].example}")
         try:
             values = tuple(parse_quantity(text, DIMENSIONS[unit], infinity_accepted=True) for text in texts)
         except QuantityError as wrong:
-            raise CaseError(self.source, place, as_written(given), wrong.problem, wrong.accepted) from None
+            raise self._wrong(place, given, wrong.problem, wrong.accepted) from None
         return values if count > 1 else values[0]
 
-    def _variable(self, place: str, given: Any, si_unit: str, kinds: tuple[str, ...], settable: bool = False) -> Variable:
-        """A variable of the FMU as `given`: "name [unit]", "-name [unit]", or a table with `variable`, `unit`, `factor` and `offset`."""
-        table = given if isinstance(given, dict) else {"variable": given}
-        known = ("variable", "unit", "factor", "offset")
-        if unknown := [name for name in table if name not in known]:
-            raise CaseError(self.source, f"{place}.{unknown[0]}", None, "is unknown", nearest_or_all(unknown[0], known))
-        numbers = {name: table.get(name, default) for name, default in (("factor", 1.0), ("offset", 0.0))}
-        for name, number in numbers.items():
-            if isinstance(number, bool) or not isinstance(number, (int, float)) or (name == "factor" and not number):
-                accepted = f"write a plain number{' other than 0' if name == 'factor' else f' in {si_unit}'}"
-                raise CaseError(self.source, f"{place}.{name}", as_written(number), "is not accepted", accepted)
-        if not isinstance(table["variable"], str) or not (match := _VARIABLE.fullmatch(table["variable"].strip())):
-            raise CaseError(self.source, place, as_written(given), "is no variable of the FMU", _EXAMPLE)
-        name, unit, sign = match[1], table.get("unit", match[2]), 1.0
-        if name not in self.variables and name.startswith("-"):
-            name, sign = name[1:].strip(), -1.0
-        variable = self._known(place, name, kinds)
-        if settable and not _is_settable(variable):
-            problem = f"is no parameter of the FMU, but {variable.causality or 'local'} ({variable.variability or 'continuous'})"
-            raise CaseError(self.source, place, as_written(name), problem, "give a parameter, or an input")
-        factor = sign * numbers["factor"] * self._unit(place, unit, variable, si_unit)
-        return Variable(name, variable.valueReference, variable.type, factor, numbers["offset"])
+    def _output(self, place: str, column: str, given: Any) -> Variable:
+        return self._variable(place, given, _UNITS[column], (*_REAL, *_WHOLE))
 
-    def _known(self, place: str, name: str, kinds: tuple[str, ...]) -> Any:
+    def _constant(self, place: str, name: str, value: Any) -> tuple[Variable, Any]:
+        variable = self._known(place, name, tuple(_TAKEN), settable=True)
+        kinds, accepted = _TAKEN[variable.type]
+        if not isinstance(value, kinds) or (isinstance(value, bool) and bool not in kinds):
+            raise self._wrong(place, value, "cannot be set", f"write {accepted}, for the FMU's type is {variable.type}")
+        whole = "Integer" if self.about.fmiVersion[0] == "2" else "Int64"
+        return Variable(name, variable.valueReference, whole if variable.type == "Enumeration" else variable.type), value
+
+    def _variable(self, place: str, given: Any, si_unit: str, kinds: tuple[str, ...], settable: bool = False) -> Variable:
+        """A variable of the FMU as in "name", "name [unit]", "-name" or "-2 * name [unit] + 180"."""
+        if not isinstance(given, str) or not (match := _MAPPED.fullmatch(given.strip())):
+            raise self._wrong(place, given, "is no variable of the FMU", _EXAMPLE)
+        plain = (None, None, given, None, None, None)
+        sign, number, name, unit, of_offset, offset = plain if given in self.variables else match.groups()
+        variable = self._known(place, name, kinds, settable)
+        size = self._unit(place, unit, variable, si_unit)
+        if not (factor := float(number or 1)):
+            raise self._wrong(place, given, "has the factor 0", "give another factor, or the value in [fixed]")
+        shift = float(offset or 0) * (-size if of_offset == "-" else size)
+        return Variable(name, variable.valueReference, variable.type, (-factor if sign else factor) * size, shift)
+
+    def _known(self, place: str, name: str, kinds: tuple[str, ...], settable: bool = False) -> Any:
+        """A variable of the FMU by its name. CaseError: there is none, or it cannot be what it shall be."""
         if (variable := self.variables.get(name)) is None:
             accepted = f"the nearest one is {nearest(name, self.variables)}" if self.variables else "it has none"
-            raise CaseError(self.source, place, as_written(name), "is no variable of the FMU", accepted)
+            raise self._wrong(place, name, "is no variable of the FMU", accepted)
         if variable.type not in kinds or variable.dimensions:
             what = "an array" if variable.dimensions else f"of type {variable.type}"
-            raise CaseError(
-                self.source, place, as_written(name), f"is {what} in the FMU", f"a single number is needed ({' or '.join(kinds)})"
-            )
+            of_types = f" ({' or '.join(kinds)})" if kinds == _REAL else ""
+            raise self._wrong(place, name, f"is {what} in the FMU", f"a single number is needed{of_types}")
+        if settable and not _is_settable(variable):
+            problem = f"is no parameter of the FMU, but {variable.causality or 'local'} ({variable.variability or 'continuous'})"
+            raise self._wrong(place, name, problem, "give a parameter, or an input")
         return variable
 
-    def _unit(self, place: str, unit: Any, variable: Any, si_unit: str) -> float:
+    def _unit(self, place: str, unit: str | None, variable: Any, si_unit: str) -> float:
         """SI value of the unit that the file gives, or else the FMU, or else SI."""
         if unit is not None:
-            return unit_factor(self.source, place, si_unit, str(unit))
+            return unit_factor(self.source, place, si_unit, unit)
         if not (declared := variable.unit or getattr(variable.declaredType, "unit", None)):
             return 1.0
-        try:
-            return unit_factor(self.source, place, si_unit, re.sub(r"(?<=[A-Za-z])(-?\d)", r"^\1", declared.replace(".", "*")))
-        except CaseError:
-            problem = f"has the unit {as_written(declared)} in the FMU, and {DIMENSIONS[si_unit].name} is needed"
-            raise CaseError(self.source, place, as_written(variable.name), problem, _EXAMPLE) from None
-
-    def _constant(self, name: str, value: Any) -> tuple[Variable, float]:
-        variable = self._known(f"set.{name}", name, _NUMBERS)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not _is_settable(variable):
-            raise CaseError(
-                self.source, f"set.{name}", as_written(value), "cannot be set", "write a plain number for a parameter of the FMU"
-            )
-        return Variable(name, variable.valueReference, variable.type), float(value)
+        base, needed = self.units.get(declared), DIMENSIONS[si_unit]
+        if base is not None and needed.accepts((base.m, base.kg, base.s, base.rad)):
+            return float(base.factor)
+        with contextlib.suppress(CaseError):
+            if base is None or (base.m, base.kg, base.s, 0) == (*needed.exponents[:3], base.rad):  # some tools define no radian
+                return unit_factor(self.source, place, si_unit, re.sub(r"(?<=[A-Za-z])(-?\d)", r"^\1", declared.replace(".", "*")))
+        problem = f"has the unit {as_written(declared)} in the FMU, and {needed.name} is needed"
+        raise self._wrong(place, variable.name, problem, _EXAMPLE)
 
     def _check_together(self, parameters: Mapping[str, Any], fixed: Mapping[str, Any], outputs: Mapping[str, Any]) -> None:
         given = {*parameters, *fixed}
         for first, second in (("crank.torque", "crank.prescribed_speed"), (SPIN_UP, "crank.length")):
             if {first, second} <= given:
                 accepted = "give one of them, and another file for the other"
-                self.mistakes.append(CaseError(self.source, first, None, f"and {second} are both given", accepted))
-        for key in parameters:
-            if key in fixed:
-                self.mistakes.append(CaseError(self.source, f"fixed.{key}", None, "is also in [parameters]", "give one of them"))
-        needed = [name for name in REQUIRED if name != "time" and not (SPIN_UP in given and COLUMNS[name].of_slider)]
+                self.mistakes.append(self._wrong(first, None, f"and {second} are both given", accepted))
+        for key in parameters.keys() & fixed.keys():
+            self.mistakes.append(self._wrong(f"fixed.{key}", None, "is also in [parameters]", "give one of them"))
         told = {mistake.key for mistake in self.mistakes}
-        for name in needed:
-            if name not in outputs and f"outputs.{name}" not in told:
+        for name in REQUIRED:
+            of_mechanism = SPIN_UP in given and COLUMNS[name].of_slider
+            if name != "time" and not of_mechanism and name not in outputs and f"outputs.{name}" not in told:
                 accepted = f"name the variable of the FMU with {COLUMNS[name].meaning} ({COLUMNS[name].unit})"
-                self.mistakes.append(CaseError(self.source, f"outputs.{name}", None, "is missing", accepted))
+                self.mistakes.append(self._wrong(f"outputs.{name}", None, "is missing", accepted))
 
     def _resolution(self) -> dict[str, Any]:
-        given = self._table("resolution")
-        for key in given:
-            if key not in _RESOLUTION:
-                raise CaseError(self.source, f"resolution.{key}", as_written(given[key]), "is unknown", nearest_or_all(key, _RESOLUTION))
-        steps = self._list("steps", given.get("steps", ["1 ms"]), lambda text: parse_quantity(text, TIME))
-        errors = self._list("errors", given.get("errors", []), float)
-        order, estimates = given.get("order", 1.0), given.get("estimates", "integration")
-        if sorted(steps, reverse=True) != steps or not steps:
-            raise CaseError(
-                self.source, "resolution.steps", as_written(given["steps"]), "does not fall", "list the steps from coarse to fine"
-            )
-        if errors and len(errors) != len(steps):
-            accepted = f"give one number for each of the {len(steps)} steps, or leave it out"
-            raise CaseError(self.source, "resolution.errors", as_written(given["errors"]), "does not fit", accepted)
-        if isinstance(order, bool) or not isinstance(order, (int, float)) or not 0.1 <= order <= 10:
-            raise CaseError(self.source, "resolution.order", as_written(order), "is not accepted", "write a number from 0.1 to 10")
-        if estimates not in ESTIMATES:
-            raise CaseError(self.source, "resolution.estimates", as_written(estimates), "is unknown", f"known are {', '.join(ESTIMATES)}")
-        return {"steps": tuple(steps), "errors": tuple(errors), "order": float(order), "estimates": estimates}
-
-    def _list(self, key: str, given: Any, read: Any) -> list[float]:
+        """Steps (s) and what is known of their errors; mistakes are kept. Without steps those are one, which the FMU suggests, or 1 ms."""
+        given, suggested = self._table("resolution"), getattr(self.about.defaultExperiment, "stepSize", None)
+        steps = given.get("steps", [f"{float(suggested or 1e-3):g} s"])
+        errors, order, estimates = given.get("errors", []), given.get("order", 1.0), given.get("estimates", "integration")
         try:
-            values = [read(each) for each in given]
-            if not isinstance(given, list) or any(not 0.0 < value <= 1.0 for value in values):
-                raise ValueError("no list of such numbers")
-        except (QuantityError, TypeError, ValueError):
-            accepted = (
-                'write a list such as ["1 ms", "0.5 ms"]' if key == "steps" else "write a list of numbers from 0 to 1 such as [0.02, 0.005]"
-            )
-            raise CaseError(self.source, f"resolution.{key}", as_written(given), "is not accepted", accepted) from None
-        return values
+            read = tuple(parse_quantity(text, TIME) for text in steps)
+        except (QuantityError, TypeError):
+            read = ()
+        fine = {
+            "steps": bool(read) and all(0.0 < step <= 1.0 for step in read) and all(map(operator.gt, read, read[1:])),
+            "errors": isinstance(errors, list) and all(_is_number(one, 0.0, 1.0) for one in errors) and len(errors) in (0, len(read)),
+            "order": _is_number(order, 0.1, 10.0),
+            "estimates": estimates in ESTIMATES,
+        }
+        for key in given:
+            if not fine.get(key):
+                known = key in _RESOLUTION
+                accepted = f"write {_RESOLUTION[key]}" if known else nearest_or_all(key, [*_RESOLUTION])
+                problem = "is not accepted" if known else "is unknown"
+                self.mistakes.append(self._wrong(f"resolution.{key}", given[key], problem, accepted))
+        return {"steps": read, "errors": tuple(errors), "order": order, "estimates": estimates}
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """The entries of a table and of those in it, by dotted key."""
+    for name, value in table.items():
+        yield from _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else [(f"{prefix}{name}", value)]
+
+
+def _is_number(value: Any, low: float, high: float) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and low <= value <= high
 
 
 def _is_settable(variable: Any) -> bool:

@@ -66,6 +66,11 @@ def is_engine(name: str) -> bool:
     return name in engine_names() or bool(_kind_of_file(name))
 
 
+def is_foreign(name: str) -> bool:
+    """Whether an engine is of another package, whose library is loaded where the engine is asked about itself."""
+    return name not in OWN and name in engine_names()
+
+
 def _kind_of_file(name: str) -> list[EntryPoint]:
     ending = PurePath(name).suffix.removeprefix(".").lower()
     return [*entry_points(group=FILES, name=ending)] if ending else []
@@ -89,7 +94,7 @@ def engine(name: str) -> AnyEngine:
     if entries is None:
         raise UnknownEngine(_unknown(name))
     if len(entries) > 1:
-        return _Missing(name, f"{len(entries)} packages provide an engine of this name: {', '.join(map(_origin, entries))}")
+        return Missing(name, f"{len(entries)} packages provide an engine of this name: {', '.join(map(_origin, entries))}")
     return _loaded(name, entries[0].load)
 
 
@@ -117,21 +122,21 @@ def _third_party() -> dict[str, list[EntryPoint]]:
 
 
 def _loaded(name: str, load: Callable[[], object]) -> AnyEngine:
-    """An instance of the class that `load` returns, or the instance; a `_Missing` if that is no engine of this name and interface."""
+    """An instance of the class that `load` returns, or the instance; a `Missing` if that is no engine of this name and interface."""
     try:
         loaded = load()
         if isinstance(loaded, type) and issubclass(loaded, Engine):
             loaded = loaded()
         if not isinstance(loaded, Engine):
-            return _Missing(name, f"{loaded!r} is not a class derived from engines.base.Engine")
+            return Missing(name, f"{loaded!r} is not a class derived from engines.base.Engine")
         if loaded.name != name:
-            return _Missing(name, f'its class calls itself "{loaded.name}"')
+            return Missing(name, f'its class calls itself "{loaded.name}"')
         if loaded.interface != INTERFACE:
-            return _Missing(name, f"it is written for version {loaded.interface} of the engines' interface, this is version {INTERFACE}")
+            return Missing(name, f"it is written for version {loaded.interface} of the engines' interface, this is version {INTERFACE}")
         if loaded.estimates not in ESTIMATES:
-            return _Missing(name, f'its class states estimates = "{loaded.estimates}"; accepted: {", ".join(ESTIMATES)}')
+            return Missing(name, f'its class states estimates = "{loaded.estimates}"; accepted: {", ".join(ESTIMATES)}')
     except Exception as error:  # whatever a foreign module does on import must not disable the other engines
-        return _Missing(name, f"it cannot be loaded ({type(error).__name__}: {first_line(error)})")
+        return Missing(name, f"it cannot be loaded ({type(error).__name__}: {first_line(error)})")
     return loaded
 
 
@@ -146,7 +151,7 @@ def _unknown(name: str) -> str:
     return f'"{name[:_LONGEST_NAME]}": no such engine{hint}; accepted: {", ".join(known)}'
 
 
-class _Missing(Engine[AnySettings]):
+class Missing(Engine[AnySettings]):
     """Stands in for an engine whose code cannot be loaded; `reason` says why."""
 
     method = "unknown"

@@ -8,7 +8,7 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import as_written, shortened
 from quickreturn.catalogue import several
 from quickreturn.engines.base import AnyEngine, Engine
-from quickreturn.engines.registry import MAIN, OWN, UnknownEngine, engine, engine_names
+from quickreturn.engines.registry import MAIN, UnknownEngine, engine, is_foreign
 from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import ANY_ENGINE, SettingError
 from quickreturn.reference_model.mechanism import Scene
@@ -41,7 +41,7 @@ def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str])
 
 def check(name: str, scene: Scene, settings: Mapping[str, str]) -> None:
     """Check an engine before anything runs. Raises UnknownEngine, or Refusal or SettingError of one of this project's engines."""
-    if name in engine_names() and name not in OWN:  # an engine of another package would load its library here
+    if is_foreign(name):  # it would load its library here
         return
     chosen = engine(name)
     chosen.settings_type().with_texts(dict(settings))

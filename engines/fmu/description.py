@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from quickreturn.engines.base import EstimateOf
 
@@ -17,23 +17,24 @@ class Variable:
 
     name: str
     reference: int  # FMI's value reference
-    kind: str  # type of the variable in the FMU: Real, Integer, Float64, ...
+    kind: str  # what FMI calls the functions that set and get it: Real, Integer, Boolean, Float64, ...
     factor: float = 1.0
     offset: float = 0.0
 
 
 @dataclass(frozen=True)
 class Fmu:
-    """A file, as its description says."""
+    """A file with its description."""
 
     path: str
-    fmi: str  # "2" or "3"
-    identifier: str  # name of its library
-    token: str  # identifies the description to the library
-    maker: str  # the tool that exported it
-    states: int  # number of its continuous states
-    once: bool  # whether a process can hold only one instance
+    about: Any  # an `fmpy.model_description.ModelDescription` with co-simulation
+    digest: str  # hash of the file
     fingerprint: str  # hash of the file and of the declarations
+
+    @property
+    def fmi(self) -> str:
+        """The first digit of its version of FMI."""
+        return str(self.about.fmiVersion[0])
 
 
 @dataclass(frozen=True)
@@ -42,13 +43,13 @@ class Declarations:
 
     parameters: Mapping[str, tuple[Variable, ...]]  # by key, one for each number of its value
     fixed: Mapping[str, float | tuple[float, ...]]  # values that are built in, SI
-    constants: tuple[tuple[Variable, float], ...]  # values of the FMU's own parameters, in its unit
+    constants: tuple[tuple[Variable, Any], ...]  # values of the FMU's own parameters, as it takes them
     outputs: Mapping[str, Variable]  # by column
     steps: tuple[float, ...]  # s, coarse to fine
-    errors: tuple[float, ...] = ()  # of the tip deflection, for each step; empty if unknown
-    order: float = 1.0  # of the error in the step
-    estimates: EstimateOf = "integration"
-    method: str = ""
+    errors: tuple[float, ...]  # of the tip deflection, for each step; empty if unknown
+    order: float  # of the error in the step
+    estimates: EstimateOf
+    method: str
 
 
 def steps_within(output_step: float, step: float) -> int:

@@ -47,15 +47,11 @@ class FmuEngine(Engine[FmuSettings]):
     settings_type = FmuSettings
     begins_bent = False  # no parameter describes a bent follower
 
-    def __init__(self, name: str, declared: Declarations | None, fmu: Fmu | None, reason: str = "") -> None:
-        """An engine; without an FMU it is not available, and `reason` says why."""
-        self.name, self.fmu, self._reason = name, fmu, reason
-        self._declared = declared or Declarations({}, {}, (), {}, (1e-3,))
-        self.method = self._declared.method or "a model in an FMU"
-        self.estimates = self._declared.estimates
-        errors = self._declared.errors
+    def __init__(self, name: str, fmu: Fmu, declared: Declarations) -> None:
+        self.name, self.fmu, self._declared = name, fmu, declared
+        self.method, self.estimates, errors = declared.method, declared.estimates, declared.errors
         self.default_accuracy = errors[len(errors) // 2] if errors else _ACCURACY
-        self.quantities = tuple(key for key in (*self._declared.parameters, *self._declared.fixed) if key in NAMED)
+        self.quantities = tuple(key for key in (*declared.parameters, *declared.fixed) if key in NAMED)
 
     @property
     def alone(self) -> bool:
@@ -63,16 +59,11 @@ class FmuEngine(Engine[FmuSettings]):
         return SPIN_UP in self.quantities
 
     def version(self) -> str:
-        made = f"FMI {self.fmu.fmi} by {self.fmu.maker}, {self.fmu.fingerprint}" if self.fmu else "no FMU"
-        return f"fmpy {installed('fmpy') or 'not installed'}, {made}"
-
-    def unavailable(self) -> str | None:
-        return self._reason or None
+        maker = self.fmu.about.generationTool or "an unknown tool"
+        return f"fmpy {installed('fmpy')}, FMI {self.fmu.fmi} by {maker}, {self.fmu.fingerprint}"
 
     def check(self, scene: Scene, /) -> None:
         """Refuse every value that neither goes to a parameter nor is built in, unless it is that of a feature that is not there."""
-        if self._reason:
-            raise Refusal(f"engine {self.name} is not available: {self._reason}")
         if self.alone and scene.crank is not None:
             raise Refusal(f"[crank]: engine {self.name} models a follower alone; accepted: a scene without [crank]")
         super().check(scene)
@@ -99,8 +90,9 @@ class FmuEngine(Engine[FmuSettings]):
 
     def describe(self, scene: Scene, settings: FmuSettings, /) -> ModelDescription:
         self.check(scene)
-        inside = f"as in {self.fmu.path if self.fmu else self.name}"
-        return ModelDescription((f"all bodies {inside}",), (f"all joints {inside}",), (self.fmu.states // 2 or None) if self.fmu else None)
+        states = self.fmu.about.numberOfContinuousStates  # many tools list none of those that an FMU for co-simulation integrates
+        inside = f"as in {self.fmu.path}"
+        return ModelDescription((f"all bodies {inside}",), (f"all joints {inside}",), states // 2 or None)
 
     def settings_for(self, accuracy: float, scene: Scene, /) -> FmuSettings:
         """The first step whose declared error is small enough, else the finest; the coarsest if no errors are declared."""
@@ -123,7 +115,6 @@ class FmuEngine(Engine[FmuSettings]):
     def prepare(self, scene: Scene, start: Start | None, settings: FmuSettings, /) -> "FmuSimulation":
         """See `Engine.prepare`. Refusal: also a start with a bent follower, which no parameter describes."""
         self.check(scene)
-        assert self.fmu is not None
         if start is not None and (start.deflection is not None or start.deflection_rate is not None):
             raise Refusal(f"a start with a bent follower cannot be given to engine {self.name}; accepted: the standard start of a case")
         values = _effective(scene)

@@ -1,10 +1,10 @@
 """Runs an FMU by fmpy. It is loaded into this process, which it may end: jobs run in processes of their own."""
 
 import contextlib
-import ctypes
 import math
 import os
 import secrets
+import sys
 import time
 import weakref
 from collections.abc import Mapping, Sequence
@@ -14,16 +14,17 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.fmu.description import Fmu, Variable, steps_within
+from quickreturn.engines.fmu.description import SAME, Fmu, Variable, steps_within
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.native import cache_folder
 
 _ADVICE: Final = "try a smaller engine.step, or ask the author of the FMU"
+_OTHER_STEPS: Final = "choose the output step and engine.step by what the FMU takes"
 _TERMINATED: Final = 3  # FMI 2's question whether the FMU wants to end the simulation
 _FATAL: Final = 4  # status in FMI 2 and 3 after which nothing of the instance may be called, not even what frees it
 _LONGEST: Final = 200  # characters of an FMU's message that a sentence quotes
 
-#: Paths of FMUs of which a process can hold one instance -> the simulation that holds it.
+#: Paths of FMUs of which a process can hold one instance -> the simulation that holds it; others begin anew when they are continued.
 _only: Final[weakref.WeakValueDictionary[str, "FmuSimulation"]] = weakref.WeakValueDictionary()
 
 
@@ -32,7 +33,7 @@ class FmuSimulation(Simulation):
 
     Args:
         fmu: the file.
-        parameters: its parameters with their values in its units.
+        parameters: its parameters with their values, as it takes them.
         outputs: column -> variable.
         step: largest communication step, s.
         length: of the follower, m, which the slider must not leave; infinite without a slider.
@@ -41,44 +42,67 @@ class FmuSimulation(Simulation):
     release: "weakref.finalize[Any, FmuSimulation]"
 
     def __init__(
-        self, fmu: Fmu, parameters: Sequence[tuple[Variable, float]], outputs: Mapping[str, Variable], step: float, length: float
+        self, fmu: Fmu, parameters: Sequence[tuple[Variable, Any]], outputs: Mapping[str, Variable], step: float, length: float
     ) -> None:
         began = time.perf_counter()
-        self._fmu, self._outputs, self._step, self._length, self.time = fmu, outputs, step, length, 0.0
-        self._said: list[str] = []
-        if fmu.once and (other := _only.get(fmu.path)) is not None:
+        self._fmu, self._parameters, self._outputs, self._step, self._length = fmu, parameters, outputs, step, length
+        self.time, self._said = 0.0, list[str]()
+        self._past: list[tuple[float, float, int]] = []  # stretches so far: where each begins, its output step, number of output steps
+        self._begin()
+        self.setup_seconds = time.perf_counter() - began
+
+    def _begin(self) -> None:
+        """Make an instance at time 0.
+
+        Raises:
+            OSError: the library cannot be loaded, or makes none: due to the machine, and so no result that is stored.
+            EngineFailure: the FMU does not take the parameters, or cannot begin with them.
+        """
+        once = self._fmu.about.coSimulation.canBeInstantiatedOnlyOncePerProcess
+        if once and (other := _only.get(self._fmu.path)) is not None:
             other.release()
         try:
-            self._instance = instance = _instance(fmu, self._said)
-            self.release = weakref.finalize(self, _free, instance, fmu.fmi)
+            self._instance = instance = _instance(self._fmu, self._said)
+        except Exception as error:  # fmpy raises exceptions of several kinds, and plain ones
+            raise OSError(f"the FMU cannot begin: {self._words(error)}") from error
+        try:
+            self.release = weakref.finalize(self, _free, instance, self._fmu.fmi)
             self.release.atexit = False
-            if fmu.once:
-                _only[fmu.path] = self
-            for variable, value in parameters:
-                setter = getattr(instance, f"set{variable.kind}")
-                setter([variable.reference], [round(value) if "Int" in variable.kind else value])
-            if fmu.fmi == "2":
+            if once:
+                _only[self._fmu.path] = self
+            for variable, value in self._parameters:
+                getattr(instance, f"set{variable.kind}")([variable.reference], [value])
+            if self._fmu.fmi == "2":
                 instance.setupExperiment(startTime=0.0)
             instance.enterInitializationMode()
             instance.exitInitializationMode()
         except Exception as error:  # fmpy raises exceptions of several kinds, and plain ones
             raise EngineFailure(0.0, f"the FMU cannot begin: {self._words(error)}", "see what the FMU needs") from error
-        self.setup_seconds = time.perf_counter() - began
+
+    def _continue(self) -> None:
+        """Come to the present again, with another instance, by the same steps. EngineFailure, _Ended: the FMU fails this time."""
+        self._begin()
+        for origin, output_step, count in self._past:
+            for k in range(count):
+                self._do_output_step(origin, output_step, k)
 
     def advance(self, duration: float, output_step: float) -> Trajectory | FollowerTrajectory:
         """See `Simulation.advance`."""
-        began, origin, count = time.perf_counter(), self.time, round(duration / output_step)
-        within = steps_within(output_step, self._step)
+        origin, count = self.time, round(duration / output_step)
         rows: list[dict[str, float]] = []
+        began = time.perf_counter()
         try:
+            if not self.release.alive:
+                self._continue()
+                began = time.perf_counter()
             rows.append(self._row(origin))
-            for k in range(1, count + 1):
-                for i in range(within):
-                    self._do_step(origin + ((k - 1) + i / within) * output_step, output_step / within)
-                rows.append(self._row(origin + k * output_step))
+            for k in range(count):
+                self._do_output_step(origin, output_step, k)
+                rows.append(self._row(origin + (k + 1) * output_step))
         except _Ended as end:
             table = self._table(rows, began) if rows else None
-            raise EngineFailure(self.time, str(end), _ADVICE, table) from end
+            raise EngineFailure(self.time, end.cause, end.advice, table) from end
+        self._past.append((origin, output_step, count))
         return self._table(rows, began)
 
     def _table(self, rows: Sequence[Mapping[str, float]], began: float) -> Trajectory | FollowerTrajectory:
@@ -102,10 +126,21 @@ class FmuSimulation(Simulation):
         self.time = at
         return row
 
+    def _do_output_step(self, origin: float, output_step: float, number: int) -> None:
+        """Make the communication steps of an output step, counted from `origin` (s). _Ended: see `_do_step`."""
+        within, able = steps_within(output_step, self._step), self._fmu.about.coSimulation
+        step, whole = output_step / within, float(able.fixedInternalStepSize or 0.0)
+        if whole and not math.isclose(step, max(1, round(step / whole)) * whole, rel_tol=SAME):
+            raise _Ended(f"the FMU takes no step of {step:.6g} s, but whole multiples of {whole:.6g} s", _OTHER_STEPS)
+        _, first, _ = self._past[0] if self._past else (0.0, output_step, 0)
+        first /= steps_within(first, self._step)
+        if not able.canHandleVariableCommunicationStepSize and not math.isclose(step, first, rel_tol=SAME):
+            raise _Ended(f"the FMU takes no step of {step:.6g} s: all must be as long as the first, {first:.6g} s", _OTHER_STEPS)
+        for i in range(within):
+            self._do_step(origin + (number + i / within) * output_step, step)
+
     def _do_step(self, at: float, step: float) -> None:
         """Make a communication step. _Ended: the FMU does not make it, or wants to end the simulation."""
-        if not self.release.alive:
-            raise _Ended("the FMU allows one instance in a process, and another simulation has begun since")
         try:
             _, ended, early, _ = self._instance.doStep(at, step) or (False, False, False, 0.0)
         except Exception as error:
@@ -132,28 +167,22 @@ class FmuSimulation(Simulation):
 
 
 class _Ended(Exception):
-    """The motion ends: why, as a clause."""
+    """The motion ends: why, and what to try, as clauses."""
+
+    def __init__(self, cause: str, advice: str = _ADVICE) -> None:
+        super().__init__(cause)
+        self.cause, self.advice = cause, advice
 
 
 def _instance(fmu: Fmu, said: list[str]) -> Any:
     """An instance of the FMU; the last line of what it says is kept in `said`."""
-    from fmpy import fmi2, fmi3
+    from fmpy.simulation import instantiate_fmu
 
-    def hear(message: bytes) -> None:
-        said[:] = [" ".join(message.decode(errors="replace").split())[-_LONGEST:]]
+    def hear(*call: Any) -> None:  # FMI 2 and 3 give the message last
+        said[:] = [" ".join(call[-1].decode(errors="replace").split())[-_LONGEST:]]
 
-    kind = fmi2.FMU2Slave if fmu.fmi == "2" else fmi3.FMU3Slave
-    instance = kind(guid=fmu.token, modelIdentifier=fmu.identifier, unzipDirectory=str(_folder(fmu)), instanceName=fmu.identifier)
-    if fmu.fmi == "2":
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(lambda _, __, ___, ____, message: hear(message))
-        callbacks.allocateMemory, callbacks.freeMemory = fmi2.defaultCallbacks.allocateMemory, fmi2.defaultCallbacks.freeMemory
-        with contextlib.suppress(Exception):  # without it messages keep the marks of their numbers
-            fmi2.addLoggerProxy(ctypes.byref(callbacks))
-        instance.instantiate(callbacks=callbacks)
-    else:
-        instance.instantiate(logMessage=lambda _, __, ___, message: hear(message))
-    return instance
+    with contextlib.redirect_stdout(sys.stderr):  # where fmpy says that messages keep the marks of their numbers
+        return instantiate_fmu(str(_folder(fmu)), fmu.about, "CoSimulation", logger=hear)
 
 
 def _free(instance: Any, fmi: str) -> None:
@@ -164,7 +193,7 @@ def _free(instance: Any, fmi: str) -> None:
 
 def _folder(fmu: Fmu) -> Path:
     """The FMU's files, unpacked once beside compiled code."""
-    folder = Path(os.environ[cache_folder.VARIABLE]) / f"fmu-{fmu.fingerprint}"
+    folder = Path(os.environ[cache_folder.VARIABLE]) / f"fmu-{fmu.digest}"
     if not folder.is_dir():
         from fmpy import extract
 

@@ -20,7 +20,7 @@ from quickreturn.commands import console, options
 from quickreturn.computing import Computing
 from quickreturn.engine_choice import check, settings_of
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.registry import OWN
+from quickreturn.engines.registry import is_foreign
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.questions import EngineDied, value_of
 from quickreturn.reference_model.errors import ToldError
@@ -179,8 +179,8 @@ def print_frequencies(angled: list[dict[str, Any]]) -> None:
 
 def _answered(jobs: Sequence[Job[T]], title: str, computing: Computing) -> tuple[list[Outcome[T]], Store | None]:
     """The outcomes of jobs, and the store, if there is one; a message names stored results."""
-    # another's engine: its version and code, which the key contains, would load its library here
-    jobs = [job if OWN.issuperset(job.engines) else replace(job, lasts=None) for job in jobs]
+    # of a foreign engine the version and code, which the key contains, would load its library here
+    jobs = [replace(job, lasts=None) if any(map(is_foreign, job.engines)) else job for job in jobs]
     store = opened_store(console.tell) if computing.store and any(job.lasts for job in jobs) else None
     console.call().store = store
     executor = LocalProcesses(limits=computing.limits, preload=fork_server.COMPUTING, quiet=computing.quiet)

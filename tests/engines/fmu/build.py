@@ -1,9 +1,14 @@
 """Builds the FMUs of the tests, and writes the files that make them engines."""
 
 import re
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 from tests.quickreturn.program import ROOT
+
+#: Writes declarations with replacements beside the FMUs; see the fixture `make`.
+Make = Callable[..., str]
 
 #: A mild machine, whose arm bends and hardly rings.
 CASE = """
@@ -77,7 +82,7 @@ tip_deflection = "u [mm]"
 tip_acceleration = "a"
 strain_1 = "-eps1"
 strain_2 = "-eps2"
-strain_3 = { variable = "eps3", factor = -1 }
+strain_3 = "-1 * eps3"
 slider_force = "F"
 """
 
@@ -107,3 +112,27 @@ def build_chain(folder: Path) -> Path:
     declared.write_text(CHAIN, "utf-8")
     FmuBuilder.build_FMU(script, dest=folder)
     return declared
+
+
+def rewritten(replace: Callable[[str, bytes], tuple[str, bytes]], fmu: str = "machine.fmu") -> None:
+    """Write an FMU anew, each member by `replace`."""
+    with zipfile.ZipFile(fmu) as old:
+        members = [replace(name, old.read(name)) for name in old.namelist() if not name.endswith("/")]
+    with zipfile.ZipFile(fmu, "w") as new:
+        for name, content in members:
+            new.writestr(name, content)
+
+
+def described(*changes: tuple[str, str], fmu: str = "machine.fmu") -> None:
+    """Change the text of an FMU's description."""
+
+    def replace(name: str, content: bytes) -> tuple[str, bytes]:
+        if name == "modelDescription.xml":
+            text = content.decode()
+            for old, new in changes:
+                assert old in text, old
+                text = text.replace(old, new)
+            content = text.encode()
+        return name, content
+
+    rewritten(replace, fmu)

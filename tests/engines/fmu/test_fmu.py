@@ -5,8 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
-import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,41 +23,8 @@ from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine, usable_engine
 from quickreturn.engines.scene import check_scene
-from quickreturn.reference_model.native import cache_folder
 from quickreturn.reference_model.scene_values import changed
-from tests.engines.fmu.build import CASE, CHAIN, MACHINE, build_chain, build_machine
-
-Make = Callable[..., Path]
-
-
-@pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    folder = tmp_path_factory.mktemp("fmus")
-    build_machine(folder)
-    build_chain(folder)
-    unpacked = Path(os.environ[cache_folder.VARIABLE])
-    before = set(unpacked.glob("fmu-*"))
-    yield folder
-    for of_the_tests in set(unpacked.glob("fmu-*")) - before:  # each build has a date of its own
-        shutil.rmtree(of_the_tests)
-
-
-@pytest.fixture
-def make(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
-    """Writes declarations with replacements beside the FMUs, and works in their folder."""
-    for name in ("machine.fmu", "Chain.fmu"):
-        shutil.copy(built / name, tmp_path)
-    (tmp_path / "case.toml").write_text(CASE)
-    monkeypatch.chdir(tmp_path)
-
-    def made(text: str = MACHINE, *changes: tuple[str, str]) -> str:
-        for old, new in changes:
-            assert old in text, old
-            text = text.replace(old, new)
-        Path("my.toml").write_text(text)
-        return "my.toml"
-
-    return made
+from tests.engines.fmu.build import CHAIN, MACHINE, Make, rewritten
 
 
 def differences(one: AnyEngine, motion: Motion) -> dict[str, float]:
@@ -134,7 +100,7 @@ def test_each_engine_of_the_two_refuses_the_scene_of_the_other(make: Make) -> No
         ("phi [deg]", "phi [degz]", 'my.toml: outputs.crank_angle: "degz" has the unknown unit "degz"'),
         ('slider_force = "F"', "", "my.toml: outputs.slider_force: is missing; name the variable of the FMU with normal force"),
         ('["g1", "g2", "g3"]', '["g1", "g2"]', 'my.toml: parameters.follower.strain_gauges: ["g1", "g2"] names 2; 3 variables'),
-        ('"1 ms", "0.5 ms"', '"1 ms", "2 ms"', "my.toml: resolution.steps: [\"1 ms\", \"2 ms\", \"0.25 ms\"] does not fall"),
+        ('"0.5 ms", ', '"2 ms", ', 'my.toml: resolution.steps: ["1 ms", "2 ms", "0.25 ms"] is not accepted; write communication steps'),
         ('["1 ms", "0.5 ms", "0.25 ms"]', "[1, 2]", "my.toml: resolution.steps: [1, 2] is not accepted"),
         ("[outputs]", "[outptus]", "my.toml: outptus: is unknown; the nearest known one is outputs"),
         ("[outputs]", '[fixed]\nbase.damping = "1 kg"\n[outputs]', 'my.toml: fixed.base.damping: "1 kg" is a mass (kg), but'),
@@ -143,15 +109,6 @@ def test_each_engine_of_the_two_refuses_the_scene_of_the_other(make: Make) -> No
 def test_a_mistake_in_the_file_is_told_with_its_place_and_what_is_accepted(make: Make, old: str, new: str, words: str) -> None:
     with pytest.raises(CaseError, match=re.escape(words)):
         engine(make(MACHINE, (old, new)))
-
-
-def rewritten(replace: Callable[[str, bytes], tuple[str, bytes]]) -> None:
-    """Write machine.fmu anew, each member by `replace`."""
-    with zipfile.ZipFile("machine.fmu") as old:
-        members = [replace(name, old.read(name)) for name in old.namelist() if not name.endswith("/")]
-    with zipfile.ZipFile("machine.fmu", "w") as new:
-        for name, content in members:
-            new.writestr(name, content)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,59 @@
+"""FMUs that are built once, and a folder to work in with them."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from quickreturn.reference_model.native import cache_folder
+from tests.engines.fmu.build import CASE, MACHINE, Make, build_chain, build_machine
+from tests.engines.fmu.plain import COMPILER, DECLARED, build_plain
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    folder = tmp_path_factory.mktemp("fmus")
+    build_machine(folder)
+    build_chain(folder)
+    for once in (False, True) if COMPILER else ():
+        build_plain(folder, once=once)
+    unpacked = Path(os.environ[cache_folder.VARIABLE])
+    before = set(unpacked.glob("fmu-*"))
+    yield folder
+    for of_the_tests in set(unpacked.glob("fmu-*")) - before:  # each build has a date of its own
+        shutil.rmtree(of_the_tests)
+
+
+@pytest.fixture
+def make(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
+    """Writes declarations with replacements beside the FMUs, and works in their folder."""
+    for name in ("machine.fmu", "Chain.fmu"):
+        shutil.copy(built / name, tmp_path)
+    (tmp_path / "case.toml").write_text(CASE)
+    monkeypatch.chdir(tmp_path)
+
+    def made(text: str = MACHINE, *changes: tuple[str, str]) -> str:
+        for old, new in changes:
+            assert old in text, old
+            text = text.replace(old, new)
+        Path("my.toml").write_text(text)
+        return "my.toml"
+
+    return made
+
+
+@pytest.fixture
+def make_plain(built: Path, make: Make) -> Make:
+    """As `make`, for the compiled FMU; `once`: it allows one instance in a process. The case has its drive."""
+    if COMPILER is None:
+        pytest.skip("there is no C compiler")
+    text = CASE.replace('torque = "0.6 N*m"\ndamping = "0.05 N*m*s/rad"', 'prescribed_speed = "12 rad/s"')
+    Path("case.toml").write_text(text)
+
+    def made(*changes: tuple[str, str], once: bool = False) -> str:
+        shutil.copy(built / ("once.fmu" if once else "plain.fmu"), "plain.fmu")
+        return make(DECLARED, *changes)
+
+    return made
