@@ -11,7 +11,7 @@ from PIL import Image
 
 from quickreturn.cases.case import Case
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reports.drawing.mechanism import Positions, Scenery, factor_for, legend, positions_of
+from quickreturn.reports.drawing.mechanism import Positions, Scenery, check_shape, factor_for, legend, positions_of
 from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, new_figure
 
 FRAMES: Final = 72  # pictures in a turn
@@ -34,6 +34,8 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
         UnknownColumn: an engine does not give the follower's shape.
         CaseError: a page was asked for, and the case has no crank.
     """
+    for trajectory in trajectories.values():
+        check_shape(trajectory)
     if ending == ".html":
         from quickreturn.reports.page.render import animation_page
 

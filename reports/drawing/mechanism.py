@@ -59,14 +59,22 @@ class Positions:
         return pivot + np.stack([along * c - across * s, along * s + across * c], axis=-1)
 
 
+def check_shape(trajectory: Trajectory) -> None:
+    """UnknownColumn: the trajectory does not give the follower's shape."""
+    if missing := [name for name in SHAPE if name not in trajectory.columns]:
+        accepted = f"an engine with the columns {SHAPE[0]} to {SHAPE[-1]}"
+        raise UnknownColumn(
+            f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn; use {accepted}'
+        )
+
+
 def positions_of(scene: Scene, trajectory: Trajectory, times: Array) -> Positions:
     """The places from a trajectory at `times` (s, shape (n,)), interpolated between its rows.
 
     Raises:
         UnknownColumn: the trajectory does not give the follower's shape.
     """
-    if missing := [name for name in SHAPE if name not in trajectory.columns]:
-        raise UnknownColumn(f'"{missing[0]}": this trajectory does not tell the shape of the follower, so it cannot be drawn')
+    check_shape(trajectory)
     sampled = {name: np.interp(times, trajectory["time"], values) for name, values in trajectory.columns.items()}
     length = scene.follower.length
     deflections = np.stack([np.zeros_like(times), *(sampled[name] for name in SHAPE), sampled["tip_deflection"]], axis=1)
