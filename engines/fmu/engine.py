@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
 #: Distance of the follower's surface from the axis of bending: stands for the dimensions of the section, which only strains depend on.
 EXTREME_FIBRE: Final = "follower.extreme_fibre"
-#: Values of parts that a scene may lack, where a case file has no default.
+#: Values of parts that a scene may lack, where a case file has no default; and of all strengths that such parts have.
 _OF_NO_TIP: Final = {"tip.mass": 0.0, "tip.inertia": 0.0}
+_ABSENT: Final = {key: quantity.default for key, quantity in NAMED.items() if quantity.default is not None} | _OF_NO_TIP
 _INITIAL: Final = ("crank.initial_angle", "crank.initial_speed")
 
 
@@ -68,7 +69,9 @@ class FmuEngine(Engine[FmuSettings]):
             raise Refusal(f"[crank]: engine {self.name} models a follower alone; accepted: a scene without [crank]")
         super().check(scene)
         values = _effective(scene)
-        self._refuse_other_than_built_in(values)
+        present = {key.partition(".")[0] for key in values}
+        absent = {key: value for key, value in _ABSENT.items() if key.partition(".")[0] not in present}
+        self._refuse_other_than_built_in(absent | values)
         for key, value in values.items():
             section, _, name = key.partition(".")
             quantity = SECTIONS[section].get(name)

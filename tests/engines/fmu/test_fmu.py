@@ -76,6 +76,18 @@ def test_a_key_without_a_parameter_is_refused_unless_its_value_is_built_in(make:
         built_in.check(changed(BASE, {"base.inertia": 8e-3}))
 
 
+def test_what_is_built_in_cannot_be_left_out_of_a_scene(make: Make) -> None:
+    """A tip body and a spring that the FMU has, in a scene that has none."""
+    built_in = '[fixed]\ntip.mass = "50 g"\nspring.stiffness = "100 N/m"\n[outputs]'
+    one = engine(make(MACHINE, ('tip.mass = "mt"\n', ""), ("[outputs]", built_in)))
+    with pytest.raises(Refusal, match=re.escape("spring.stiffness: 0 cannot be set in engine my.toml; accepted: 100, as built in (SI)")):
+        one.check(BASE)
+    one = engine(make(MACHINE, ('tip.mass = "mt"\n', ""), ("[outputs]", built_in.replace('spring.stiffness = "100 N/m"\n', ""))))
+    one.check(changed(BASE, {"tip.mass": 0.05}))
+    with pytest.raises(Refusal, match=re.escape("tip.mass: 0 cannot be set in engine my.toml; accepted: 0.05, as built in (SI)")):
+        one.check(changed(BASE, {"tip": None}))
+
+
 def test_a_scene_without_a_tip_body_sets_its_mass_to_zero(make: Make) -> None:
     found = differences(engine(make()), Motion(changed(BASE, {"tip": None}), 0.05))
     assert found["tip_deflection"] < 0.05
