@@ -32,14 +32,17 @@ from quickreturn.reference_model.mechanism import Mechanism
 _MOST_RUNGS: Final = 200
 #: Accuracy of coarse settings, or the engine's default if that is coarser.
 _COARSE: Final = 0.05
-#: Number of rungs that are run, and solve time (s) of a run after which no finer one is run.
+#: Number of rungs that are run, of further ones while none of them is better, and solve time (s) of a run after which no finer one is run.
 _RUN: Final = 3
+_FURTHER: Final = 2
 _SLOW: Final = 5.0
 #: Largest ratio of an error to its estimate in the mild scene, by what the estimate covers: errors of an integration with adaptive steps
 #: scatter.
 _MISSED: Final = {"total": 1.5, "integration": 2.5}
 #: Largest ratio of a finer rung's error to a coarser one's: some rungs are better than expected by chance.
 _WORSE: Final = 1.1
+#: Largest ratio of the finest rung's error to the coarsest one's.
+_BETTER: Final = 0.9
 #: Smaller relative errors of the tip deflection are not compared: they are errors of the integration.
 _NOISE: Final = 5e-5
 #: An order or factor is as stated within this factor.
@@ -68,7 +71,7 @@ def resolution(bench: Bench) -> Iterator[Check]:
     yield check_by("ladder: ends", _ends, bench, coarse)
     try:
         wrong, right = mistakes_in_mild_scene(bench), _truth(bench)
-        errors, above = _climb(bench, right, coarse, _RUN), _climb(bench, right, default, 2)
+        errors, above = _climb(bench, right, coarse, _RUN, _FURTHER), _climb(bench, right, default, 2)
         finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), right)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
@@ -112,16 +115,24 @@ def _error(bench: Bench, settings: Settings, right: Truth) -> float:
     return rms(bench.run(bench.mild, settings)["tip_deflection"] - deflection) / (rms(deflection) or 1.0)
 
 
-def _climb(bench: Bench, right: Truth, settings: Settings, most: int) -> list[float]:
-    """Errors of the tip deflection from rung to rung, of at most `most` rungs; it stops after a rung that takes long."""
+def _climb(bench: Bench, right: Truth, settings: Settings, most: int, further: int = 0) -> list[float]:
+    """Errors of the tip deflection from rung to rung, of at most `most` rungs; it stops after a rung that takes long.
+
+    Where the last of them is no better than the first, up to `further` more are run: two neighbouring rungs may be equally good by chance.
+    """
     errors = [_error(bench, settings, right)]
-    while len(errors) < most and bench.run(bench.mild, settings).solve_seconds <= _SLOW:
+    while len(errors) < most + (0 if _better(errors) else further) and bench.run(bench.mild, settings).solve_seconds <= _SLOW:
         finer = bench.finer(bench.scene, settings)
         if finer is None:
             break
         settings = finer
         errors.append(_error(bench, settings, right))
     return errors
+
+
+def _better(errors: list[float]) -> bool:
+    """Whether the finest rung is better than the coarsest, or that is too good to be improved."""
+    return errors[-1] <= _BETTER * errors[0] or errors[0] <= _NOISE
 
 
 def _gets_finer(errors: list[float], above: list[float], wrong: MistakesInMildScene) -> str:
@@ -132,7 +143,7 @@ def _gets_finer(errors: list[float], above: list[float], wrong: MistakesInMildSc
             raise Fault(cause, "return settings with a smaller error; look at the direction of steps and sizes")
     if len(errors) == 1:
         raise Unjudged("there is no rung above the coarsest, or it takes long")
-    if errors[-1] > 0.9 * errors[0] and errors[0] > _NOISE:
+    if not _better(errors):
         cause = f"finer rungs are no better: errors of the tip deflection are {_listed(errors)}"
         if wrong.motion or "tip_deflection" in wrong.columns:
             raise Unjudged(f"{cause}, and it is wrong already", "mend that first")

@@ -33,6 +33,7 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes, stiffness_ratio
+from quickreturn.reference_model.rigid import crank_pace
 
 #: Oldest version that works: in 1.11 properties and settings have other names.
 OLDEST: Final = (1, 13, 6)
@@ -73,7 +74,8 @@ class ExudynEngine(Engine[ExudynSettings]):
     def settings_for(self, accuracy: float, scene: Scene) -> ExudynSettings:
         """The rung of the ladder measured in run 24, a coarser one for a stiffer follower; for one alone with a step by its longest period.
 
-        Where rollers touch and part, twice the elements and half the step in place of an extrapolated table.
+        Where rollers touch and part, twice the elements and half the step in place of an extrapolated table. Elsewhere the table of a stiff
+        arm is extrapolated, which keeps its energy balance.
         """
         ratio = stiffness_ratio(scene)
         rung = ladder.rung_for(accuracy, gain_of(scene), 0.0 < ratio < ladder.SLOW)
@@ -82,7 +84,7 @@ class ExudynEngine(Engine[ExudynSettings]):
             return rung.replaced(step=min(rung.step * MEASURED_FREQUENCY / slowest, ladder.LARGEST_STEP))
         if scene.slider.has_corners:
             return rung.replaced(elements=min(2 * rung.elements, ladder.MOST_ELEMENTS), step=rung.step / 2.0, extrapolated=False)
-        return rung
+        return ladder.balanced(rung, accuracy, ratio * crank_pace(scene)) if 0.0 < ratio < ladder.STIFFEST_BALANCED else rung
 
     def comparisons(self, settings: ExudynSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """Pairs for time, space, stretch and the slider's passing of nodes, whose errors have different signs.

@@ -62,6 +62,14 @@ LADDER: Final = Ladder(
 _NEWTON: Final = ((3e-3, 1e-4), (1e-3, 1e-5), (0.0, 1e-6))
 SLOW: Final = 10.0
 
+#: Energy that steps leave in the balance, over the largest bending energy and the square of step times lowest natural frequency (rad/s): in
+#: a plain table and in an extrapolated one.
+LEFT_BY_STEPS: Final = (0.8, 0.045)
+#: Shortest step (s) that is taken for the balance's sake: shorter ones cost more than four times what the deflection needs.
+SHORTEST_FOR_BALANCE: Final = 2.5e-4
+#: Largest `stiffness_ratio` of an arm whose balance is kept: in stiffer ones the vibration of a straight start leaves more than all else.
+STIFFEST_BALANCED: Final = 300.0
+
 #: Orders of convergence.
 ORDER_IN_TIME: Final = 2.0
 ORDER_IN_SPACE: Final = 3.0
@@ -117,6 +125,23 @@ def rung_for(accuracy: float, gain: float, moves_much: bool) -> ExudynSettings:
     """
     newton = next(tolerance for least, tolerance in _NEWTON if accuracy >= least)
     return LADDER.pick(accuracy, gain).replaced(newton_tolerance=newton if moves_much else min(newton, 1e-5))
+
+
+def balanced(own: ExudynSettings, accuracy: float, frequency: float) -> ExudynSettings:
+    """The settings with an extrapolated table, and smaller steps if need be, where their steps leave too much in the energy balance.
+
+    The crank's and the arm's energy of motion is many times the bending energy of a stiff arm. What steps leave of it counts as an error of
+    the deflection, with whose square the bending energy grows.
+
+    Args:
+        own: the rung that the accuracy asks for.
+        accuracy: error of the tip deflection asked for.
+        frequency: lowest natural frequency with the crank held, rad/s.
+    """
+    plain, extrapolated = (math.sqrt(2.0 * accuracy / left) / frequency for left in LEFT_BY_STEPS)
+    if own.step <= (extrapolated if own.extrapolated else plain):
+        return own
+    return own.replaced(extrapolated=True, step=min(own.step, float(f"{max(extrapolated, SHORTEST_FOR_BALANCE):.2g}")))
 
 
 def in_time(own: ExudynSettings, output_step: float, blows: bool = False) -> Comparison:

@@ -13,7 +13,7 @@ from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.reference_model.columns import JOINT_COLUMNS
 from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
-from quickreturn.reference_model.slider_constraint import LEVER
+from quickreturn.reference_model.slider_constraint import CHORDS, LEVER
 from quickreturn.reference_model.state import BY_JOINT, State
 
 if TYPE_CHECKING:
@@ -80,6 +80,8 @@ class OwnSimulation(Simulation):
             columns = self.model.observe(states)
         statistics = {"right_hand_side_calls": float(result.calls), "integration_seconds": integrated - began}
         statistics |= self._of_joint({name: columns.pop(name) for name in JOINT_COLUMNS if name in columns}, states, output_step)
+        if self._force_jumps:
+            columns.pop("follower_acceleration", None)
         columns["time"] = self.time + output_step * np.arange(len(states), dtype=np.float64)
         trajectory = trajectory_type(self.model.scene)(columns, time.perf_counter() - began, statistics)
         if result.status != REACHED_END or len(trajectory) <= intervals:
@@ -106,6 +108,11 @@ class OwnSimulation(Simulation):
     @property
     def _is_lever(self) -> bool:
         return isinstance(self.model, BeamModel) and self.model.parameters.constraint == LEVER
+
+    @property
+    def _force_jumps(self) -> bool:
+        """Whether the slider's force passes from node to node: the base then rings faster than rows show (RIVALS.md, section 3)."""
+        return isinstance(self.model, BeamModel) and self.model.parameters.constraint in (LEVER, CHORDS)
 
     def _of_joint(self, joint: dict[str, Array], states: Array, output_step: float) -> dict[str, float]:
         """Statistics of an open loop from its `JOINT_COLUMNS`; none for a closed one."""
