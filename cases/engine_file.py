@@ -10,7 +10,7 @@ import operator
 import os
 import re
 import zipfile
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -81,39 +81,39 @@ def engine_of(name: str) -> AnyEngine:
         raise CaseError(source, "fmu", as_written(given), f"cannot be read ({error.strerror})", "give its path from this file") from None
     if find_spec("fmpy") is None:
         return Missing(name, "fmpy is not installed; pip install 'quickreturn[fmu]'")
-    about, digest, reason = _described(file, (written.st_mtime_ns, written.st_size))
-    if about is None:
+    try:
+        about, digest = _described(file, (written.st_mtime_ns, written.st_size))
+    except _UnusableError as reason:
         return Missing(name, f"{given} {reason}")
     fmu = Fmu(file, about, digest, _hash(f"{digest}{text}".encode()))
     return FmuEngine(name, fmu, _Reader(source, content, about).declarations())
 
 
-@functools.lru_cache(maxsize=8)
-def _described(file: str, _written: tuple[int, int]) -> tuple[Any, str, str]:
-    """The FMU's description by fmpy and the file's hash; no description if it cannot be used here, with a clause that says why.
+class _UnusableError(Exception):
+    """An FMU cannot be used here: why, as a clause."""
 
-    An FMU that was written at another time is another one.
-    """
+
+@functools.lru_cache(maxsize=8)
+def _described(file: str, _written: tuple[int, int]) -> tuple[Any, str]:
+    """The FMU's description by fmpy, and the file's hash; an FMU that was written at another time is another one. Raises _UnusableError."""
     import fmpy
 
+    here = fmpy.platform
     try:
         about = fmpy.read_model_description(file, validate=False)
         platforms = fmpy.supported_platforms(file)
     except zipfile.BadZipFile:
-        return None, "", "is no FMU: it is no zip archive, or damaged"
+        raise _UnusableError("is no FMU: it is no zip archive, or damaged") from None
     except Exception as error:  # whatever a description that is none makes of it
-        return None, "", f"has no description that can be read ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
+        cause = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        raise _UnusableError(f"has no description that can be read ({cause})") from error
     if about.fmiVersion[:1] not in ("2", "3"):
-        return None, "", f"is of FMI {about.fmiVersion}; FMI 2 and 3 are accepted"
+        raise _UnusableError(f"is of FMI {about.fmiVersion}; FMI 2 and 3 are accepted")
     if about.coSimulation is None:
-        return None, "", "is for model exchange; export it for co-simulation"
-    if fmpy.platform not in platforms:
-        return (
-            None,
-            "",
-            f"has no library for {fmpy.platform}, only for {' and '.join(platforms) or 'no system'}; export it for {fmpy.platform}",
-        )
-    return about, _hash(Path(file).read_bytes()), ""
+        raise _UnusableError("is for model exchange; export it for co-simulation")
+    if here not in platforms:
+        raise _UnusableError(f"has no library for {here}, only for {' and '.join(platforms) or 'no system'}; export it for {here}")
+    return about, _hash(Path(file).read_bytes())
 
 
 def _hash(content: bytes) -> str:
@@ -134,7 +134,7 @@ class _Reader:
         parameters = self._section("parameters", KEYS, self._parameters)
         fixed = self._section("fixed", KEYS, self._fixed)
         outputs = self._section("outputs", _UNITS, self._output)
-        constants = self._section("set", None, self._constant)
+        constants = self._section("set", (), self._constant)
         self._check_together(parameters, fixed, outputs)
         resolution = self._resolution()
         if self.mistakes:
@@ -152,14 +152,13 @@ class _Reader:
         self.mistakes.append(self._wrong(section, given, "is no section", f"write [{section}] and its lines below it"))
         return {}
 
-    def _section(self, section: str, known: Container[str] | None, read: Callable[[str, str, Any], T]) -> dict[str, T]:
-        """The entries of a section by dotted key, as `read` makes them of place, key and value; mistakes are kept."""
+    def _section(self, section: str, known: Collection[str], read: Callable[[str, str, Any], T]) -> dict[str, T]:
+        """The entries of a section by dotted key, as `read` makes them of place, key and value. Any key is known if `known` is empty."""
         found = {}
         for key, given in _flat(self._table(section)):
             place = f"{section}.{key}"
-            if known is not None and key not in known:
-                accepted = nearest_or_all(key, [*KEYS] if known is KEYS else [*_UNITS], f"{section}.")
-                self.mistakes.append(self._wrong(place, given, "is unknown", accepted))
+            if known and key not in known:
+                self.mistakes.append(self._wrong(place, given, "is unknown", nearest_or_all(key, [*known], f"{section}.")))
             elif (entry := attempted(self.mistakes, read, place, key, given)) is not None:
                 found[key] = entry
         return found

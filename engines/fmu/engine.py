@@ -80,16 +80,14 @@ class FmuEngine(Engine[FmuSettings]):
                     raise Refusal(f"{key}: inf cannot be given to the FMU of engine {self.name}; accepted: a finite value")
             elif key not in self._declared.fixed and (quantity is None or not _of_absent_feature(quantity, value)):
                 raise Refusal(
-                    f"{key}: {_text(value)} cannot be set in engine {self.name}, which names no parameter of the FMU for it;"
+                    f"{key}: {value} cannot be set in engine {self.name}, which names no parameter of the FMU for it;"
                     f" accepted: such a parameter in [parameters] of the engine's file, or the value that the FMU has in [fixed]"
                 )
 
     def _refuse_other_than_built_in(self, values: Mapping[str, Any]) -> None:
         for key, built_in in self._declared.fixed.items():
             if key in values and not _same(values[key], built_in):
-                raise Refusal(
-                    f"{key}: {_text(values[key])} cannot be set in engine {self.name}; accepted: {_text(built_in)}, as built in (SI)"
-                )
+                raise Refusal(f"{key}: {values[key]} cannot be set in engine {self.name}; accepted: {built_in}, as built in (SI)")
 
     def describe(self, scene: Scene, settings: FmuSettings, /) -> ModelDescription:
         self.check(scene)
@@ -167,9 +165,3 @@ def _of_absent_feature(quantity: Quantity, value: Any) -> bool:
 def _same(value: Any, other: float | tuple[float, ...]) -> bool:
     pairs = zip(*(each if isinstance(each, tuple) else (each,) for each in (value, other)), strict=True)
     return all(one == two or math.isclose(one, two, rel_tol=SAME) for one, two in pairs)
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, (float, int, tuple)):
-        return "a table"
-    return "[" + ", ".join(f"{number:.9g}" for number in value) + "]" if isinstance(value, tuple) else f"{value:.9g}"

@@ -80,11 +80,13 @@ def test_what_is_built_in_cannot_be_left_out_of_a_scene(make: Make) -> None:
     """A tip body and a spring that the FMU has, in a scene that has none."""
     built_in = '[fixed]\ntip.mass = "50 g"\nspring.stiffness = "100 N/m"\n[outputs]'
     one = engine(make(MACHINE, ('tip.mass = "mt"\n', ""), ("[outputs]", built_in)))
-    with pytest.raises(Refusal, match=re.escape("spring.stiffness: 0 cannot be set in engine my.toml; accepted: 100, as built in (SI)")):
+    with pytest.raises(
+        Refusal, match=re.escape("spring.stiffness: 0.0 cannot be set in engine my.toml; accepted: 100.0, as built in (SI)")
+    ):
         one.check(BASE)
     one = engine(make(MACHINE, ('tip.mass = "mt"\n', ""), ("[outputs]", built_in.replace('spring.stiffness = "100 N/m"\n', ""))))
     one.check(changed(BASE, {"tip.mass": 0.05}))
-    with pytest.raises(Refusal, match=re.escape("tip.mass: 0 cannot be set in engine my.toml; accepted: 0.05, as built in (SI)")):
+    with pytest.raises(Refusal, match=re.escape("tip.mass: 0.0 cannot be set in engine my.toml; accepted: 0.05, as built in (SI)")):
         one.check(changed(BASE, {"tip": None}))
 
 
