@@ -57,7 +57,7 @@ int fmi2SetString(Plain *p, const unsigned v[], size_t n, const char *const x[])
 int fmi2DoStep(Plain *p, double at, double step, int no_return) {
     if (p->step && fabs(step - p->step) > 1e-12) return ERROR;
     for (volatile int hangs = p->mode == 1 && at > 0.05; hangs;);
-    p->step = step, p->time = at + step;
+    p->step = step, p->time += step;
     observe(p);
     return OK;
 }

@@ -158,7 +158,13 @@ def test_units_are_those_that_the_fmu_defines(make_plain: Make) -> None:
 def test_factor_unit_and_offset_of_a_column(make_plain: Make) -> None:
     """The offset is in the unit that stands before it, as in the mappings of tables."""
     plain = first_row(engine(make_plain()))["follower_angle"]
-    for text, expected in (("-q2 [deg] + 180", np.pi - np.radians(plain)), ("-2 * q2", -2.0 * plain), ("q2 - .5", plain - 0.5)):
+    in_degrees = np.radians(plain)
+    for text, expected in (
+        ("-q2 [deg] + 180", np.pi - in_degrees),
+        ("q2 [deg] - 90", in_degrees - np.pi / 2.0),
+        ("-2 * q2", -2.0 * plain),
+        ("q2 - .5", plain - 0.5),
+    ):
         one = engine(make_plain(('follower_angle = "q2"', f'follower_angle = "{text}"')))
         assert first_row(one)["follower_angle"] == pytest.approx(expected, rel=1e-12)
     with pytest.raises(CaseError, match=re.escape('outputs.follower_angle: "0 * q2" has the factor 0')):
