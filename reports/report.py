@@ -149,7 +149,7 @@ def write(content: Content, folder: Path) -> Written:
     Raises:
         OutputError: something cannot be written.
     """
-    chapters = chapters_of(content)
+    chapters = list(chapters_of(content))
     tables = tuple(table for chapter in chapters for table in chapter.tables)
     stale = _earlier_tables(folder) - {table.file for table in tables}
     for table in tables:

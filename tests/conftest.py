@@ -31,7 +31,8 @@ sys.path.insert(0, str(TESTS_ALONE))
 from tests.ledger import Ledger, Status  # noqa: E402 - found by the path above
 from tests.slices import LONGEST, UNREACHED, Portion, Slices, add_options, slice_of  # noqa: E402 - found by the path above
 
-hypothesis.settings.register_profile("quickreturn", deadline=None)  # a busy machine makes no law untrue
+# a busy machine makes no law untrue; other examples are drawn in the next run
+hypothesis.settings.register_profile("quickreturn", deadline=None, max_examples=50)
 hypothesis.settings.load_profile("quickreturn")
 
 

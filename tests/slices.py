@@ -54,6 +54,9 @@ LONGEST = (
     "test_other_case",
     "test_limits",
     "test_symmetry",
+    "test_fmu",
+    "test_uncertainty",
+    "test_report",
 )
 
 

@@ -87,6 +87,7 @@ def test_with_several_processes_a_group_stays_in_one(suite: Path) -> None:
     assert "30 passed" in told.splitlines()[-1]
 
 
+@pytest.mark.verify
 def test_what_the_time_does_not_allow_is_named_and_the_end_is_good(suite: Path) -> None:
     told = ran(suite, "--slice", "0/1", "--begin-within", "0", "-n", "2", "--dist", "loadgroup")
     assert "30 not begun, for the time was over" in told

@@ -1,5 +1,6 @@
 """The chapters of a report, in their order. Each is a module and a template in `reports/chapters/`."""
 
+from collections.abc import Iterator
 from typing import Final
 
 from quickreturn.reports.chapters.accuracy import accuracy
@@ -20,6 +21,7 @@ from quickreturn.reports.chapters.strength import strength
 from quickreturn.reports.chapters.turn import turn
 from quickreturn.reports.page.chapter import Chapter, MakeChapter
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.tables.table import Table
 
 #: All chapters but those of a subject (`Content.placed`): first the user's own machine, and the next steps.
 CHAPTERS: Final[tuple[MakeChapter, ...]] = (
@@ -41,11 +43,15 @@ CHAPTERS: Final[tuple[MakeChapter, ...]] = (
 )
 
 
-def chapters_of(content: Content) -> list[Chapter]:
+def chapters_of(content: Content) -> Iterator[Chapter]:
     """The chapters of a report, in their order; the last one lists all files."""
     placed = {make for makes in content.placed.values() for make in makes}
     order = [*content.placed.get(None, ())]
     for make in CHAPTERS:
         order += [*([] if make in placed else [make]), *content.placed.get(make, ())]
-    chapters = [chapter for make in order if (chapter := make(content))]
-    return [*chapters, files(content, [table for chapter in chapters for table in chapter.tables])]
+    tables = list[Table]()
+    for make in order:
+        if chapter := make(content):
+            tables += chapter.tables
+            yield chapter
+    yield files(content, tables)

@@ -208,6 +208,7 @@ def test_a_truth_that_cannot_be_had_is_a_failure(monkeypatch: pytest.MonkeyPatch
         measurement.benchmark(short(), ("nobody",), 1)
 
 
+@pytest.mark.verify
 def test_an_engine_that_dies_at_finer_settings_is_left_out(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("quickreturn.cases.benchmark.scenes.pinned", _deadly)
     monkeypatch.setattr("quickreturn.cases.benchmark.scenes.unsafe_engines", lambda *_: {"mujoco": "killed by SIGSEGV"})

@@ -53,7 +53,7 @@ def test_friction_shows_in_a_slow_crank(told: Any) -> None:
     assert told(friction=0.1).startswith("probably friction, or another drive: a turn of the crank takes ")
 
 
-@pytest.mark.parametrize(("step", "added"), [(1e-4, 0.0064), (5e-4, 0.032)])
+@pytest.mark.parametrize(("step", "added"), [pytest.param(1e-4, 0.0064, marks=pytest.mark.verify), (5e-4, 0.032)])
 def test_an_integrator_that_damps_shows_in_the_damping_at_a_right_frequency(told: Any, step: float, added: float) -> None:
     """The added damping ratio is that of a pluck, within a third."""
     text = told(integrator="discrete", step=step, solref=2.0 * step)
@@ -76,5 +76,6 @@ def test_hinges_that_are_too_stiff_are_no_mistake_in_a_column(told: Any) -> None
     assert "no single mistake explains that" in found["tip_deflection"]
 
 
+@pytest.mark.verify
 def test_a_good_chain_gets_no_hypothesis(told: Any) -> None:
     assert told(links=26, step=2.5e-5, solref=5e-5) == ""

@@ -169,6 +169,7 @@ def test_a_bent_start_begins_without_force() -> None:
     assert relative_error(found["slider_force"], expected["slider_force"]) < 2e-2
 
 
+@pytest.mark.verify
 def test_prescribed_speed_takes_the_torque_of_the_open_loop_model() -> None:
     scene = with_joint(2e4, 20.0, slider_mass=0.2, gravity=(1.0, -9.81), crank={"drive": PrescribedSpeed(speed=16.6)})
     found, expected = exudyn(scene, 0.1), open_loop(scene, 0.1)

@@ -62,7 +62,7 @@ def test_rate_and_acceleration_are_the_derivatives_of_the_angle(engine: str) -> 
     assert part(derivative(rate), found["follower_acceleration"][inner]) < of_rate
 
 
-@pytest.mark.parametrize("engine", MAIN)
+@pytest.mark.parametrize("engine", ["reference", pytest.param("thesis", marks=pytest.mark.verify), "exudyn", "mujoco"])
 def test_rate_and_acceleration_of_a_base_that_turns_as_prescribed(engine: str) -> None:
     scene = library_case("spin-up").scene
     assert isinstance(scene, FollowerAlone)

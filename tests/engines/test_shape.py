@@ -22,7 +22,7 @@ def shape(trajectory: Trajectory) -> np.ndarray:
     return np.column_stack([ends[0], *(trajectory[name] for name in SHAPE), ends[1]])
 
 
-@pytest.mark.parametrize("name", [*MAIN, *RIVALS])
+@pytest.mark.parametrize("name", [*MAIN, *(pytest.param(name, marks=pytest.mark.verify) for name in RIVALS)])
 def test_thirteen_places_are_one_smooth_line_clamped_at_the_base(name: str) -> None:
     mechanism = run_24()
     if name == "moving-boundaries":  # which takes a crank of known speed alone

@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 
 ALL = ("reference", "exudyn", "mujoco", "derived", "fixed-shapes", "multiplier", "stiff-spring", "nodal-load")
 FOUR = ALL[:4]
+SLOW = ("derived", "nodal-load")  # take half a second to make
 #: Spring and damper in the middle of the follower, which the slider passes; and stops at the follower's end.
 MIDDLE = Spring(stiffness=60.0, anchor=(0.1, -0.3), place=0.42, free_length=0.3, damping=0.4)
 STOPPED = Spring(stiffness=20.0, anchor=(-0.15, -0.5), preload=-1.0, preload_length=0.5, shortest=0.42, longest=0.62, stop_stiffness=300.0)
@@ -106,7 +107,9 @@ def test_on_a_rigid_follower_slider_force_and_torque_follow_from_moments_and_vir
     assert "spring_force" not in without.columns
 
 
-@pytest.mark.parametrize("name", [*ALL, "thesis", "moving-boundaries"])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.verify] * (name in SLOW)) for name in (*ALL, "thesis", "moving-boundaries")]
+)
 def test_a_spring_without_force_is_no_spring_to_the_last_bit(name: str) -> None:
     plain = prescribed(run_24()) if name == "moving-boundaries" else run_24()
     nothing = replace(plain, spring=Spring(stiffness=0.0, anchor=(0.1, -0.3), free_length=0.2))

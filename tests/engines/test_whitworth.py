@@ -104,7 +104,9 @@ def test_a_rigid_follower_moves_as_the_closed_form_over_two_turns(engine: str, s
     assert rms(found["crank_torque"] - torque) < acceleration * rms(torque)
 
 
-@pytest.mark.parametrize(("engine", "within"), [("mujoco", 1e-2), ("exudyn", 6e-2), ("derived", 1e-3)])
+@pytest.mark.parametrize(
+    ("engine", "within"), [("mujoco", 1e-2), ("exudyn", 6e-2), pytest.param("derived", 1e-3, marks=pytest.mark.verify)]
+)
 def test_engines_agree_about_a_flexible_follower_that_turns(engine: str, within: float) -> None:
     """Within some of their default accuracies in the deflection; angle and slider's place follow the crank."""
     ours, theirs = flexible("reference"), flexible(engine)
@@ -146,7 +148,7 @@ def test_frequencies_with_the_crank_held_depend_on_the_sliders_place_alone() -> 
             np.testing.assert_allclose(found, solver.natural_frequencies(swinging, other, 3, settings), rtol=1e-6)
 
 
-@pytest.mark.parametrize("speed", [OMEGA, -OMEGA])
+@pytest.mark.parametrize("speed", [OMEGA, pytest.param(-OMEGA, marks=pytest.mark.verify)])
 def test_every_settled_turn_begins_near_half_a_turn_and_says_what_it_means(speed: float) -> None:
     scene = with_crank(FLEXIBLE, drive=PrescribedSpeed(speed=speed), initial_angle=0.3)
     run = steady_state(RunRequest(mechanism=scene, duration=0.5, engine="reference", estimated=False))

@@ -8,6 +8,7 @@ import pytest
 
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.jobs.store import VARIABLE
 from quickreturn.command_line import main
 from tests.engines.fake_package import FAKE_ENGINE, install
 
@@ -27,6 +28,12 @@ Call = Callable[..., Answer]
 def warm_workers() -> None:
     """The first job of a process decides what its fork server has imported: here what all later jobs need."""
     list(LocalProcesses().run([Job("warm", len, ((),))]))
+
+
+@pytest.fixture(autouse=True)
+def own_store(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A store that the environment names would answer with results of others; each test has its folder's."""
+    monkeypatch.delenv(VARIABLE, raising=False)
 
 
 @pytest.fixture

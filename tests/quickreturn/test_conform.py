@@ -25,6 +25,7 @@ class BrokenEngine(FakeEngine):
 )
 
 
+@pytest.mark.verify
 def test_an_engine_without_a_trajectory_does_not_conform(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     install(tmp_path / "more", "breaks", {"broken_engine": BROKEN}, {"broken": "broken_engine:BrokenEngine"})
     monkeypatch.syspath_prepend(tmp_path / "more")

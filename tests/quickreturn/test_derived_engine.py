@@ -48,7 +48,7 @@ CONSERVED: Final = 1e-8
 
 
 #: Scenes that the quick form takes.
-QUICK: Final = ("run 24", "loaded", "prescribed speed", "compliant")
+QUICK: Final = ("run 24",)
 
 
 @pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.verify) for name in SCENES])
@@ -100,7 +100,7 @@ OF_HELD_SLIDER: Final = 2e-7
 OF_JOINT: Final = 4e-3
 
 
-@pytest.mark.parametrize(("stiffness", "within"), [(math.inf, OF_HELD_SLIDER), (2e4, OF_JOINT)])
+@pytest.mark.parametrize(("stiffness", "within"), [(math.inf, OF_HELD_SLIDER), pytest.param(2e4, OF_JOINT, marks=pytest.mark.verify)])
 def test_natural_frequencies_are_those_of_reference(stiffness: float, within: float) -> None:
     scene = replace(LOADED, slider=Slider(mass=0.1, joint_stiffness=stiffness))
     ours, theirs = DerivedEngine(), ReferenceEngine()

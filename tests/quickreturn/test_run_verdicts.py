@@ -48,6 +48,7 @@ def test_engines_that_are_right_agree(call: Call) -> None:
         assert (engine["start"], engine["accuracy_class"], engine["unestimated"]) == ("periodic orbit of reference", "0.1 %", "")
 
 
+@pytest.mark.verify
 def test_an_engine_that_is_coarse_and_says_so_agrees_in_a_class_of_its_own(call: Call) -> None:
     answer, case = run(call, "sound", "coarse")
     assert (answer.code, case["passed"]) == (0, True)
@@ -84,6 +85,7 @@ def test_an_engine_alone_is_not_judged(call: Call) -> None:
     assert "0 of 0" not in answer.output
 
 
+@pytest.mark.verify
 def test_an_engine_with_equations_of_its_own_is_shown_and_not_judged(call: Call) -> None:
     answer, case = run(call, "sound", "own-equations")
     assert (answer.code, case["passed"], case["checks"]) == (0, None, [])

@@ -1,6 +1,7 @@
 """Tabs of Chromium, in which the tests of the page open reports."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import Browser, Page
@@ -10,6 +11,8 @@ from tests.reports.reported_results import reported_result
 Open = Callable[..., Page]
 RESULTS = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5), reported_result("thesis-17", seed=9)]
 
+#: A file, as reports are: after about:blank each report would be drawn by a new process of the browser.
+EMPTY = Path(__file__).with_name("empty.html").as_uri()
 #: Keeps what is on each canvas since it was cleared last: texts with their boxes in pixels of the page, places and colours of lines.
 WATCHING = """(() => {
     const pen = CanvasRenderingContext2D.prototype, { clearRect, fillText, lineTo, stroke } = pen;
@@ -54,7 +57,7 @@ class Tabs:
     def leave_all(self) -> list[str]:
         """Make all free for the next test; returns what the browser complained of."""
         for free, page in self._taken:
-            page.goto("about:blank")
+            page.goto(EMPTY)
             page.emulate_media(media="null")
             page.mouse.move(0, 0)
             free.append(page)

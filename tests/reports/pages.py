@@ -14,7 +14,7 @@ from tests.reports.reported_results import PageReader, reported_result
 
 def read(content: Content) -> PageReader:
     """The finished page."""
-    return PageReader(report_page(content, chapters_of(content)))
+    return PageReader(report_page(content, list(chapters_of(content))))
 
 
 def plain(text: str) -> str:
@@ -28,9 +28,8 @@ def text_of(content: Content) -> str:
 
 
 def chapter_of(content: Content, name: str) -> Chapter:
-    """The chapter with this id."""
-    (found,) = (chapter for chapter in chapters_of(content) if chapter.id == name)
-    return found
+    """The chapter with this id; those behind it are not made."""
+    return next(chapter for chapter in chapters_of(content) if chapter.id == name)
 
 
 def finding_of(content: Content, name: str) -> str:

@@ -170,7 +170,7 @@ def test_recorded_tables_are_shown_with_what_they_say_of_themselves_as_text() ->
     result = with_table(reported_result("thesis-24"), hostile, ["strain_2"], declared, of_experiment=True)
     both = [with_table(result, "tool.csv", ["tip_deflection"], {"version": "Tool 7.1"})]
     content = content_of(results=both, conformance={"reference": "conforms"})
-    page = report_page(content, chapters_of(content))
+    page = report_page(content, list(chapters_of(content)))
     assert hostile not in page
     read = PageReader(page)
     assert "img" not in read.tags

@@ -206,6 +206,7 @@ def test_process_that_broke_down_is_named_and_the_others_are_kept(monkeypatch: p
     assert Row(**table.to_dict("records")[0]) == row()  # type: ignore[arg-type]
 
 
+@pytest.mark.verify
 def test_command_line_writes_what_it_computed_and_continues(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -60,7 +60,7 @@ class Stiffer(ReferenceEngine):
 
 
 #: One of a quantity that is 2 % off, one of frequencies: what takes seconds.
-_QUICK_OF_JOINT = ("clearance doubled", "preload ignored", "friction without sign")
+_QUICK_OF_JOINT = ("clearance doubled", "preload ignored")
 _QUICK = ("stiffness 2 %", "frequencies in rad/s")
 
 
@@ -102,9 +102,9 @@ def test_a_quantity_that_is_off_is_found_with_its_factor(times: float) -> None:
         (1.3, 1.0, "passed", "followed beside the mistake"),
         (1.3, 0.0, "failed", "is ignored"),
         (1.3, 1.3, "not judged", "so is the motion"),
-        (1.3, 2.0, "not judged", "so is the motion"),
+        pytest.param(1.3, 2.0, "not judged", "so is the motion", marks=pytest.mark.verify),
         (1.0, 2.0, "failed", "acts"),
-        (1.0, 0.5, "failed", "acts"),
+        pytest.param(1.0, 0.5, "failed", "acts", marks=pytest.mark.verify),
         (1.0, 0.0, "failed", "is ignored"),
     ],
 )

@@ -142,6 +142,7 @@ def test_interrupt_of_the_whole_process_group_is_clean(tmp_path: Path) -> None:
     assert gone(worker)
 
 
+@pytest.mark.verify
 def test_killed_runner_takes_its_workers_with_it(tmp_path: Path) -> None:
     runner, worker = started_runner(tmp_path)
     runner.kill()

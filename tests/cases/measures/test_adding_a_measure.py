@@ -68,6 +68,7 @@ def with_jerk(folder: Path) -> dict[str, str]:
     return os.environ | {"PYTHONPATH": os.pathsep.join((str(package.parent), str(ROOT / "build/tests-alone")))}
 
 
+@pytest.mark.verify
 def test_a_measure_needs_a_function_and_a_declaration_and_appears_wherever_measures_do(tmp_path: Path) -> None:
     environment = with_jerk(tmp_path / "copy")
     (tmp_path / "report").mkdir()

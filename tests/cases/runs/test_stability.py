@@ -67,6 +67,7 @@ def test_a_multiplier_is_compared_with_its_own_counterpart() -> None:
     assert run.approach.periodic_orbit.multiplier_error < 0.02
 
 
+@pytest.mark.verify
 def test_run_and_sweep_have_the_same_multiplier() -> None:
     """From the standard start to the last bit, and from a neighbour's motion within the claim."""
     mechanism = scene(24)

@@ -84,6 +84,7 @@ def test_a_row_that_exceeds_its_time_gets_as_much_again_and_a_single_point_nothi
     assert all(f"its process {STOPPED}" in sentence for sentence in found.sentences.flat)
 
 
+@pytest.mark.verify
 def test_engines_alone_may_vary(tmp_path: Path) -> None:
     """Each point is computed by its own engine, as in a study of that engine."""
     workshop, asked = Workshop(Store(tmp_path), ThisProcess()), MeasureRequest(measures=("peak.tip_acceleration",), claims=False)

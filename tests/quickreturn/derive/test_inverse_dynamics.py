@@ -94,6 +94,7 @@ def test_a_link_that_stands_still_cannot_drive() -> None:
         natural_frequencies(model, {})
 
 
+@pytest.mark.verify
 def test_a_flexible_coupler_is_driven_alike_in_both_forms() -> None:
     """The shapes remain free; the torque's work is the energy."""
     found = []

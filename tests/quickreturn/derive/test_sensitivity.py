@@ -18,7 +18,13 @@ def test_on_a_rod_at_prescribed_speed_they_have_a_closed_form() -> None:
 @pytest.mark.parametrize(
     ("file", "describe", "names", "start"),
     [
-        ("four_bar", "four_bar", ["rocker", "bending_stiffness"], {"crank_angle": 0.3, "crank_angle_rate": 20.0}),
+        pytest.param(
+            "four_bar",
+            "four_bar",
+            ["rocker", "bending_stiffness"],
+            {"crank_angle": 0.3, "crank_angle_rate": 20.0},
+            marks=pytest.mark.verify,
+        ),
         ("crossing_load", "crossing_load", ["mass", "speed"], {}),
         pytest.param(
             "quick_return", "cubic", ["length", "crank_damping"], {"crank_angle": 3.0, "crank_speed": 16.6}, marks=pytest.mark.verify

@@ -112,6 +112,7 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
 
 
 @pytest.mark.usefixtures("no_resonance_curve")
+@pytest.mark.verify
 def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "segfaults", "not-installed")
     monkeypatch.setattr("quickreturn.engine_choice.MAIN", names)
@@ -127,6 +128,7 @@ def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.Mo
 
 
 @pytest.mark.usefixtures("no_resonance_curve")
+@pytest.mark.verify
 def test_a_report_asks_engines_as_run_does(place: Path, call: Call) -> None:
     """A run with the same settings and accuracy finds the report's result in the store."""
     asked = ("small.toml", "--engine", "sound", "--set", "sound.step=0.2", "--accuracy", "0.05")

@@ -51,6 +51,7 @@ def test_a_table_in_si_with_claims(found: qr.Resonance) -> None:
     assert "prescribed in place of its drive" in repr(found)
 
 
+@pytest.mark.verify
 def test_the_curve_of_the_largest_stress_is_that_of_settled_machines() -> None:
     """Against `run`, which samples the turn and its places otherwise; above the strain of the gauge times the modulus."""
     names = ["peak.stress", "peak.strain_2"]

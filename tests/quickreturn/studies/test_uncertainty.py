@@ -123,6 +123,7 @@ def test_a_study_whose_machines_cannot_be_gives_no_band(call: Call) -> None:
     assert "such as at crank.length = " in answer.errors
 
 
+@pytest.mark.verify
 def test_tolerances_of_a_case_file_scatter_here_and_nowhere_else(call: Call) -> None:
     text = rigid().to_toml()
     Path("exact.toml").write_text(text)
@@ -222,6 +223,7 @@ def test_too_many_quantities_for_the_points_are_told_before_anything_is_computed
     assert not results(Path())
 
 
+@pytest.mark.verify
 def test_in_python_and_as_a_picture(place: Call) -> None:
     found = qr.uncertainty(None, "work.toml", claims=False, quiet=True)
     again = qr.uncertainty(

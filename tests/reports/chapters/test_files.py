@@ -9,7 +9,7 @@ from tests.reports.pages import finding_of, one_run, plain
 def test_the_heading_counts_the_files() -> None:
     assert plain(finding(1)) == "1 table as CSV beside this page, full precision, SI units"
     assert plain(finding(12)) == "12 tables as CSV beside this page, full precision, SI units"
-    others = [table for chapter in chapters_of(one_run())[:-1] for table in chapter.tables]
+    others = [table for chapter in list(chapters_of(one_run()))[:-1] for table in chapter.tables]
     assert finding_of(one_run(), "files").startswith(f"{len(others)} tables as CSV")
 
 

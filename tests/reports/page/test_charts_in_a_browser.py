@@ -55,7 +55,7 @@ def meet(one: list[Any], other: list[Any]) -> bool:
     return bool(across > 1.0 and min(one[4], other[4]) - max(one[2], other[2]) > LEADING)
 
 
-@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_no_text_of_a_chart_covers_another_or_is_cut_off(opened: Open, width: int) -> None:
     page = everything(opened, width=width)
     charts = page.evaluate(TEXTS)
@@ -68,7 +68,7 @@ def test_no_text_of_a_chart_covers_another_or_is_cut_off(opened: Open, width: in
         assert out == [], f"{name}: texts are cut off"
 
 
-@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_what_is_too_wide_can_be_scrolled_and_says_so(opened: Open, width: int) -> None:
     page = everything(opened, width=width)
     script = """() => [...document.querySelectorAll("main *")].filter((each) => each.clientWidth && each.scrollWidth > each.clientWidth + 1)
@@ -121,6 +121,7 @@ def test_a_name_has_one_colour_and_one_mark_in_all_charts(opened: Open, scheme: 
         assert {getattr(looks([name])[name], scheme) for name, _ in stripes} <= set(colours)
 
 
+@pytest.mark.verify
 def test_curves_that_lie_on_each_other_are_all_seen_in_their_own_colours(opened: Open, tmp_path: Path) -> None:
     """Colours along the curve of the reference, on which two other engines lie."""
     result = made_up_result("thesis-24")

@@ -31,7 +31,7 @@ def charts(opened: Open, width: int) -> tuple[Page, list[list[Any]]]:
     return page, found
 
 
-@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_they_fit_and_no_text_covers_another(opened: Open, width: int) -> None:
     page, found = charts(opened, width)
     for name, (left, _, right, bottom), texts in found:
@@ -58,7 +58,7 @@ def test_bars_stand_on_zero_beside_each_other_and_say_what_they_are(opened: Open
     assert page.locator("#drive .reading").first.inner_text().startswith("reference: harmonic 1, 1.530")
 
 
-@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_forces_have_one_scale_along_both_axes_and_show_where_they_begin(opened: Open, width: int) -> None:
     page, _ = charts(opened, width)
     script = """all => all.map(chart => {

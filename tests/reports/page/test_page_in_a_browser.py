@@ -122,12 +122,14 @@ def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
     assert page.evaluate("scrollY") == 0
 
 
+@pytest.mark.verify
 def test_a_link_counts_though_the_old_state_is_written_late(opened: Open) -> None:
     page = opened("#at=100&run=thesis-24")
     page.evaluate("location.hash = 'run=thesis-06'; history.replaceState(null, '', '#run=thesis-24')")
     page.wait_for_function("document.querySelector('#run-buttons [aria-pressed=true]').value === 'thesis-06'")
 
 
+@pytest.mark.verify
 def test_the_name_of_the_quick_return_lies_where_the_curves_leave_more_room(opened: Open) -> None:
     page = opened("#at=0&signal=slider_force", reduced_motion="reduce")
     seen = page.evaluate("seen.get(document.getElementById('curve'))")
@@ -198,7 +200,7 @@ def test_a_hostile_title_stays_text(opened: Open, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "kind",
-    ["backwards", "all failed", *(pytest.param(kind, marks=pytest.mark.verify) for kind in ("rigid", "not settled", "without shape"))],
+    ["all failed", *(pytest.param(kind, marks=pytest.mark.verify) for kind in ("backwards", "rigid", "not settled", "without shape"))],
 )
 def test_whatever_became_of_the_runs_there_is_a_page(opened: Open, tmp_path: Path, kind: str) -> None:
     result = {
@@ -244,7 +246,7 @@ def test_parts_of_a_chapter_have_addresses(opened: Open) -> None:
     page.wait_for_url("**section=methods-thesis-17**")
 
 
-@pytest.mark.parametrize("chapter", ["methods", "thesis"])
+@pytest.mark.parametrize("chapter", ["methods", pytest.param("thesis", marks=pytest.mark.verify)])
 def test_the_longest_chapters_say_their_finding_in_one_screen(opened: Open, chapter: str) -> None:
     page = opened(f"#at=0&chapter={chapter}")
     assert page.evaluate(f"document.getElementById('{chapter}').getBoundingClientRect().height") <= 900
@@ -258,7 +260,7 @@ FILLED = """() => {
 }"""
 
 
-@pytest.mark.parametrize(("width", "height"), [(1400, 900), (2560, 1440)])
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), pytest.param(2560, 1440, marks=pytest.mark.verify)])
 def test_the_mechanism_uses_the_space_that_there_is(opened: Open, width: int, height: int) -> None:
     page = opened("#at=100", width=width, height=height)
     box, main = (page.locator(name).bounding_box() or {} for name in (".stage", "main"))
@@ -305,6 +307,7 @@ def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switc
     assert opened("#at=0").locator("#stress").count() == 0  # the thesis' page keeps its first screen
 
 
+@pytest.mark.verify
 def test_the_map_of_classes_is_read_by_keyboard_on_a_telephone(opened: Open) -> None:
     page = opened("#at=0&chapter=classes", width=390, height=844)
     chapter = page.locator("#classes")

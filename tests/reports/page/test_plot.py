@@ -11,7 +11,7 @@ from quickreturn.reports.page.render import report_page
 from quickreturn.reports.words import QUANTITY
 from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.made_up_studies import made_up_studies
-from tests.reports.pages import content_of
+from tests.reports.pages import chapter_of, content_of
 from tests.reports.reported_results import reported_result
 
 RESULTS = [reported_result("thesis-24"), reported_result("thesis-17", seed=3)]
@@ -19,7 +19,7 @@ CONTENT = content_of(results=RESULTS, studies=made_up_studies(), benchmarks=[mad
 
 
 def plots(chapter: str) -> list[Plot]:
-    return [plot for found in chapters_of(CONTENT) if found.id == chapter for plot in found.plots]
+    return list(chapter_of(CONTENT, chapter).plots)
 
 
 def test_every_comparison_is_a_dot_at_its_difference_over_the_tolerance() -> None:
@@ -44,7 +44,7 @@ def test_errors_are_drawn_in_percent() -> None:
 
 
 def test_the_page_has_a_look_for_every_name_that_it_draws() -> None:
-    page = report_page(CONTENT, chapters_of(CONTENT))
+    page = report_page(CONTENT, list(chapters_of(CONTENT)))
     known = json.loads(re.search(r'id="view">(.*?)</script>', page, re.S)[1])["looks"]  # type: ignore[index]
     drawn = [json.loads(found) for found in re.findall(r'<script type="application/json">(.*?)</script>', page, re.S)]
     names = {series["of"] for plot in drawn for series in plot["series"]} | set(MAIN)
@@ -54,7 +54,7 @@ def test_the_page_has_a_look_for_every_name_that_it_draws() -> None:
 
 
 def test_no_cell_of_the_page_is_written_as_a_computer_writes_numbers() -> None:
-    page = report_page(CONTENT, chapters_of(CONTENT))
+    page = report_page(CONTENT, list(chapters_of(CONTENT)))
     cells = re.findall(r'<td class=" \w*" data-value="[^"]*">([^<]*)<', page)
     assert len(cells) > 100
     assert [cell for cell in cells if re.search(r"\de[+−-]?\d", cell)] == []

@@ -32,7 +32,7 @@ def chart(opened: Open, width: int = 1400) -> tuple[Page, Locator]:
     return page, found
 
 
-@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_it_fits_and_no_text_covers_another(opened: Open, width: int) -> None:
     page, found = chart(opened, width)
     name, (left, _, right, _), texts = next(each for each in page.evaluate(TEXTS) if each[0].startswith("The resonance curve"))
