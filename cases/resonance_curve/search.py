@@ -15,11 +15,10 @@ from quickreturn.cases.errors import CaseError, nearest_or_all
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.pieces import Pieces
 from quickreturn.cases.loads.resonance import driven, resonance
-from quickreturn.cases.measures.catalogue import ARGUMENT, MEASURES, Measure, SettledMotion
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.measures.catalogue import ARGUMENT, MEASURES, Measure
 from quickreturn.cases.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonanceCurve, ResonancePeak, SpecialPoint
+from quickreturn.cases.resonance_curve.measuring import claims_on, numbers_of, topped
 from quickreturn.cases.resonance_curve.range import SPEED, Range
-from quickreturn.cases.runs.request import Run
 from quickreturn.cases.units import in_si
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
@@ -56,8 +55,6 @@ OF_CURVE: Final[Mapping[str, Measure]] = {
 }
 #: Relative tolerance of the integration: derivatives come from small differences of cycles, and this bounds their error to 1e-3.
 INTEGRATION: Final = 1e-10
-#: Rows of a cycle; a spline finds the peak between them.
-ROWS: Final = 256
 #: Number of values of the range at which a first periodic motion is searched, in order.
 SEARCHES: Final = 9
 #: Number of curves that are begun, each where the one before was lost; the one that reaches farthest counts.
@@ -168,19 +165,23 @@ def resonance_curve(
     def measured(begin: int) -> _Measured:
         some = points[begin : begin + PIECE]
         values, errors = (np.full((len(some), len(measures)), math.nan) for _ in range(2))
-        value_errors = np.full(len(some), math.nan)
+        value_errors, displacement = np.full(len(some), math.nan), None
         for at, point in enumerate(some):
             progress.tell(phase=f"measuring point {begin + at + 1} of {len(points)}")
-            found = _numbers_of(family, point.point, point.parameter, measures)
+            found = numbers_of(family, point.point, point.parameter, measures)
             values[at] = [each.value for each in found]
             if finer is not None:
-                errors[at], value_errors[at] = _claims(point, found, finer, measures, part)
+                errors[at], value_errors[at], displacement = claims_on(point, found, finer, measures, part, displacement)
         return _Measured(values, errors, value_errors)
 
     parts = [kept(_Measured, partial(measured, begin)) for begin in range(0, len(points), PIECE)]
     values, errors, value_errors = (
         np.concatenate([getattr(part, name) for part in parts]) for name in ("values", "errors", "value_errors")
     )
+    peaks = [
+        kept(ResonancePeak, partial(topped, family, points[each.at - 1 : each.at + 2], each, measures[0]))
+        for each in _maxima(points, values[:, 0], scene_at)
+    ]
     special = [
         SpecialPoint(each.special, each.parameter, _tolerance(points, at), None if math.isnan(error) else float(error), at)
         for at, (each, error) in enumerate(zip(points, value_errors, strict=True))
@@ -201,7 +202,7 @@ def resonance_curve(
         multipliers=np.array([[each.multipliers[0].real, each.multipliers[0].imag] for each in points]),
         kinds=tuple(each.instability for each in points),
         special=tuple(sorted(special, key=lambda each: each.at)),
-        peaks=tuple(_maxima(points, values[:, 0], scene_at)),
+        peaks=tuple(peaks),
         settings={"modes": settings.modes, "finer_modes": other.modes, "tolerance": INTEGRATION},
     )
 
@@ -288,26 +289,6 @@ def _begin(family: CycleFamily, varied: Range, values: Array) -> BranchPoint:
         except (NoPeriodicOrbit, CycleBroken, NotConverged) as reason:
             reasons.append(f"at {value / varied.size:.4g} {varied.unit}: {reason}")
     raise EngineFailure(0.0, f"no periodic motion was found within the range ({reasons[0]})", "try another range")
-
-
-def _numbers_of(family: CycleFamily, point: Array, value: float, measures: Sequence[str]) -> list[Number]:
-    """Each measure of a motion, and its uncertainty from the spacing of rows."""
-    run = Run(engine="reference", estimate_of="total", cycle=family.columns(point, value, ROWS))
-    motion = SettledMotion(family.scene_at(value), run)
-    return [MEASURES[name].of(motion) for name in measures]
-
-
-def _claims(
-    point: BranchPoint, found: Sequence[Number], finer: CycleFamily, measures: Sequence[str], part: float
-) -> tuple[list[float], float]:
-    """Claims on measures and place: `part` of the difference to the finer family's point (equation 10.13); nan where there is none."""
-    try:
-        there, parameter = finer.nearest(point)
-        others = _numbers_of(finer, there, parameter, measures)
-    except (CycleBroken, NotConverged):
-        return [math.nan] * len(found), math.nan
-    errors = [part * abs(other.value - one.value) + one.uncertainty for one, other in zip(found, others, strict=True)]
-    return errors, part * abs(parameter - point.parameter)
 
 
 def _tolerance(points: Sequence[BranchPoint], at: int) -> float:

@@ -21,6 +21,7 @@ from quickreturn.reference_model.cycles.fixed_points import (
     corrected,
     differentiated,
     first_point,
+    matrix_ahead,
     moved,
     rescaled_tangent,
     towards,
@@ -30,7 +31,7 @@ from quickreturn.reference_model.cycles.poincare import CycleBroken
 #: First, smallest and largest arclength (scaled, equation 10.9) between two points. Where the smallest fails, the branch ends.
 FIRST_STEP: Final = 0.02
 LEAST_STEP: Final = 1e-5
-LONGEST_STEP: Final = 0.2
+LONGEST_STEP: Final = 0.4
 #: Angle (rad) between the tangents at two successive points: the one aimed at, and the largest accepted.
 TURN: Final = 0.25
 MOST_TURN: Final = 0.6
@@ -112,6 +113,20 @@ def stretch(
     return Stretch(points, walk.step, ending, walk.closed)
 
 
+def between(family: Family, here: BranchPoint, there: BranchPoint, place: float) -> tuple[Array, float]:
+    """The branch's point, and its parameter, between two successive ones: in the plane across the tangent of `here`, `place` from it.
+
+    Raises:
+        CycleBroken, NotConverged: the corrections do not converge.
+    """
+    whole = there.arclength - here.arclength
+    point, parameter = moved(here, place)
+    straight, beyond = moved(here, whole)
+    bent = (place / whole) ** 2
+    guess = point + bent * (there.point - straight), parameter + bent * (there.parameter - beyond)
+    return corrected(family, here, *guess, here.tangent)
+
+
 def enough(here: BranchPoint) -> Ending:
     """The end of a branch that is followed no further."""
     return Ending(here.parameter, 0.0, False, f"{MOST_POINTS} points are enough")
@@ -134,9 +149,10 @@ class _Walk:
 
     def points(self, here: BranchPoint, step: float, most: int, first: BranchPoint) -> Iterator[BranchPoint]:
         """The points after `here` in at most so many steps, with the special ones between them."""
+        before: BranchPoint | None = None
         for _ in range(most):
             try:
-                there = self._step(here, step)
+                there = self._step(here, step, before)
                 special = list(self._special(here, there))
             except (CycleBroken, NotConverged) as failed:
                 step *= 0.5
@@ -157,13 +173,14 @@ class _Walk:
                 return
             made = max(there.arclength - here.arclength, LEAST_STEP)
             step = min(made * min(2.0, TURN / max(_turn(here, there), 1e-3)), LONGEST_STEP)
-            here = there
+            before, here = here, there
         self.step = step
 
-    def _step(self, here: BranchPoint, step: float) -> BranchPoint:
+    def _step(self, here: BranchPoint, step: float, before: BranchPoint | None) -> BranchPoint:
         """The next point, on the range's limit if the step would pass it. Raises CycleBroken; NotConverged, also for too sharp a turn."""
-        point, parameter = moved(here, step)
-        point, parameter = corrected(self._family, here, point, parameter, here.tangent)
+        point, parameter = moved(here, step, before)
+        near = here if before is None else replace(here, matrix=matrix_ahead(here, step, before))
+        point, parameter = corrected(self._family, near, point, parameter, here.tangent)
         limited = min(max(parameter, self._limits[0]), self._limits[1])
         if limited != parameter:
             part = (limited - here.parameter) / (parameter - here.parameter)
@@ -185,24 +202,14 @@ class _Walk:
             if test(here) * test(there) < 0.0 and (place := self._zero(here, there, test)) is not None:
                 located.append((place, kind))
         for place, kind in sorted(located):
-            point, parameter = self._between(here, there, place)
+            point, parameter = between(self._family, here, there, place)
             yield replace(along(here, differentiated(self._family, point, parameter, self._limits), place), special=kind)
-
-    def _between(self, here: BranchPoint, there: BranchPoint, place: float) -> tuple[Array, float]:
-        """The branch's point, and its parameter, in the plane across the tangent of `here` at the distance `place` from it."""
-        whole = there.arclength - here.arclength
-        point, parameter = moved(here, place)
-        straight, beyond = moved(here, whole)
-        bent = (place / whole) ** 2
-        return corrected(
-            self._family, here, point + bent * (there.point - straight), parameter + bent * (there.parameter - beyond), here.tangent
-        )
 
     def _fold(self, here: BranchPoint, there: BranchPoint) -> float:
         """Distance from `here` at which the parameter turns back, by a search without derivatives (equation 10.11)."""
         whole, sign = there.arclength - here.arclength, -math.copysign(1.0, here.tangent[-1])
         extreme = minimize_scalar(
-            lambda place: sign * self._between(here, there, place)[1],
+            lambda place: sign * between(self._family, here, there, place)[1],
             bounds=(0.0, whole),
             method="bounded",
             options={"xatol": LOCATED * whole},
@@ -216,7 +223,7 @@ class _Walk:
 
         def test_at(place: float) -> float:
             if place not in values:
-                point, parameter = self._between(here, there, place)
+                point, parameter = between(self._family, here, there, place)
                 values[place] = test(differentiated(self._family, point, parameter, self._limits))
             return values[place]
 
@@ -244,6 +251,6 @@ def _returned(here: BranchPoint, there: BranchPoint, first: BranchPoint) -> bool
     """Whether a closed branch passes its first point between `here` and `there`."""
     if here is first:
         return False
-    ahead = np.append((first.point - here.point) / here.sizes, (first.parameter - here.parameter) / here.width)
+    ahead = here.scaled(first.point, first.parameter)
     step = there.arclength - here.arclength
     return bool(np.linalg.norm(ahead) < step and ahead @ here.tangent > 0.0 and rescaled_tangent(first, here) @ here.tangent > 0.5)

@@ -2,16 +2,16 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.cycles.fixed_points import BranchPoint, Image, corrected
+from quickreturn.reference_model.cycles.fixed_points import BranchPoint, Image, NotConverged, corrected
 from quickreturn.reference_model.cycles.periodic import periodic_orbit
-from quickreturn.reference_model.cycles.poincare import PoincareMap
+from quickreturn.reference_model.cycles.poincare import CycleBroken, PoincareMap
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.scene_values import changed
@@ -29,6 +29,15 @@ COMPARED: Final = 1e-4
 KEPT: Final = 8
 
 
+@dataclass(frozen=True)
+class Neighbour:
+    """A point of a branch beside that of a family with fewer modes."""
+
+    point: Array  # shape (m,)
+    parameter: float
+    displacement: Array  # from the other point, in its scaled variables, shape (m + 1,)
+
+
 class CycleFamily:
     """The cycle of the machine `scene_at(value)` as a map, by a model with so many modes and an integration to a tolerance."""
 
@@ -37,8 +46,9 @@ class CycleFamily:
         self.modes = modes
         self.tolerance = tolerance
         self._built = lru_cache(KEPT)(lambda scene: BeamModel.following(scene, modes))
+        self.at = lru_cache(KEPT)(self._at)
 
-    def at(self, value: float) -> tuple[PoincareMap, Array]:
+    def _at(self, value: float) -> tuple[PoincareMap, Array]:
         """The map for a value, and the state with a straight follower, the slider at its farthest place and the machine's crank speed."""
         scene = self.scene_at(value)
         speed = scene.crank.drive.initial_speed
@@ -75,10 +85,15 @@ class CycleFamily:
         states = cycle.model.integrate(state, period / rows, rows, self.tolerance).states
         return {"time": np.linspace(0.0, period, rows + 1), **cycle.model.observe(states)}
 
-    def nearest(self, other: BranchPoint) -> tuple[Array, float]:
-        """The point of this family's branch, and its parameter, in the plane across that of a family with fewer modes (equation 10.13).
+    def nearest(self, other: BranchPoint, displacement: Array | None = None) -> Neighbour:
+        """The point of this family's branch in the plane across that of a family with fewer modes (equation 10.13).
 
         The added modes forget their state within a cycle (equation 10.6), so that the other family's derivatives serve here.
+
+        Args:
+            other: a point of the other family's branch.
+            displacement: that of the neighbour of a point near by, with which the search begins. The added modes then begin without the
+                vibration that follows from zeros, whose high frequencies take twice as many steps.
 
         Raises:
             CycleBroken, NotConverged: this branch has no point near by.
@@ -93,7 +108,15 @@ class CycleFamily:
         matrix[np.ix_(kept, rows)] = other.matrix
         point, tangent = np.zeros(len(sizes)), np.zeros(len(sizes) + 1)
         point[kept], tangent[rows] = other.point, other.tangent
-        return corrected(self, replace(other, point=point, sizes=sizes, matrix=matrix), point, other.parameter, tangent, COMPARED)
+        here = replace(other, point=point, sizes=sizes, matrix=matrix, tangent=tangent)
+        way = np.zeros(len(tangent)) if displacement is None else displacement - (displacement @ tangent) * tangent
+        try:
+            found = corrected(self, here, *here.displaced(way), tangent, COMPARED)
+        except (CycleBroken, NotConverged):
+            if displacement is None:
+                raise
+            return self.nearest(other)
+        return Neighbour(*found, here.scaled(*found))
 
     def _kept(self, size: int) -> NDArray[np.intp]:
         """Indices, among this model's free quantities (eta, crank speed if free, eta'), of the `size` ones of a model with fewer modes."""

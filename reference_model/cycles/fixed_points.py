@@ -19,9 +19,11 @@ Array = NDArray[np.float64]
 #: Disturbance for derivatives over a quantity's size, of the order of their error; at least `LEAST_DISTURBANCE` times the image's error.
 DISTURBANCE: Final = 1e-4
 LEAST_DISTURBANCE: Final = 1e3
-#: Corrections end at the length `CORRECTED` (scaled variables), and fail where one is longer than `CONTRACTION` times the previous one.
+#: Corrections end at the length `CORRECTED` (scaled variables), and fail where the k-th after the first is longer than `CONTRACTION`**k
+#: times the first, or `NEAR` if that is shorter: from a good guess the first is short by accident, and says little of the next.
 CORRECTED: Final = 1e-6
 CONTRACTION: Final = 0.5
+NEAR: Final = 0.01
 MOST_CORRECTIONS: Final = 8
 
 
@@ -77,6 +79,14 @@ class BranchPoint:
         """Floquet multipliers (equation 10.7), largest modulus first."""
         return eigenvalues(self.jacobian)
 
+    def displaced(self, way: Array) -> tuple[Array, float]:
+        """The point, and its parameter, that lies by `way` (scaled variables, shape (m + 1,)) from this one."""
+        return self.point + way[:-1] * self.sizes, self.parameter + float(way[-1]) * self.width
+
+    def scaled(self, point: Array, parameter: float) -> Array:
+        """Where another point lies from this one, in the scaled variables, shape (m + 1,)."""
+        return np.append((point - self.point) / self.sizes, (parameter - self.parameter) / self.width)
+
     @property
     def instability(self) -> str:
         """How the point is unstable, see `periodic.instability`; "" for a stable point."""
@@ -108,8 +118,8 @@ def corrected(
         CycleBroken, NotConverged: the corrections do not converge.
     """
     inverse = np.linalg.inv(np.vstack([at.matrix, border]))
-    last, missed, step = math.inf, np.empty(0), np.empty(0)
-    for _ in range(MOST_CORRECTIONS):
+    first, length, missed, step = math.inf, math.inf, np.empty(0), np.empty(0)
+    for count in range(MOST_CORRECTIONS):
         image = family.image(point, parameter)
         before, missed = missed, np.append((image.point - point) / at.sizes, 0.0)
         if len(before):  # Broyden's update by the change that the last step has caused
@@ -120,10 +130,10 @@ def corrected(
         length = float(np.max(np.abs(step)))
         if length < max(tolerance, float(np.max(image.noise / at.sizes))):
             return point, parameter
-        if not length < CONTRACTION * last:
+        first = max(length, NEAR) if count == 0 else first
+        if not length <= CONTRACTION**count * first:
             break
-        last = length
-    raise NotConverged(f"the corrections ended at {last:.1g} of the motion's size")
+    raise NotConverged(f"the corrections ended at {length:.1g} of the motion's size")
 
 
 def differentiated(family: Family, point: Array, parameter: float, limits: Limits) -> BranchPoint:
@@ -162,6 +172,21 @@ def rescaled_tangent(before: BranchPoint, here: BranchPoint) -> Array:
     return np.asarray(tangent / np.linalg.norm(tangent))
 
 
-def moved(here: BranchPoint, step: float) -> tuple[Array, float]:
-    """Point and parameter at a distance `step` from a point along its tangent."""
-    return here.point + step * here.tangent[:-1] * here.sizes, here.parameter + step * float(here.tangent[-1]) * here.width
+def matrix_ahead(here: BranchPoint, step: float, before: BranchPoint) -> Array:
+    """The scaled derivatives at a distance `step` from a point, from those there and at the point `before` (equation 10.15)."""
+    scales = np.append(here.sizes / before.sizes, 1.0)
+    change = here.matrix - before.matrix / scales[:-1, None] * scales
+    return here.matrix + step / float(np.linalg.norm(here.scaled(before.point, before.parameter))) * change
+
+
+def moved(here: BranchPoint, step: float, before: BranchPoint | None = None) -> tuple[Array, float]:
+    """Point and parameter at a distance `step` from a point along its tangent, bent like the branch since `before` (equation 10.15)."""
+    way = step * here.tangent
+    if before is not None:
+        chord = here.scaled(before.point, before.parameter)
+        length = float(np.linalg.norm(chord))
+        gap, change = length * here.tangent + chord, length * (here.tangent - rescaled_tangent(before, here))
+        part = step / length
+        bend = part**2 * (3.0 * gap - change) + part**3 * (2.0 * gap - change)
+        way = way + bend - (bend @ here.tangent) * here.tangent
+    return here.displaced(way)
