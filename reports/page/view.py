@@ -1,5 +1,7 @@
 """The moving first screen as data for the script: engines, signals, and for each case its geometry and the engines' motion."""
 
+import cmath
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -16,6 +18,7 @@ from quickreturn.cases.shown import Unit, Units
 from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.tip_force import tip_force
 from quickreturn.reports.line_styles import Look, looks
 from quickreturn.reports.page.packing import packed
 from quickreturn.reports.results.loads import CaseLoads
@@ -37,6 +40,8 @@ SIGNALS: Final = {
 }
 #: Places along the arm at which its stress is drawn.
 ALONG: Final = 61
+#: Crank angles at which the direction of the tool's force is told.
+FORCES: Final = 72
 #: Further columns, which place the mechanism.
 _PLACES: Final = ("time", "crank_angle", "follower_angle")
 
@@ -159,9 +164,11 @@ def _scene(mechanism: Mechanism) -> dict[str, Any]:
     """Lengths in m, and the crank angle (rad, either side of 0) at which the return begins and ends.
 
     Where the spring is fixed, and at which part of the follower. For a compliant joint: whether its rollers have clearance, and whether the
-    plus and the minus roller are softer than the other.
+    plus and the minus roller are softer than the other. Of the tool's force: its directions (rad) at equal steps of the crank from 0 on,
+    None where there is none, and whether they are relative to the arm's end.
     """
-    slider, spring, length = mechanism.slider, mechanism.acting_spring, mechanism.follower.length
+    slider, spring, length, tool = mechanism.slider, mechanism.acting_spring, mechanism.follower.length, mechanism.tip_body
+    forces = tip_force(tool, np.linspace(0.0, 2.0 * math.pi, FORCES, endpoint=False), 0.0).tolist()
     return {
         "pivot": mechanism.pivot_distance,
         "crank": mechanism.crank.length,
@@ -173,6 +180,9 @@ def _scene(mechanism: Mechanism) -> dict[str, Any]:
         else {"free": slider.clearance > 0.0, "soft": [side < max(slider.sides) for side in slider.sides]},
         "spring": None if spring is None else {"anchor": spring.anchor, "part": spring.place_on(length) / length},
         "quick": mechanism.half_return,
+        "force": {"follows": tool.follows, "ways": [round(cmath.phase(force), 3) if force else None for force in forces]}
+        if tool.is_forced
+        else None,
     }
 
 

@@ -4,6 +4,7 @@ const TEXT = "14px system-ui, sans-serif", BOLD = "600 14px system-ui, sans-seri
 
 const BAND = 0.1;  // of the follower's length: how far the largest stress reaches from the arm
 const COILS = 8;  // of a drawn spring
+const FORCE = [44, 26];  // length of the arrow of the tool's force, px, on a wide and on a narrow page
 const ARROW = -2.35;  // where on the crank's circle the way of turning stands, rad
 
 /** Whether the page is laid out for printing. */
@@ -78,6 +79,8 @@ class Stage {
       if (tip) this.tipBody(pen, lines[k], this.engineColour(name), broad);
     });
 
+    const force = lines.length ? this.force(pen, lines[lines.length - 1], angle, FORCE[compact ? 1 : 0]) : [];
+
     const springs = [];
     if (spring && lines.length) {
       const line = lines[lines.length - 1], k = spring.part * (line.length - 1), from = Math.min(Math.floor(k), line.length - 2);
@@ -92,7 +95,7 @@ class Stage {
     this.sliderBox(pen, C, chord, colours, compact ? 0.8 : 1, motion.scene.rollers);
     for (const joint of [O, P, C]) dot(pen, joint, compact ? 3.5 : 4.5, colours.ground, colours.ink, 2);
     this.bar(pen, width, height, scale, colours);
-    this.labels(pen, { O, P, C, radius, quick, lines, edges, springs, width, height, compact });
+    this.labels(pen, { O, P, C, radius, quick, lines, edges, springs, force, width, height, compact });
   }
 
   /** The way of turning, on the crank's circle. */
@@ -104,6 +107,23 @@ class Stage {
     pen.fillStyle = this.colours.soft;
     pen.beginPath(); pen.moveTo(7, 0); pen.lineTo(-5, 5); pen.lineTo(-5, -5); pen.fill();
     pen.restore();
+  }
+
+  /** An arrow to the tip where the tool's force acts at a crank angle; its two ends, or none. */
+  force(pen, line, crankAngle, length) {
+    const { follows, ways } = this.motion.scene.force ?? { ways: [null] }, turn = crankAngle / (2 * Math.PI);
+    const way = ways[Math.round((turn - Math.floor(turn)) * ways.length) % ways.length];
+    if (way === null) return [];
+    const [before, tip] = line.slice(-2), angle = (follows ? Math.atan2(tip[1] - before[1], tip[0] - before[0]) : 0) - way;
+    const tail = [tip[0] - length * Math.cos(angle), tip[1] - length * Math.sin(angle)];
+    stroke(pen, this.colours.ink, 1.5, () => { pen.moveTo(...tail); pen.lineTo(...between(tail, tip, 0.8)); }, "butt");
+    pen.save();
+    pen.translate(...tip);
+    pen.rotate(angle);
+    pen.fillStyle = this.colours.ink;
+    pen.beginPath(); pen.moveTo(0, 0); pen.lineTo(-10, 4); pen.lineTo(-10, -4); pen.fill();
+    pen.restore();
+    return [tail, tip];
   }
 
   /** Where the leading engine's tip came from. */
@@ -181,7 +201,7 @@ class Stage {
   }
 
   /** Names, each at the first of its places where it covers nothing; it stays there as long as it can. */
-  labels(pen, { O, P, C, radius, quick, lines, edges, springs, width, height, compact }) {
+  labels(pen, { O, P, C, radius, quick, lines, edges, springs, force, width, height, compact }) {
     const { colours } = this, middle = lines.length ? lines[lines.length - 1] : [P, C], [before, nose] = middle.slice(-2);
     const chord = direction(P, C), arm = direction(O, C), end = direction(before, nose), across = ([x, y]) => [-y, x], back = ([x, y]) => [-x, -y];
     const sides = (point, normal, gap) => [[point, normal, gap], [point, back(normal), gap]];
@@ -194,11 +214,12 @@ class Stage {
       ["crank", TEXT, [0.5, 0.62, 0.4, 0.75].flatMap((part) => sides(between(O, C, part), across(arm), 5))],
       [compact ? "follower" : "flexible follower", TEXT, [3, 4, 2, 5].flatMap((k) => sides(middle[Math.min(k, middle.length - 1)], across(chord), 7))],
     ];
+    if (force.length) wanted.push(["force", TEXT, [[force[0], direction(force[1], force[0]), 3], ...sides(force[0], across(direction(...force)), 4)]]);
     if (quick !== null) {
       const radial = [0.6, -0.6, 0.9, -0.9, 0.3, -0.3, 1.2, -1.2].map((angle) => [Math.cos(angle), Math.sin(angle)]);
       wanted.push(["quick return", BOLD, radial.map((way) => [[O[0] + radius * way[0], O[1] + radius * way[1]], way, 7])]);
     }
-    const taken = [...lines, ...edges, ...springs, [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
+    const taken = [...lines, ...edges, ...springs, ...(force.length ? [force] : []), [O, C], [P, [P[0] + 2 * (C[0] - P[0]), P[1] + 2 * (C[1] - P[1])]]].flatMap(sampled).map((point) => around(point, 3, 3));
     taken.push(...[O, P].map(([x, y]) => around([x, y + 5], 12, 12)), around(C, 15, 12), ...lines.map((line) => around(line[line.length - 1], 9, 14)));
     if (quick !== null) for (let k = -12; k <= 12; k++) taken.push(around([O[0] + radius * Math.cos(quick * k / 12), O[1] + radius * Math.sin(quick * k / 12)], 5, 5));
     if (edges.length) taken.push([0, height - 36, compact ? 90 : 260, height]);
