@@ -10,6 +10,7 @@ A path that ends in ".toml" in place of a name is the file beside an FMU that ma
 """
 
 import difflib
+import os
 from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -76,14 +77,17 @@ def _kind_of_file(name: str) -> list[EntryPoint]:
     return [*entry_points(group=FILES, name=ending)] if ending else []
 
 
-def engine(name: str) -> AnyEngine:
-    """The engine of this name. If its code cannot be loaded, an engine whose `unavailable()` says so and that refuses everything.
+def engine(name: str | os.PathLike[str]) -> AnyEngine:
+    """The engine of this name, or of a path that ends in ".toml".
+
+    If its code cannot be loaded, it is one whose `unavailable()` says so and that refuses everything.
 
     Mistakes in an engine's file, whose path the name may be, raise what reads that file.
 
     Raises:
         UnknownEngine: no engine has this name.
     """
+    name = os.fspath(name)
     if name in _MODULES:
         module, _, attribute = _MODULES[name].partition(":")
         return _loaded(name, lambda: getattr(import_module(module), attribute))
@@ -98,7 +102,7 @@ def engine(name: str) -> AnyEngine:
     return _loaded(name, entries[0].load)
 
 
-def usable_engine(name: str) -> AnyEngine:
+def usable_engine(name: str | os.PathLike[str]) -> AnyEngine:
     """The engine of this name, which can be used on this machine.
 
     Raises:

@@ -5,6 +5,7 @@ explains the difference: a sign, a unit, an exchanged column, an ignored quantit
 is tried as a rod.
 """
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
@@ -66,7 +67,7 @@ _QUICK_TRIAL: Final = "quick trial"
 
 
 def conform(
-    engine: AnyEngine | str,
+    engine: AnyEngine | str | os.PathLike[str],
     executor: Executor | None = None,
     groups: tuple[str, ...] = tuple(GROUPS),
     *,
@@ -76,7 +77,7 @@ def conform(
     """Try an engine.
 
     Args:
-        engine: an instance, or the name of one that is installed.
+        engine: an instance, the name of one that is installed, or the path of a file that declares one.
         executor: computes each group separately, so that a crash loses only that group; None: this process.
         groups: names of groups of checks, see `GROUPS`; of an engine without mechanism all are those of the follower alone.
         seconds: limit of wall time; checks that do not fit into it are left out. None: no limit.
@@ -86,6 +87,7 @@ def conform(
         UnknownEngine: there is no engine of this name.
         Refusal: it cannot be used here.
     """
+    engine = os.fspath(engine) if isinstance(engine, os.PathLike) else engine
     name = engine_from(engine).name
     executor = executor or ThisProcess(quiet)
     groups = (_ALONE,) if motion_alone(engine_from(engine)) else groups
