@@ -116,12 +116,9 @@ class Ledger:
 
     def __init__(self, unreached: str, root: Path = ROOT) -> None:
         self.unreached = unreached
-        self.commit, self.code = commit(root), cache(partial(code_of, root=root))
+        self.commit = commit(root)
+        self.code = cache(partial(code_of, root=root))  # as the file's first test finds it: it may change during hours of tests
         self.entries: dict[str, Entry] = {}
-
-    def pytest_runtest_logstart(self, nodeid: str) -> None:
-        """Read the code before it runs: it may change during hours of tests."""
-        self.code(file_of(nodeid))
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Remember the outcome of a test, which has passed if all its parts have, and its time."""

@@ -64,7 +64,6 @@ def test_what_should_run_again_is_listed_with_the_reason() -> None:
 
 
 def reported(ledger: Ledger, when: Literal["setup", "call", "teardown"], outcome: Outcome, why: str = "") -> None:
-    ledger.pytest_runtest_logstart(TEST)
     ledger.pytest_runtest_logreport(pytest.TestReport(TEST, ("", 0, ""), {}, outcome, why or None, when, duration=1.5))
 
 

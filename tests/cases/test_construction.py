@@ -65,6 +65,7 @@ def test_an_integrator_that_damps_shows_in_the_damping_at_a_right_frequency(told
     assert float(found[1]) == pytest.approx(added, rel=0.34)
 
 
+@pytest.mark.verify
 def test_a_polygon_shows_in_neither(told: Any) -> None:
     assert told().startswith("probably friction, the corners of a chain of links, or a long step: neither the first mode's frequency")
 

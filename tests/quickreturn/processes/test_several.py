@@ -114,6 +114,7 @@ def test_the_shell_gets_its_script() -> None:
     assert "compdef" in subprocess.run([PROGRAM], env=environment, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.verify
 def test_a_pipe_hears_what_is_at_work_and_a_quiet_one_does_not(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     arguments = ("run", "small.toml", "--engine", "sound", "--engine", "also-sound", "--json")
     told = started(*arguments, folder=tmp_path, variables={"QUICKRETURN_STORE": "one"}).communicate()

@@ -143,6 +143,7 @@ def test_curves_that_lie_on_each_other_are_all_seen_in_their_own_colours(opened:
     assert sum(parts.values()) > 0.7, parts  # the others: axes, cursor, and where one dash ends and the next begins
 
 
+@pytest.mark.verify
 def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
     page = opened("#at=0&chapter=methods&section=methods-thesis-24")
     choices = page.locator("#methods .choices").first

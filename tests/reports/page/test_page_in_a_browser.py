@@ -103,7 +103,8 @@ def test_engines_are_switched_off_in_every_plot(opened: Open) -> None:
     assert drawn(page, "stage") == before[0]
 
 
-@pytest.mark.parametrize("turning", [-1, pytest.param(1, marks=pytest.mark.verify)])
+@pytest.mark.verify
+@pytest.mark.parametrize("turning", [-1, 1])
 def test_time_runs_to_the_right_whichever_way_the_crank_turns(opened: Open, tmp_path: Path, turning: int) -> None:
     write(content_of(results=[made_up_result("example", turning=turning)], facts=machine_facts()), tmp_path)
     page = opened("#chapter=each", (tmp_path / "index.html").as_uri(), reduced_motion="reduce")
@@ -114,6 +115,7 @@ def test_time_runs_to_the_right_whichever_way_the_crank_turns(opened: Open, tmp_
     assert angles == (forwards if turning > 0 else ["180°", "135°", "90°", "45°", "0°", "315°", "270°", "225°", "180°"])
 
 
+@pytest.mark.verify
 def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
     page = opened("#at=100&chapter=agreement")
     page.locator("#table-map tbody tr").nth(1).locator("a").last.click()
