@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, similar_name
-from quickreturn.cases.text.column_mapping import IGNORED, ColumnMapping, Target, mapping_file, mapping_of, near_column, suggested
+from quickreturn.cases.text.column_mapping import IGNORED, ColumnMapping, Target, mapping_file, mapping_of, near_column, suggested, unit_in
 from quickreturn.cases.text.dialect import Dialect, dialect_of
 from quickreturn.cases.text.number_rows import does_not_rise, late_row, name_and_unit, numbers_in, unit_factor
 from quickreturn.cases.text.text_file import read_text
@@ -137,7 +137,7 @@ def _columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple
         key = next((each for each in (heading, name, str(number + 1)) if each in targets), None)
         target = _own_name(shown, written.place, heading) if key is None and headings is not None else targets.pop(key or "", None)
         if target is None or target.column == IGNORED:
-            (ignored if target is not None or headings is None or not similar_name(name, tuple(COLUMNS)) else unknown).append(
+            (ignored if target is not None or headings is None or not _is_misspelt(name, heading, unit) else unknown).append(
                 heading or f"column {number + 1}"
             )
             continue
@@ -162,7 +162,7 @@ def _columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple
 def _refuse(shown: str, place: str, names: Sequence[str], unknown: Sequence[str], ignored: Sequence[str]) -> None:
     """Raise the CaseError of a table that lacks time or all other columns, or has headings near to a column; it answers them all."""
     told = {each: near_column(each) for each in (*unknown, *(() if "time" in names and len(names) > 1 else ignored))}
-    near = [as_written(each) + (f" (nearest: {column})" if column else "") for each, column in told.items()]
+    near = [as_written(each) + (f" (nearest: {_with_unit(each, column)})" if column else "") for each, column in told.items()]
     accepted = (
         'name them by --column "HEADING = column [unit]" or --write-mapping; `quickreturn show CASE --for-other-tools` lists all columns'
     )
@@ -171,6 +171,17 @@ def _refuse(shown: str, place: str, names: Sequence[str], unknown: Sequence[str]
         verb = "is no column of a trajectory" if len(near) == 1 else "are no columns of a trajectory"
         raise CaseError(shown, place, None, f"{', '.join(near)} {verb}{lacks}", accepted)
     _check_complete(shown, place, names)
+
+
+def _with_unit(heading: str, column: str) -> str:
+    """A column with the unit that a heading names, if it names one."""
+    return f"{column} [{unit}]" if (unit := unit_in(heading, column)) else column
+
+
+def _is_misspelt(name: str, heading: str, unit: str | None) -> bool:
+    """Whether a heading is nearly the name of a column, in a unit of that column if it has one."""
+    column = similar_name(name, tuple(COLUMNS))
+    return bool(column) and (unit is None or bool(unit_in(heading, column)))
 
 
 def _check_complete(source: str, place: str, names: Iterable[str]) -> None:

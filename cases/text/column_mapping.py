@@ -85,7 +85,7 @@ def suggested(headings: Sequence[str], known: Mapping[str, str], decimal: str | 
     for heading in headings:
         text = known.get(heading, IGNORED)
         column = "" if heading in known else near_column(heading)
-        near = f"  # perhaps {column} [{_unit_of(column)}]" if column else ""
+        near = f"  # perhaps {column} [{unit_in(heading, column) or _unit_of(column)}]" if column else ""
         lines.append(f"{json.dumps(heading, ensure_ascii=False)} = {json.dumps(text, ensure_ascii=False)}{near}")
     return "\n".join(lines) + "\n"
 
@@ -95,6 +95,17 @@ def near_column(heading: str) -> str:
     words = re.split(r"[\W_]+", heading.partition("[")[0].partition("(")[0].strip().lower())
     name = "_".join(_WORDS.get(word, word) for word in words)
     return next(iter(difflib.get_close_matches(name, [each for each in COLUMNS if each not in SHAPE], 1, _NEAR)), "")
+
+
+def unit_in(heading: str, column: str) -> str:
+    """The unit of a column that a heading names in brackets or as its last word, such as "mm" in "tip_deflection_mm"; "" if none."""
+    bracketed = re.search(r"[\[(]([^\])]*)[\])]\s*$", heading)
+    unit = bracketed[1].strip() if bracketed else re.split(r"[\s_.]+", heading.strip())[-1]
+    try:
+        unit_factor("", "", COLUMNS[column].unit.replace(" ", "*"), unit)
+    except CaseError:
+        return ""
+    return unit
 
 
 def _unit_of(column: str) -> str:

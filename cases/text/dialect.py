@@ -15,6 +15,7 @@ SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": 
 COMMENTS: Final = ("#", "%", "!")
 _NUMBER: Final = re.compile(r"[+-]?(\d[\d.,]*|[.,]\d+)([eEdD][+-]?\d+)?")
 _THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+_POINTED_THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+")
 _DURATION: Final = re.compile(rf"({NUMBER})\s+([^\W\d]+)")
 _CLOCK: Final = re.compile(r"(\d+):([0-5]\d):([0-5]\d(?:\.\d*)?)")
 _UNIT: Final = re.compile(r"[\[(]?[^\W\d%]*[-%*/^.\w·²]*[\])]?")
@@ -188,6 +189,7 @@ def _decimal_sign(source: str, lines: Sequence[str], first: int, separator: str,
     if known is not None:
         return known
     if not any("," in line for line in lines[first:]):
+        _refuse_pointed_thousands(source, lines, first, separator)
         return "."
     plain = ambiguous = None
     decimal = grouped = False
@@ -214,8 +216,31 @@ def _decimal_sign(source: str, lines: Sequence[str], first: int, separator: str,
     return "," if decimal else "."
 
 
+def _refuse_pointed_thousands(source: str, lines: Sequence[str], first: int, separator: str) -> None:
+    """Raise the CaseError of points that may separate thousands.
+
+    A program that writes decimals gives all numbers of a column a point, or numbers of decimals that differ. So the points can be
+    thousands where each has three digits behind it, and one column holds whole numbers of at most three digits as well.
+    """
+    pointed, whole = dict[int, tuple[int, str]](), set[int]()
+    for number, line in enumerate(lines[first:], first + 1):
+        for column, cell in enumerate(split(line, separator)):
+            if _POINTED_THOUSANDS.fullmatch(cell):
+                pointed.setdefault(column, (number, cell))
+            elif re.fullmatch(r"[+-]?\d{1,3}", cell):
+                whole.add(column)
+            elif _NUMBER.fullmatch(cell):
+                return
+    for column in sorted(whole & set(pointed)):
+        at, cell = pointed[column]
+        asked = f"is it {cell.replace('.', '')} or {cell}? Give --decimal , or --decimal . (decimal= in Python)"
+        raise CaseError(source, f"line {at}", as_written(cell), "can be read in two ways", asked)
+
+
 def _with_point(cell: str, decimal: str) -> str:
     """A cell with a decimal point and without thousands separators."""
+    if decimal == "," and _POINTED_THOUSANDS.fullmatch(cell):
+        return cell.replace(".", "")
     if "," not in cell or not re.match(r"[+-]?[\d.,]", cell):
         return cell
     if decimal == ",":

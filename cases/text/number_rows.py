@@ -20,11 +20,13 @@ _OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
     "1": {"-": "1", "": "1", "%": "percent", "µε": "microstrain", "με": "microstrain"} | {unit: unit for unit in PURE_UNITS},
     "m/s^2": {"g": "g0"},
 }
-#: Characters in a text that is not a number -> advice.
+#: Pattern in a text that is not a number -> advice; the first that fits is given.
 _HINTS: Final = {
-    ";": "semicolons separate it: use commas, and decimal points",
-    ",": "the decimal sign is a point",
-    "D": "write e for D",
+    r"\d{4}-\d\d?-\d\d?|\d\d?[./]\d\d?[./]\d{2,4}": "it is a date: write seconds from the first row",
+    r"\d;": "semicolons separate it: use commas, and decimal points",
+    r"\d,\d{3}(,\d{3})*\.": "leave out the separators of thousands",
+    r"\d,|,\d": "the decimal sign is a point",
+    r"\d[dD][-+]?\d": "write e for D",
 }
 _HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
 
@@ -101,7 +103,7 @@ def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int
         for name, cell in zip(names, cells, strict=False):
             value = plain_number(cell.strip())
             if value is None or not np.isfinite(value):
-                hint = next((f" ({told})" for sign, told in _HINTS.items() if sign in cell.upper() and any(map(str.isdigit, cell))), "")
+                hint = next((f" ({told})" for pattern, told in _HINTS.items() if re.search(pattern, cell)), "")
                 problem = f"is no plain number{hint}" if cell.strip() else "is empty"
                 accepted = "leave out rows that lack a number, or columns that were not recorded"
                 return CaseError(source, f"{place}, {name}", as_written(cell), problem, accepted)

@@ -89,6 +89,11 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,crank_speed [1/min]\n0,1", ['meant as "rpm"']),
         ("time,crank_speed [1/s]\n0,1", ['meant as "rps" or "rad/s"']),
         ('time,tip_x\n0,"1,5"\n', ["line 2, tip_x", "1,5", "the decimal sign is a point"]),
+        ("time,tip_x\n0,#DIV/0!\n", ["line 2, tip_x", "#DIV/0!", "is no plain number; leave out"]),
+        ('time,tip_x\n0,"1,065.8"\n', ["line 2, tip_x", "1,065.8", "separators of thousands"]),
+        ("time,tip_x\n2024-05-06 10:11:12,1\n", ["line 2, time", "a date", "seconds from the first row"]),
+        ("time [ms];tip_x [um]\n0;0\n1;980\n2;1.066\n", ["line 4", "1.066", "two ways", "1066 or 1.066", "--decimal"]),
+        ("time_ms,tip_defl_mm\n0,1\n", ["nearest: time [ms]", "nearest: tip_deflection [mm]"]),
         ("time,tip_x\n0,1.5D-3\n", ["line 2, tip_x", "1.5D-3", "e for D"]),
         ("time,tip_x\n0,1\n# end\n", ["line 3", "# end", "no row of numbers"]),
         ("time,tip_x\n0,1\n2,1\n\n1,2", ["line 5, time", "1", "does not rise"]),
@@ -272,3 +277,28 @@ def test_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(recorded, "MOST_ROWS", 3)
     with pytest.raises(CaseError, match="has 5 rows; at most 3 are accepted"):
         read_table(written(tmp_path, "time,tip_x\n" + "\n".join(f"{row},0" for row in range(5))))
+
+
+@pytest.mark.parametrize(("decimal", "size"), [(",", 1066e-6), (".", 1.066e-6)])
+def test_points_beside_whole_numbers_are_read_as_asked(tmp_path: Path, decimal: str, size: float) -> None:
+    table = read_table(written(tmp_path, "time [ms];tip_x [um]\n0;0\n1;980\n2;1.066\n"), decimal=decimal)
+    np.testing.assert_allclose(table.columns["tip_x"], [0.0, 980e-6, size], rtol=1e-15)
+
+
+@pytest.mark.parametrize("rows", ["0;1.066\n1;2.500\n", "0;0\n1;1.066\n2;2.5\n", "0;0\n1;1234\n2;1.066\n"])
+def test_points_that_cannot_separate_thousands_are_decimal(tmp_path: Path, rows: str) -> None:
+    table = read_table(written(tmp_path, f"time;tip_x\n{rows}"))
+    assert 1.066 in table.columns["tip_x"]
+
+
+def test_a_suggested_mapping_keeps_the_unit_in_a_heading(tmp_path: Path) -> None:
+    text = recorded.suggested_mapping(written(tmp_path, "time_s,crank_angle_deg,Beam strain_1 (%)\n0,180,1\n"))
+    for line in ('"crank_angle_deg" = "-"  # perhaps crank_angle [deg]', "# perhaps time [s]", "# perhaps strain_1 [%]"):
+        assert line in text
+
+
+def test_a_heading_in_a_unit_of_another_quantity_is_foreign_and_no_misspelling(tmp_path: Path) -> None:
+    text = "time,Linear Acceleration x (m/s^2),acc (m/s^2)\n0,1,2\n"
+    table = read_table(written(tmp_path, text), ["acc = tip_acceleration"])
+    assert "ignored: Linear Acceleration x (m/s^2)" in table.told
+    np.testing.assert_array_equal(table.columns["tip_acceleration"], [2.0])
