@@ -178,6 +178,8 @@ class Solution(Displayed):
             yield self._estimates()
         if self.error_parts:
             yield "shown by", Rows([(f"{part}",) for part in self.error_parts])
+        if doubtful := [name for name, estimate in result.error_estimates.items() if estimate is not None and estimate > 1.0]:
+            yield "doubtful", f"{', '.join(doubtful)}: the error may be larger than the column itself"
         if (loads := self.loads).stress is not None:
             yield "arm", f"with the transient of its start, {stress_text(loads, self.case)}".replace(TIED, " ")
             if self.case.scene.crank is not None:
