@@ -64,12 +64,13 @@ def is_table(name: str) -> bool:
     return name.lower().endswith(".csv")
 
 
-def read_table(path: str | os.PathLike[str], columns: Sequence[str] = (), decimal: str | None = None) -> RecordedTable:
+def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[str, str] = (), decimal: str | None = None) -> RecordedTable:
     """A recorded table from a file of any program. Its attribute `told` says how the file was read, `columns` has the numbers in SI.
 
     Args:
         path: of the file. A mapping beside it, with the same name and the ending .toml, is used.
-        columns: which heading is which column: "crank.phi = crank_angle [deg]"; a number in place of a heading counts columns from 1.
+        columns: which heading is which column: "crank.phi = crank_angle [deg]", or a dictionary of such pairs; a number in
+            place of a heading counts columns from 1.
         decimal: the decimal sign, "." or ",", where numbers such as 1,234 can be read in two ways.
 
     Raises:

@@ -44,7 +44,7 @@ class ColumnMapping:
     file: str = ""  # of the mapping, if there is one
 
 
-def mapping_of(path: str, columns: Sequence[str], decimal: str | None) -> ColumnMapping:
+def mapping_of(path: str, columns: Sequence[str] | Mapping[str, str], decimal: str | None) -> ColumnMapping:
     """The mapping of the file beside a table, if there is one, changed by texts such as "crank.phi = crank_angle [deg]".
 
     CaseError: a text or the file cannot be read.
@@ -64,7 +64,9 @@ def mapping_of(path: str, columns: Sequence[str], decimal: str | None) -> Column
             decimal = decimal or _decimal_in(shown, document)
             for heading, text in document["columns"].items():
                 targets[heading] = _target(shown, heading, text)
-    for text in columns:
+    if isinstance(columns, Mapping):
+        columns = [f"{heading} = {target}" for heading, target in columns.items()]
+    for text in [columns] if isinstance(columns, str) else columns:
         heading, sign, target = (part.strip() for part in text.rpartition("="))
         if not (heading and sign):
             raise CaseError(COLUMN, None, as_written(text), "names no column", f"write {_EXAMPLE}")

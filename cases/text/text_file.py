@@ -42,6 +42,8 @@ def read_text(
         raise CaseError(shown, None, None, f"cannot be read ({reason})", instead) from None
     if len(content) > largest:
         raise CaseError(shown, None, None, f"is larger than {largest // 1000} kB", instead)
+    if content.startswith(b"PK\x03\x04"):
+        raise CaseError(shown, None, None, "is an Excel workbook or another archive", "save it as plain text in UTF-8, such as CSV")
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as wrong:

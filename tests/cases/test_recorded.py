@@ -302,3 +302,16 @@ def test_a_heading_in_a_unit_of_another_quantity_is_foreign_and_no_misspelling(t
     table = read_table(written(tmp_path, text), ["acc = tip_acceleration"])
     assert "ignored: Linear Acceleration x (m/s^2)" in table.told
     np.testing.assert_array_equal(table.columns["tip_acceleration"], [2.0])
+
+
+@pytest.mark.parametrize("columns", [{"a": "time [s]", "b": "tip_x"}, ["a = time [s]", "b = tip_x"]])
+def test_columns_are_given_as_texts_or_as_a_dictionary(tmp_path: Path, columns: Any) -> None:
+    np.testing.assert_array_equal(read_table(written(tmp_path, "a,b\n0,5\n"), columns).columns["tip_x"], [5.0])
+
+
+def test_one_text_for_the_columns_is_no_row_of_letters(tmp_path: Path) -> None:
+    np.testing.assert_array_equal(read_table(written(tmp_path, "time,b\n0,5\n"), "b = tip_x").columns["tip_x"], [5.0])
+
+
+def test_a_workbook_is_named_as_one(tmp_path: Path) -> None:
+    assert "is an Excel workbook" in refusal(tmp_path, "PK\x03\x04\x14")
