@@ -13,6 +13,6 @@ from quickreturn.cases.case_file import load_case, with_times
 )
 def test_a_column_that_is_all_error_is_named(estimate: float, told: list[str]) -> None:
     found = qr.simulate(with_times(load_case("thesis-24"), duration=0.01), settings={"modes": 2}, store=False, quiet=True)
-    estimates = dict.fromkeys(found.result.error_estimates, 1e-3) | {"follower_acceleration": estimate}
-    changed = replace(found, result=replace(found.result, error_estimates=estimates))
+    small: dict[str, float | None] = dict.fromkeys(found.result.error_estimates, 1e-3)
+    changed = replace(found, result=replace(found.result, error_estimates=small | {"follower_acceleration": estimate}))
     assert [text for name, text in changed.rows("", "") if name == "doubtful"] == told
