@@ -7,15 +7,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve
-from quickreturn.cases.resonance_curve.range import SPEED
 from quickreturn.cases.resonance_curve.search import OF_CURVE
 from quickreturn.cases.shown import Units
 from quickreturn.reports.drawing.curves import PANEL, WIDE
-from quickreturn.reports.drawing.style import FONT_SIZE, GREY, MARKERS, POINTS_PER_INCH, SMALL, Drawing, logarithmic, look, new_figure, tidy
+from quickreturn.reports.drawing.style import (
+    FONT_SIZE,
+    GREY,
+    LETTERS,
+    MARKERS,
+    POINTS_PER_INCH,
+    SMALL,
+    Drawing,
+    logarithmic,
+    look,
+    new_figure,
+    tidy,
+)
 from quickreturn.reports.line_styles import looks
+from quickreturn.reports.words import key_words, measure_words
 
 LINE: Final = 1.3  # font sizes from one line of text to the next
-LETTERS: Final = 36  # longest line of a label beside an axis
 MARGIN: Final = 0.9  # in, of a figure's width that axes do not have
 
 
@@ -52,12 +63,10 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, units: Units, mark: f
             axes.axvline(mark / curve.range.size, color="#444444", linewidth=0.8, linestyle=":", label="the machine runs here")
         logarithmic(axes)
         axes.margins(y=0.1)
-        meaning = OF_CURVE[name].meaning.replace("_", " ").removesuffix(" in a turn")
-        tidy(axes, textwrap.fill(f"{meaning} [{unit.sign}], logarithmic", LETTERS))
+        tidy(axes, textwrap.fill(f"{measure_words(OF_CURVE[name])} [{unit.sign}], logarithmic", LETTERS))
         if name == next(iter(curve.measures)):
             _name_peaks(axes, curve, unit.size, figure.get_figwidth() - MARGIN)
-    varied = "crank speed" if curve.range.key == SPEED else curve.range.key
-    panels[-1].set_xlabel(f"{varied} [{curve.range.unit}]", fontsize=FONT_SIZE)
+    panels[-1].set_xlabel(f"{key_words(curve.range.key)} [{curve.range.unit}]", fontsize=FONT_SIZE)
     panels[0].legend(fontsize=SMALL, frameon=False)
     figure.suptitle(f"{case}: resonance curve, each point a periodic motion", fontsize=FONT_SIZE)
 

@@ -14,6 +14,7 @@ from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.uncertainty.scatter import Scatter, Share
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import BAND, FONT_SIZE, GREY, QUICK, Drawing, legend_above, new_figure, note, tidy
+from quickreturn.reports.words import key_words, measure_words
 
 BAR: Final = 0.2  # in, height of the two bars of a quantity
 LINE: Final = 45  # largest number of characters in a line of a note
@@ -62,7 +63,7 @@ def _distribution(axes: Axes, scatter: Scatter, name: str) -> None:
         axes.errorbar(best, levels, xerr=errors, fmt="|", color=DARK, capsize=3.0, zorder=3.0)
     axes.set_ylim(0.0, 100.0)
     axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.set_xlabel(f"{name} [{unit}]", fontsize=FONT_SIZE)
+    axes.set_xlabel(f"{measure_words(MEASURES[name])} [{unit}]", fontsize=FONT_SIZE)
     tidy(axes, "machines below [%]")
 
 
@@ -82,7 +83,7 @@ def _shares(axes: Axes, shares: Sequence[Share]) -> None:
         color=QUICK,
         **look,
     )
-    axes.set_yticks(places, [each.key for each in shares])
+    axes.set_yticks(places, [key_words(each.key) for each in shares])
     axes.set_xlim(0.0, 1.05)
     axes.set_xlabel("share of the variance", fontsize=FONT_SIZE)
     tidy(axes)

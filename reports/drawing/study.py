@@ -1,6 +1,7 @@
 """Draws a study over one or two keys, as lines or heat maps. Marks and hatches show the status of points that did not settle."""
 
 import itertools
+import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
@@ -24,7 +25,8 @@ from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.rows import LEFT, OPEN
 from quickreturn.cases.sweep.study import Study
 from quickreturn.reference_model.rigid import mean_crank_speed
-from quickreturn.reports.drawing.style import FONT_SIZE, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, LETTERS, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
+from quickreturn.reports.words import key_words, measure_words
 
 #: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
 LINES: Final = 6
@@ -71,7 +73,7 @@ def draw(study: Study) -> Figure:
     for (measure, direction), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
         about = MEASURES[study.asked.measures[measure]]
         unit = study.grid.case.units.of(about.unit)
-        label, shown = f"{about.name} [{unit.sign}]", study.values[..., measure] / unit.size
+        label, shown = textwrap.fill(f"{measure_words(about)} [{unit.sign}]", LETTERS), study.values[..., measure] / unit.size
         if mapped:
             values, endings = (np.moveaxis(each[direction], along, 1) for each in (shown, study.statuses))
             handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)
@@ -91,7 +93,7 @@ def draw(study: Study) -> Figure:
 def _scaled(axis: Axis) -> tuple[Array, str]:
     """The values in the unit in which they were given, or in SI if there are several units, and the label with the unit."""
     unit, size = axis.given
-    return np.array(axis.values, dtype=float) / size, f"{axis.key} [{unit}]"
+    return np.array(axis.values, dtype=float) / size, f"{key_words(axis.key)} [{unit}]"
 
 
 def _spans_decade(values: Array) -> bool:

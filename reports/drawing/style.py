@@ -26,6 +26,7 @@ NOTEBOOK: Final = 110  # dots per inch in a notebook
 PER_INCH: Final = 192  # dots per inch of a picture file: two to a CSS pixel, sharp on fine screens
 FONT_SIZE: Final = 9.0  # pt, 12 CSS pixels
 SMALL: Final = 8.0  # pt, ticks and notes
+LETTERS: Final = 36  # longest line of a label beside an axis
 
 SAMPLE: Final = 4.0  # in letter sizes, length of a legend's sample: more than a period of the dashes
 POINTS_PER_INCH: Final = 72.0

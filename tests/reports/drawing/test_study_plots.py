@@ -48,8 +48,8 @@ def test_one_key_is_a_line_in_the_unit_given() -> None:
     line = panel.lines[0]
     np.testing.assert_allclose(line.get_xdata(), np.linspace(60.0, 120.0, 13))
     np.testing.assert_allclose(line.get_ydata(), found.values[0, :, 0])
-    assert panel.get_xlabel() == "crank.prescribed_speed [rpm]"
-    assert panel.get_ylabel() == "peak.tip_acceleration [m/s²]"
+    assert panel.get_xlabel() == "crank speed [rpm]"
+    assert panel.get_ylabel() == "largest magnitude of tip\nacceleration [m/s²]"
     assert panel.get_yscale() == "log"
     marks = {each.get_marker(): float(each.get_xdata()[0]) for each in panel.lines[1:] if len(each.get_xdata())}
     assert marks == {ENDINGS[DOUBLING][1]: pytest.approx(115.0), ENDINGS[LEFT][1]: pytest.approx(120.0)}
@@ -69,7 +69,7 @@ def test_people_see_megapascals_and_the_unit_given_and_datasets_are_in_si() -> N
     found = made_up(SPEEDS, measures=("peak.stress",))
     (panel,) = draw(found).axes
     np.testing.assert_allclose(panel.lines[0].get_ydata(), 1e-6 * found.values[0, :, 0])
-    assert panel.get_ylabel() == "peak.stress [MPa]"
+    assert panel.get_ylabel() == "largest stress along the arm, by\nbending and the normal force [MPa]"
     dataset = dataset_of(found)
     assert summary(dataset, found.grid.case.units)[1] == (
         "peak.stress [MPa]: least 1e-06 at crank.prescribed_speed = 60 rpm, greatest 0.000562341 at crank.prescribed_speed = 115 rpm"
@@ -125,7 +125,7 @@ def test_two_keys_are_a_map_with_the_longer_one_across(order: int) -> None:
 
 def test_both_ways_are_maps_side_by_side_and_each_measure_has_its_own() -> None:
     found = made_up(SPEEDS, "tip.mass = 0 g .. 60 g : 7", measures=("peak.strain_2", "multiplier"), ways=("up", "down"))
-    titles = [panel.get_title() for panel in draw(found).axes if panel.get_ylabel().startswith("tip.mass")]
+    titles = [panel.get_title() for panel in draw(found).axes if panel.get_ylabel().startswith("tip mass")]
     assert titles == ["the way up", "the way down"] * 2
 
 
