@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.cases.library import registered
-from quickreturn.cases.measures.catalogue import Measure
-from quickreturn.cases.resonance_curve.range import SPEED
 from quickreturn.cases.shown import Unit
 from quickreturn.cases.units import in_si
 
@@ -32,9 +30,6 @@ ESTIMATE: Final = {
     "integration": ("integration error", "model error not estimated, see `run`"),
     "unverified": ("error estimate", "estimate not verified"),
 }
-
-#: Largest number of letters of an axis' label: two lines.
-LABEL: Final = 72
 
 
 def number(value: float, form: str) -> str:
@@ -149,17 +144,6 @@ def channel_name(column: str | None) -> str:
 def short_name(column: str) -> str:
     """A trajectory column in words that fit the head of a narrow column."""
     return {"tip_acceleration": "tip acc.", "tip_deflection": "deflection", "slider_force": "force"}.get(column, column.replace("_", " "))
-
-
-def key_words(key: str) -> str:
-    """A key of a case file as the label of an axis: "tip mass"."""
-    return "crank speed" if key == SPEED else key.removeprefix("mechanism.").replace(".", " ").replace("_", " ")
-
-
-def measure_words(measure: Measure) -> str:
-    """A measure as the label of an axis: "largest magnitude of tip acceleration"; its name where that takes more than `LABEL` letters."""
-    words = measure.meaning.replace("_", " ").removesuffix(" in a turn").rstrip(",")
-    return words if len(words) <= LABEL else measure.name.replace("_", " ").replace(".", " ")
 
 
 def case_label(name: str) -> str:

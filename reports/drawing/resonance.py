@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from quickreturn.cases.resonance_curve.curve import ResonanceCurve
 from quickreturn.cases.resonance_curve.search import OF_CURVE
 from quickreturn.cases.shown import Units
+from quickreturn.reports.drawing.axis_labels import key_words, measure_words
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import (
     FONT_SIZE,
@@ -24,7 +25,6 @@ from quickreturn.reports.drawing.style import (
     tidy,
 )
 from quickreturn.reports.line_styles import looks
-from quickreturn.reports.words import key_words, measure_words
 
 LINE: Final = 1.3  # font sizes from one line of text to the next
 MARGIN: Final = 0.9  # in, of a figure's width that axes do not have

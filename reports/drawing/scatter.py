@@ -12,9 +12,9 @@ from matplotlib.ticker import MaxNLocator
 
 from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.uncertainty.scatter import Scatter, Share
+from quickreturn.reports.drawing.axis_labels import key_words, measure_words
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import BAND, FONT_SIZE, GREY, QUICK, Drawing, legend_above, new_figure, note, tidy
-from quickreturn.reports.words import key_words, measure_words
 
 BAR: Final = 0.2  # in, height of the two bars of a quantity
 LINE: Final = 45  # largest number of characters in a line of a note

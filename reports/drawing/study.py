@@ -25,8 +25,8 @@ from quickreturn.cases.sweep.grid import Axis
 from quickreturn.cases.sweep.rows import LEFT, OPEN
 from quickreturn.cases.sweep.study import Study
 from quickreturn.reference_model.rigid import mean_crank_speed
+from quickreturn.reports.drawing.axis_labels import key_words, measure_words
 from quickreturn.reports.drawing.style import FONT_SIZE, LETTERS, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
-from quickreturn.reports.words import key_words, measure_words
 
 #: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
 LINES: Final = 6
