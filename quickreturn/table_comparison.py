@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,12 +14,15 @@ from quickreturn.accuracy import checked
 from quickreturn.cases.case import Case
 from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.recorded import RecordedTable, read_table, table_of
 from quickreturn.cases.runs.campaign import hold_against_engines
-from quickreturn.cases.runs.column_differences import column_differences, explanations
+from quickreturn.cases.runs.column_differences import BUILT, QUANTITIES, column_differences, explanations, is_puzzling
 from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
 from quickreturn.cases.runs.request import Run
+from quickreturn.cases.uncertainty.quantities import leads
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.computing import Computing
 from quickreturn.cross_validation import given_settings
@@ -101,9 +105,18 @@ class TableComparison(Displayed):
     def explanations(self) -> dict[str, str]:
         """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is a table of another case.
 
-        "construction" -> a hypothesis on how the machine was built in another program (docs/as-built.md).
+        "scene" -> that no mistake explains it; "quantities" -> with which other values of one quantity or two the case would give it;
+        "construction" -> a hypothesis on how the machine was built in another program (docs/as-built.md), if there are no such quantities.
         """
-        return next((explanations(self.run, other, self.result.case) for other in self._comparable), {})
+        told = next((explanations(self.run, other, self.result.case) for other in self._comparable), {})
+        if (lead := self.result.leads.get(self.name)) is None:
+            return told
+        return {key: sentence for key, sentence in told.items() if key != BUILT} | {QUANTITIES: lead}
+
+    @property
+    def is_puzzling(self) -> bool:
+        """Whether most of the columns that vibrate differ and have no explanation."""
+        return any(is_puzzling(self.run, other, self.explanations) for other in self._comparable[:1])
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -168,7 +181,19 @@ def compared(
         if called.count(name) > 1:
             raise CaseError(name, None, None, "two tables or engines have this name", "give each file a name of its own")
     with computing.opened([case], names) as workshop:
-        return hold_against_engines(case, recorded, workshop, names, checked(accuracy), texts)
+        results = hold_against_engines(case, recorded, workshop, names, checked(accuracy), texts)
+        return _led_on(case, results, {table.name: table for table in recorded}, workshop)
+
+
+def _led_on(case: Case, results: list[CaseResult], tables: Mapping[str, RecordedTable], workshop: Workshop) -> list[CaseResult]:
+    """The results with the quantities that would explain tables, for those that nothing explains."""
+    names = [table.name for result in results for table in tables_in(result) if table.is_puzzling]
+    jobs = [Job(f"quantities of {name}", leads, (case, tables[name]), lasts=None) for name in names]
+    outcomes = workshop.outcomes(jobs, "quantities that would explain a table")
+    found = {
+        name: lead.told(case, tables[name].shown) for name, outcome in zip(names, outcomes, strict=True) for lead in outcome.value or ()
+    }
+    return [replace(result, leads={name: found[name] for name in result.recorded if name in found}) for result in results]
 
 
 def tables_in(result: CaseResult) -> list[TableComparison]:

@@ -10,7 +10,6 @@ from scipy.interpolate import CubicSpline
 from threadpoolctl import threadpool_limits
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
 from quickreturn.cases.mistakes.construction import built_otherwise
 from quickreturn.cases.mistakes.diagnosis import diagnose, share_of
@@ -29,8 +28,12 @@ Array = NDArray[np.float64]
 LEAST_DIFFERENCE: Final = 0.02
 #: What to do about a column that is late.
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
-#: Key of an explanation of the whole table, in place of a column.
+#: Key of an explanation of the whole table, in place of a column: it looks like one of another case.
 WHOLE: Final = "case"
+#: Key of a sentence on a table that does not fit its case, for which neither a mistake nor another case is known.
+UNFIT: Final = "scene"
+#: Key of a lead to other values of quantities.
+QUANTITIES: Final = "quantities"
 #: Key of a hypothesis on how another program's machine was built.
 BUILT: Final = "construction"
 #: A table does not fit its case if at least `FEWEST_COLUMNS` vibrate, all of them differ by more than `LARGE_DIFFERENCE` of their RMS, and
@@ -41,10 +44,6 @@ LARGE_DIFFERENCE: Final = 0.1
 LARGEST_REMAINDER: Final = 0.3
 #: Least relative RMS difference of a column that is told without an explanation: half of its size.
 LEAST_UNEXPLAINED: Final = 0.5
-#: Traits that no bending stiffness changes.
-OF_GEOMETRY: Final = frozenset(("nearest", "farthest"))
-#: Ratio of frequencies up to which they count as the same: they are fitted with the shapes of another stiffness.
-SAME_FREQUENCY: Final = 1.03
 #: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
 LEAST_REST: Final = 0.5
 
@@ -58,8 +57,8 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     """Explanations of the differences of a table from an engine: column -> a sentence that names the mistake and says what to do.
 
     If all vibrating columns are equally late, the crank angle is wrong. A table of another case is reported under `WHOLE`, and none of its
-    columns is explained; under `BUILT` stands a hypothesis on how another program's machine was built. `run` is that of the table, `other`
-    that of the engine on the case, in the same turn or state.
+    columns is explained; under `UNFIT` stands that nothing explains it, and under `BUILT` a hypothesis on how another program's machine was
+    built. `run` is that of the table, `other` that of the engine on the case, in the same turn or state.
     """
     with threadpool_limits(limits=1, user_api="blas"):  # hundreds of small eigenproblems
         others = other_cases(run, other, case)
@@ -90,16 +89,15 @@ def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
     specific = {
         name: told for name, told in sentences.items() if name in off_by and remainders[name] <= LARGEST_REMAINDER * rms(grids[name][0])
     }
-    led_on = "" if min(off_by.values(), default=0.0) <= LARGE_DIFFERENCE else _lead_on(run, other, case, others.odd)
     construction = "" if "tip_deflection" in sentences else _construction(run, other, case, off_by.get("tip_deflection", 0.0))
     hint = {BUILT: construction} if construction else {}
     if len(off_by) >= FEWEST_COLUMNS and min(off_by.values()) > LARGE_DIFFERENCE and 2 * len(specific) < len(off_by):
         if others.names:
             return {WHOLE: _of_another(others)} | specific
-        return {WHOLE: _fits_not(case.name, off_by, others.told) + led_on} | specific | hint
+        return {UNFIT: _fits_not(case.name, off_by, others.told)} | specific | hint
     for name, share in puzzling.items():
         if share > LEAST_UNEXPLAINED and not hint:
-            sentences[name] = f"{name} is off by {share_of(share)}, and no single mistake explains that{led_on if name in off_by else ''}"
+            sentences[name] = f"{name} is off by {share_of(share)}, and no single mistake explains that"
     return sentences | hint
 
 
@@ -121,21 +119,11 @@ def _fits_not(case: str, off_by: Mapping[str, float], told: str) -> str:
     return f"none of its {len(off_by)} columns that vibrate fits {case} ({off}), and no single mistake explains that: {question}"
 
 
-def _lead_on(run: Run, other: Run, case: Case, odd: Collection[str]) -> str:
-    """A clause on the stiffness that would give the table's first frequency, and how to fit it; "" if more than that is odd."""
-    pairs = [(run.consensus_frequency(half), other.consensus_frequency(half)) for half in HALVES]
-    ratios = [recorded / expected for recorded, expected in pairs if recorded is not None and expected is not None]
-    if (
-        not ratios
-        or OF_GEOMETRY.intersection(odd)
-        or max(ratios) > SAME_FREQUENCY * min(ratios)
-        or 1.0 / SAME_FREQUENCY < ratios[0] < SAME_FREQUENCY
-    ):
-        return ""
-    stiffness, table = case.mechanism.follower.bending_stiffness, "TABLE.csv" if run.recording is None else run.recording.path
-    unit = case.units.of("N*m^2")
-    about = f"a bending stiffness of about {unit.text(stiffness * float(np.mean(ratios)) ** 2, '.2g')} in place of {unit.text(stiffness)}"
-    return f"; {about} would give its frequencies: `quickreturn calibrate {case.name} {table} --free follower.bending_stiffness` fits it"
+def is_puzzling(run: Run, other: Run, sentences: Collection[str]) -> bool:
+    """Whether most of the columns that vibrate differ and have no explanation; `sentences`: keys of `explanations`."""
+    off_by = {name: share for name, share in column_differences(run, other).items() if name in VIBRATING}
+    puzzling = [name for name, share in off_by.items() if share > LEAST_DIFFERENCE and name not in sentences]
+    return WHOLE not in sentences and 2 * len(puzzling) > len(off_by)
 
 
 def _noise_of(name: str, run: Run, other: Run) -> str:

@@ -66,7 +66,6 @@ class OtherCases(NamedTuple):
     names: tuple[str, ...] = ()  # empty if the given case fits, or if no case of the library does
     told: str = ""  # evidence that the given case does not fit (a clause); "" if it fits
     sure: bool = False  # whether the evidence is more than the size of single columns
-    odd: tuple[str, ...] = ()  # traits of the given case that the table does not have
 
 
 def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
@@ -98,7 +97,7 @@ def other_cases(run: Run, other: Run, case: Case) -> OtherCases:
         if worst is not None:
             fitting[candidate] = worst
     weak = _WEAK if len(run.cycle.keys() & set(CHANNELS)) > 1 else _WEAK | _OF_CHANNELS
-    return OtherCases(_best(fitting), told, not weak.issuperset(odd), tuple(odd))
+    return OtherCases(_best(fitting), told, not weak.issuperset(odd))
 
 
 def cases_of_pace(turn: float, slider: tuple[float, float] | None) -> tuple[str, ...]:
