@@ -20,7 +20,7 @@ from quickreturn.cases.sweep.grid import OF_START, Grid, axis, scenes_of
 from quickreturn.cases.sweep.rows import Impossible, MeasureRequest
 from quickreturn.cases.text.reading import changes_of
 from quickreturn.cases.thesis.finding.effects import effects
-from quickreturn.cases.uncertainty.calibration import _Search, frees_of
+from quickreturn.cases.uncertainty.calibration import Search, frees_of
 from quickreturn.cases.uncertainty.parameters import Parameter, changes
 from quickreturn.cases.uncertainty.propagation import planned
 from quickreturn.cases.units import DIMENSIONS
@@ -88,8 +88,8 @@ def by_calibration(case: Case, key: str, value: str) -> Mechanism:
         return np.zeros((1, 1))
 
     model = SimpleNamespace(engine=ReferenceEngine(), simulated=simulated)
-    search = _Search(case, model, [SimpleNamespace(parameter=free.parameter, bounds=free.bounds, value=lambda _: _si(key, value))])  # type: ignore[arg-type, list-item]
-    search._simulated(np.zeros(1), search.usual, 1)
+    search = Search(case, model, [SimpleNamespace(parameter=free.parameter, bounds=free.bounds, value=lambda _: _si(key, value))])  # type: ignore[arg-type, list-item]
+    search.simulated(np.zeros(1), search.usual, 1)
     return scenes[0]
 
 
