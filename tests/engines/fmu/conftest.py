@@ -1,7 +1,9 @@
 """FMUs that are built once, and a folder to work in with them."""
 
+import hashlib
 import os
 import shutil
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,22 +15,21 @@ from tests.engines.fmu.plain import COMPILER, DECLARED, build_plain
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fmus")
     build_machine(folder)
     build_chain(folder)
     for once in (False, True) if COMPILER else ():
         build_plain(folder, once=once)
-    unpacked = Path(os.environ[cache_folder.VARIABLE])
-    before = set(unpacked.glob("fmu-*"))
-    yield folder
-    for of_the_tests in set(unpacked.glob("fmu-*")) - before:  # each build has a date of its own
-        shutil.rmtree(of_the_tests)
+    for fmu in folder.glob("*.fmu"):
+        with zipfile.ZipFile(fmu, "a") as archive:
+            archive.comment = str(folder).encode()  # another hash in each test process: none removes what another one has loaded
+    return folder
 
 
 @pytest.fixture
-def make(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
-    """Writes declarations with replacements beside the FMUs, and works in their folder."""
+def make(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Make]:
+    """Writes declarations with replacements beside the FMUs, and works in their folder; removes what the engine has unpacked."""
     for name in ("machine.fmu", "Chain.fmu"):
         shutil.copy(built / name, tmp_path)
     (tmp_path / "case.toml").write_text(CASE)
@@ -41,7 +42,10 @@ def make(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
         Path("my.toml").write_text(text)
         return "my.toml"
 
-    return made
+    yield made
+    for fmu in (*built.glob("*.fmu"), *tmp_path.rglob("*.fmu")):
+        digest = hashlib.sha256(fmu.read_bytes()).hexdigest()[:12]
+        shutil.rmtree(Path(os.environ[cache_folder.VARIABLE]) / f"fmu-{digest}", ignore_errors=True)
 
 
 @pytest.fixture
