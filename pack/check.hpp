@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -50,29 +49,34 @@ inline std::vector<std::string> fields_of(const std::string& line) {
     return fields;
 }
 
+// The number of a field, NaN for an empty one; `place` says where it stands.
+inline double number(const std::string& field, const std::string& place) {
+    char* end = nullptr;
+    const double value = field.empty() ? NAN : std::strtod(field.c_str(), &end);
+    if (end && *end) throw BadInput(place + ": not a number: " + field);
+    return value;
+}
+
 inline Table read_table(const std::string& file) {
     std::ifstream in(file);
     if (!in) throw BadInput(file + ": cannot be read");
     std::vector<std::string> names;
-    std::vector<Column> columns;
-    long number = 0;
+    Table table;
+    long count = 0;
     for (std::string line; std::getline(in, line);) {
-        if (number == 0 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
+        if (count == 0 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
         if (trimmed(line).empty()) continue;
         const auto fields = fields_of(line);
-        const std::string row = file + ", row " + std::to_string(++number);
-        if (number == 1) columns.resize((names = fields).size());
-        if (fields.size() != names.size()) throw BadInput(row + ": " + std::to_string(fields.size()) + " fields, " + std::to_string(names.size()) + " names");
-        for (size_t k = 0; number > 1 && k < fields.size(); ++k) {
-            char* end = nullptr;
-            const double value = fields[k].empty() ? std::numeric_limits<double>::quiet_NaN() : std::strtod(fields[k].c_str(), &end);
-            if (end && *end) throw BadInput(row + ": not numbers: " + line.substr(0, 60));
-            columns[k].push_back(value);
+        const std::string row = file + ", row " + std::to_string(++count);
+        if (count == 1) {
+            bool once = true;
+            for (const auto& name : names = fields) once &= table.emplace(name, Column()).second || name.empty();
+            if (once && table.count("time")) continue;
+            throw BadInput(file + ": the first line must have `time` and each name once, separated by commas, without units");
         }
+        if (fields.size() != names.size()) throw BadInput(row + ": " + std::to_string(fields.size()) + " fields, " + std::to_string(names.size()) + " names");
+        for (size_t k = 0; k < fields.size(); ++k) table[names[k]].push_back(number(fields[k], row));
     }
-    Table table;
-    for (size_t k = 0; k < names.size(); ++k) table[names[k]] = columns[k];
-    if (!table.count("time")) throw BadInput(file + ": the first line has no `time`; names are separated by commas, without units");
     const Column& time = table["time"];
     const bool falls = std::adjacent_find(time.begin(), time.end(), [](double a, double b) { return !(a < b); }) != time.end();
     if (time.size() < 2 || falls) throw BadInput(file + ": the times do not increase, or are fewer than two");
@@ -127,7 +131,7 @@ inline Verdict judged_signal(const std::string& name, double bound, double horiz
 
 // The verdicts on the signals of a table; `share` of each signal's largest value is added to its bound.
 inline std::vector<Verdict> judged(const std::string& folder, const std::string& problem, const std::string& file, double share = 0) {
-    if (!(share >= 0) || std::isinf(share)) throw BadInput(text(share) + ": the share is a number from 0 on");
+    if (!(0 <= share && share <= 0.5)) throw BadInput(text(share) + ": the share is a number from 0 to 0.5, such as 0.01 for one per cent");
     std::ifstream in(folder + "/" + problem + "/bounds.json");
     if (!in) throw BadInput(problem + ": no such problem");
     const std::string bounds((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());

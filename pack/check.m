@@ -5,10 +5,12 @@ function code = check(problem, file, share)
 %   code = check('sag', 'mine.csv', 0.01)      adds a hundredth of each signal's largest value to its bound
 %
 % In a shell, from this folder: octave-cli --eval "exit(check('sag', 'mine.csv'))" or matlab -batch "exit(check('sag', 'mine.csv'))"
-  if nargin < 3
-    share = 0;
-  end
   try
+    if nargin < 2
+      error('check(problem, file, share)');
+    elseif nargin < 3
+      share = 0;
+    end
     verdicts = judged(problem, file, share);
   catch problem_found
     fprintf(2, '%s\n', problem_found.message);
@@ -22,8 +24,8 @@ end
 
 function verdicts = judged(problem, file, share)
   folder = fullfile(fileparts(mfilename('fullpath')), problem);
-  if ~(share >= 0) || isinf(share)
-    error('%g: the share is a number from 0 on', share);
+  if ~isnumeric(share) || ~isscalar(share) || ~(share >= 0 && share <= 0.5)
+    error('the share is a number from 0 to 0.5, such as 0.01 for one per cent');
   end
   if exist(fullfile(folder, 'bounds.json'), 'file') ~= 2
     error('%s: no such problem', problem);
@@ -60,8 +62,9 @@ function [names, rows] = read_table(file)
     first = lines{1}(lines{1} >= ' ' & lines{1} <= '~');  % without the mark of UTF-8
     names = strrep(strtrim(regexp(first, ',', 'split')), '"', '');
   end
-  if ~any(strcmp(names, 'time'))
-    error('%s: the first line has no `time`; names are separated by commas, without units', file);
+  named = names(~cellfun(@isempty, names));
+  if ~any(strcmp(named, 'time')) || numel(unique(named)) < numel(named)
+    error('%s: the first line must have `time` and each name once, separated by commas, without units', file);
   end
   rows = zeros(numel(lines) - 1, numel(names));
   for k = 1:numel(lines) - 1
