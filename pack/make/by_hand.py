@@ -54,7 +54,7 @@ def _clamped(b: float, u: float) -> float:
 
 def moving_load(rows: int, modes: int = 40) -> Columns:
     """The bridge's modes under a mass M at x = v t, with the inertia of its place w(v t, t): w'' + 2 v w'_x + v^2 w_xx."""
-    waves, speed, load = np.pi * np.arange(1, modes + 1) / BRIDGE.length, BRIDGE.speed, BRIDGE.load
+    waves, speed, load = np.pi * np.arange(1, modes + 1) / BRIDGE.length, BRIDGE.velocity, BRIDGE.load
     modal = BRIDGE.mass * BRIDGE.length / 2
 
     def rate(t: float, z: Array) -> Array:
