@@ -20,7 +20,8 @@ from quickreturn.cases.text.number_rows import unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.cases.units import DIMENSIONS, TIME, QuantityError, parse_quantity
 from quickreturn.engines.base import SPIN_UP, AnyEngine
-from quickreturn.engines.fmu.engine import EXTREME_FIBRE, KEYS, Fmu, FmuEngine, Variable
+from quickreturn.engines.fmu.description import Fmu, Variable
+from quickreturn.engines.fmu.engine import EXTREME_FIBRE, KEYS, FmuEngine
 from quickreturn.engines.registry import Missing
 from quickreturn.engines.trajectory import REQUIRED
 from quickreturn.reference_model.columns import COLUMNS

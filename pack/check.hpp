@@ -98,35 +98,34 @@ inline double interpolated(const Column& times, const Column& values, double t) 
 }
 
 inline Verdict judged_signal(const std::string& name, double bound, double horizon, const Table& right, const Table& table) {
-    struct Row {
-        double time, error;
-    };
     if (!table.count(name)) return {name, "missing", ""};
     const Column &times = right.at("time"), &values = right.at(name), &time = table.at("time"), &own = table.at(name);
-    const double begin = times.front(), slack = 1e-9 * (times.back() - begin);
-    std::vector<Row> now, later;
+    const double begin = times.front(), slack = 1e-9 * (times.back() - begin), longest = (horizon - begin) / 50 + slack;
+    double before = begin, worst = -1, at = begin;
+    long beyond = 0;
+    std::string gap, odd, later;  // what is said of the first row of each kind
+    const auto look_for_gap = [&](double t) {
+        if (gap.empty() && t - before > longest) gap = "no row between " + text(before) + " and " + text(t) + " s; the horizon is " + text(horizon) + " s";
+        before = t;
+    };
     for (size_t k = 0; k < time.size(); ++k) {
-        const Row row{time[k], std::abs(own[k] - interpolated(times, values, time[k]))};
-        if (begin - slack <= row.time && row.time <= horizon + slack) now.push_back(row);
-        if (horizon + slack < row.time) later.push_back(row);
+        const double t = time[k], error = std::abs(own[k] - interpolated(times, values, t));
+        if (t > horizon + slack) {
+            ++beyond;
+            if (later.empty() && t <= times.back() + slack && !(error <= bound)) later = "within up to " + text(horizon) + " s; off from " + text(t) + " s";
+        } else if (t >= begin - slack) {
+            look_for_gap(t);
+            if (odd.empty() && !std::isfinite(error)) odd = "not a number at " + text(t) + " s";
+            if (error > worst) worst = error, at = t;
+        }
     }
-    if (now.empty()) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
-    const Row worst = *std::max_element(now.begin(), now.end(), [](const Row& a, const Row& b) { return a.error < b.error; });
-    now.push_back({horizon, 0});
-    double before = begin;
-    for (const Row& row : now) {
-        if (row.time - before > (horizon - begin) / 50 + slack)
-            return {name, "outside", "no row between " + text(before) + " and " + text(row.time) + " s; the horizon is " + text(horizon) + " s"};
-        before = row.time;
-    }
-    for (const Row& row : now)
-        if (!std::isfinite(row.error)) return {name, "outside", "not a number at " + text(row.time) + " s"};
-    const std::string off = "off by " + text(worst.error, 2), limit = ", bound " + text(bound, 2);
-    if (worst.error > bound) return {name, "outside", off + " at " + text(worst.time) + " s" + limit};
-    for (const Row& row : later)
-        if (row.time <= times.back() + slack && !(row.error <= bound))
-            return {name, "beyond the horizon", "within up to " + text(horizon) + " s; off from " + text(row.time) + " s"};
-    return {name, "within", off + limit + (later.empty() ? "" : "; " + std::to_string(later.size()) + " rows beyond the horizon")};
+    if (worst < 0 && odd.empty()) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
+    look_for_gap(horizon);
+    const std::string off = "off by " + text(worst, 2), limit = ", bound " + text(bound, 2);
+    if (!gap.empty() || !odd.empty()) return {name, "outside", gap.empty() ? odd : gap};
+    if (worst > bound) return {name, "outside", off + " at " + text(at) + " s" + limit};
+    if (!later.empty()) return {name, "beyond the horizon", later};
+    return {name, "within", off + limit + (beyond ? "; " + std::to_string(beyond) + " rows beyond the horizon" : "")};
 }
 
 // The verdicts on the signals of a table; `share` of each signal's largest value is added to its bound.

@@ -33,17 +33,15 @@ function verdicts = judged(problem, file, share)
   % a line for each signal
   entry = '"(\w+)": \{"bound": ([^,]+), "horizon": ([^,]+), "scale": ([^,]+),';
   signals = regexp(fileread(fullfile(folder, 'bounds.json')), entry, 'tokens');
-  [names, right] = read_table(fullfile(folder, 'results.csv'));
-  [own_names, table] = read_table(file);
+  right = read_table(fullfile(folder, 'results.csv'));
+  own = read_table(file);
   verdicts = cell(numel(signals), 3);
   for k = 1:numel(signals)
     [name, numbers] = deal(signals{k}{1}, str2double(signals{k}(2:4)));
     verdicts(k, :) = {name, 'missing', ''};
-    column = find(strcmp(own_names, name), 1);
-    if ~isempty(column)
-      pair = right(:, [find(strcmp(names, 'time'), 1), find(strcmp(names, name), 1)]);
-      own = table(:, [find(strcmp(own_names, 'time'), 1), column]);
-      [verdicts{k, 2}, verdicts{k, 3}] = judged_signal(numbers(1) + share * numbers(3), numbers(2), pair, own);
+    if isKey(own, name)
+      pairs = {[right('time'), right(name)], [own('time'), own(name)]};
+      [verdicts{k, 2:3}] = judged_signal(numbers(1) + share * numbers(3), numbers(2), pairs{:});
     end
   end
   if all(strcmp(verdicts(:, 2), 'missing'))
@@ -51,7 +49,8 @@ function verdicts = judged(problem, file, share)
   end
 end
 
-function [names, rows] = read_table(file)
+function table = read_table(file)
+% The columns of a CSV table by their names.
   if exist(file, 'file') ~= 2
     error('%s: cannot be read', file);
   end
@@ -78,8 +77,8 @@ function [names, rows] = read_table(file)
       error('%s, row %d: not numbers: %s', file, k + 1, lines{k + 1});
     end
   end
-  time = rows(:, strcmp(names, 'time'));
-  if numel(time) < 2 || ~all(diff(time) > 0)
+  table = containers.Map(names, num2cell(rows, 1));
+  if size(rows, 1) < 2 || ~all(diff(table('time')) > 0)
     error('%s: the times do not increase, or are fewer than two', file);
   end
 end

@@ -53,10 +53,8 @@ def read_table(file: Path) -> dict[str, list[float]]:
     """The columns of a CSV table. Raises BadInput."""
     try:
         lines = [line for line in file.read_text("utf-8-sig").splitlines() if line.strip()]
-    except OSError as error:
-        raise BadInput(f"{file}: cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise BadInput(f"{file}: is no text in UTF-8") from error
+    except (OSError, UnicodeError) as error:
+        raise BadInput(f"{file}: cannot be read as a text in UTF-8 ({error})") from error
     names = [name.strip().strip('"') for name in lines[0].split(",")] if lines else []
     if names.count("time") != 1 or any(name and names.count(name) > 1 for name in names):
         raise BadInput(f"{file}: the first line must have `time` and each name once, separated by commas, without units")

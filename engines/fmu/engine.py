@@ -12,6 +12,8 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import SPIN_UP, Comparison, Engine, ModelDescription, Refusal, Simulation, installed
+from quickreturn.engines.fmu.description import SAME, Fmu, steps_within
+from quickreturn.engines.fmu.simulation import FmuSimulation
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.follower import DIMENSIONS
@@ -19,8 +21,6 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.quantities import Quantity
 from quickreturn.reference_model.scene_values import NAMED, SECTIONS, values_of
 
-#: Relative difference up to which values are the same: the rounding of a unit.
-SAME: Final = 1e-9
 #: Distance of the follower's surface from the axis of bending: stands for the dimensions of the section, which only strains depend on.
 EXTREME_FIBRE: Final = "follower.extreme_fibre"
 #: Keys to which a parameter may belong: numbers on which the motion or the strains depend.
@@ -33,38 +33,6 @@ KEYS: Final[Mapping[str, Quantity]] = {
 #: Values of parts that a scene may lack; of a part's friction, spring and so on all strengths.
 _ABSENT: Final = {key: quantity.default for key, quantity in KEYS.items() if quantity.named} | {"tip.mass": 0.0, "tip.inertia": 0.0}
 _INITIAL: Final = ("crank.initial_angle", "crank.initial_speed")
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A variable of an FMU: SI value = factor x value of the variable + offset."""
-
-    name: str
-    reference: int  # FMI's value reference
-    kind: str  # its type as FMI calls it, as do the functions that get it: Real, Float64, Float32
-    factor: float
-    offset: float
-
-
-@dataclass(frozen=True)
-class Fmu:
-    """An FMU, and what the file beside it declares; keys are those of a case file."""
-
-    path: str  # of the FMU
-    about: Any  # an `fmpy.model_description.ModelDescription` with co-simulation
-    digest: str  # hash of the FMU
-    fingerprint: str  # hash of the FMU and of the declarations
-    method: str
-    parameters: Mapping[str, tuple[Variable, ...]]  # by key, one for each number of its value
-    fixed: Mapping[str, float | tuple[float, ...]]  # values that are built in, SI
-    constants: Mapping[str, Any]  # values of the FMU's own parameters by their names
-    outputs: Mapping[str, Variable]  # by column
-    steps: tuple[float, ...]  # s, coarse to fine
-
-    @property
-    def fmi(self) -> str:
-        """The first digit of its version of FMI."""
-        return str(self.about.fmiVersion[0])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,8 +124,6 @@ class FmuEngine(Engine[FmuSettings]):
             begun = {key: value for key, value in zip(_INITIAL, (start.crank_angle, start.crank_speed), strict=True) if key in given}
             self._refuse_other_than_built_in(begun)
             given |= begun
-        from quickreturn.engines.fmu.simulation import FmuSimulation
-
         length = math.inf if scene.crank is None else scene.follower.length
         return FmuSimulation(self.fmu, self._start_values(given), settings.step, length)
 
@@ -186,8 +152,3 @@ def _given(scene: Scene) -> dict[str, Any]:
 
 def _numbers(value: Any) -> tuple[float, ...]:
     return value if isinstance(value, tuple) else () if value is None else (value,)
-
-
-def steps_within(output_step: float, step: float) -> int:
-    """Number of communication steps in an output step."""
-    return max(1, math.ceil(output_step / step * (1.0 - SAME)))

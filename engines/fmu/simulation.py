@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.fmu.engine import SAME, Fmu, steps_within
+from quickreturn.engines.fmu.description import SAME, Fmu, steps_within
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.native import cache_folder
 

@@ -13,19 +13,16 @@ from exudyn.beams import GenerateBeamElementsAlongLine
 
 from quickreturn.pack.make.values import CRANK, HUB, PENDULUM, Array, Columns, G, times
 
-#: The value of a coordinate at a time (s), counted from its reference.
-Given = Callable[[float], float]
 #: Axial stiffness (N) of strips that are meant to be inextensible: it lengthens them by less than 1e-5 of themselves.
 STIFF: Final = 1e6
 
 
 class Plane:
-    """A plane system, and what is recorded of it."""
+    """A plane system."""
 
     def __init__(self) -> None:
         self._container = exu.SystemContainer()
         self.mbs = self._container.AddSystem()
-        self._sensors = dict[str, int]()
         self._ground = self.coordinate(self.mbs.AddNode(items.NodePointGround()), 0)
 
     def cable(self, strip: Any, elements: int, begin: complex, along: complex = 1.0, rate: float = 0.0, pull: complex = 0.0) -> list[int]:
@@ -44,18 +41,15 @@ class Plane:
         marker: int = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
         return marker
 
-    def hold(self, node: int, number: int, given: Given | None = None) -> None:
-        """Hold a node's coordinate, or move it as given."""
+    def hold(self, node: int, number: int, given: Callable[[float], float] | None = None) -> None:
+        """Hold a node's coordinate, or move it as given: to a distance from its reference at a time (s)."""
         how = {} if given is None else {"offset": given(0.0), "offsetUserFunction": lambda mbs, t, item, offset: given(t)}
         self.mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[self._ground, self.coordinate(node, number)], **how))
 
-    def watch(self, name: str, node: int) -> None:
-        """Record all coordinates of a node."""
-        kind = exu.OutputVariableType.CoordinatesTotal
-        self._sensors[name] = self.mbs.AddSensor(items.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
-
-    def move(self, duration: float, rows: int, steps: int) -> dict[str, Array]:
-        """Integrate with `steps` steps from row to row: coordinates of the watched nodes, shape (rows + 1, coordinates)."""
+    def move(self, duration: float, rows: int, steps: int, *nodes: int) -> list[Array]:
+        """Integrate with `steps` steps from row to row: coordinates of each node, shape (rows + 1, coordinates)."""
+        recorded = {"outputVariableType": exu.OutputVariableType.CoordinatesTotal, "storeInternal": True}
+        sensors = [self.mbs.AddSensor(items.SensorNode(nodeNumber=node, **recorded)) for node in nodes]
         self.mbs.Assemble()
         settings = exu.SimulationSettings()
         settings.solutionSettings.writeSolutionToFile = False
@@ -68,7 +62,7 @@ class Plane:
         newton.residualMode, newton.relativeTolerance, newton.absoluteTolerance = 1, 1e-8, 1e-14
         settings.displayComputationTime = settings.displayStatistics = False
         assert self.mbs.SolveDynamic(settings)
-        return {name: np.array(self.mbs.GetSensorStoredData(sensor))[:, 1:] for name, sensor in self._sensors.items()}
+        return [np.array(self.mbs.GetSensorStoredData(sensor))[:, 1:] for sensor in sensors]
 
 
 def _parts(*numbers: complex) -> list[float]:
@@ -91,10 +85,8 @@ def bending_pendulum(rows: int, elements: int = 12, steps: int = 5) -> Columns:
         nodes = plane.cable(PENDULUM, elements, 0.0, -1j, PENDULUM.rate, -1j * G)
         plane.hold(nodes[0], 0)
         plane.hold(nodes[0], 1)
-        plane.watch("tip", nodes[-1])
-        plane.watch("middle", nodes[elements // 2])
-        found = plane.move(PENDULUM.duration, rows, steps)
-        return np.column_stack([found["tip"][:, :2], found["middle"][:, :2]])
+        tip, middle = plane.move(PENDULUM.duration, rows, steps, nodes[-1], nodes[elements // 2])
+        return np.column_stack([tip[:, :2], middle[:, :2]])
 
     return _limit(run, PENDULUM.duration, elements, steps, "tip_x", "tip_y", "middle_x", "middle_y")
 
@@ -118,10 +110,8 @@ def hub(rows: int, elements: int = 16, steps: int = 10) -> Columns:
         ]
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=clamped, constrainedAxes=[1, 1, 0, 0, 0, 1]))
         mbs.AddLoad(items.LoadCoordinate(markerNumber=plane.coordinate(node, 2), load=1.0, loadUserFunction=torque))
-        plane.watch("hub", node)
-        plane.watch("tip", nodes[-1])
-        found = plane.move(HUB.duration, rows, steps)
-        x, y, angle = *found["tip"][:, :2].T, found["hub"][:, 2]
+        turned, tip = plane.move(HUB.duration, rows, steps, node, nodes[-1])
+        x, y, angle = *tip[:, :2].T, turned[:, 2]
         return np.column_stack([x, y, np.cos(angle) * y - np.sin(angle) * x, angle])
 
     return _limit(run, HUB.duration, elements, steps, "tip_x", "tip_y", "tip_deflection", "hub_angle")
@@ -145,9 +135,8 @@ def slider_crank(rows: int, elements: int = 12, steps: int = 5) -> Columns:
         plane.mbs.AddObject(items.ObjectMassPoint2D(physicsMass=CRANK.block, nodeNumber=point))
         markers = [plane.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=each)) for each in (point, nodes[-1])]
         plane.mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
-        for name, node in (("begin", nodes[0]), ("middle", nodes[elements // 2]), ("block", nodes[-1])):
-            plane.watch(name, node)
-        begin, middle, block = (each[:, 0] + 1j * each[:, 1] for each in plane.move(CRANK.duration, rows, steps).values())
+        found = plane.move(CRANK.duration, rows, steps, nodes[0], nodes[elements // 2], nodes[-1])
+        begin, middle, block = (each[:, 0] + 1j * each[:, 1] for each in found)
         bow = ((middle - (begin + block) / 2) * np.conj(1j * (block - begin))).real / np.abs(block - begin)
         return np.column_stack([block.real, middle.real, middle.imag, bow])
 
