@@ -1,4 +1,4 @@
-"""The compiled loop of DOP853 (see `integrate`)."""
+"""The compiled loop of DOP853 (see `integrate`). All rows of numbers are padded with zeros to a multiple of four."""
 
 import math
 from typing import Final
@@ -10,6 +10,7 @@ from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATI
 from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STAGES, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.pointers import call_equations, matrix_at, numbers_at
+from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
 
 #: Largest product of the step and the equations' highest angular frequency. DOP853 shrinks an undamped oscillation to 0.70 to 0.75 of
 #: itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond. Without a ceiling steps pass that again and again, and the
@@ -52,7 +53,8 @@ def _dop853(
     y: NDArray[np.float64],
     output_step: float,
     intervals: int,
-    scales: NDArray[np.float64],
+    precisions: NDArray[np.float64],
+    controlled: int,
     limit: float,
     step: float,
     least_step: float,
@@ -62,9 +64,10 @@ def _dop853(
 ) -> tuple[int, int, float, int, float]:
     """Integrates `y` over `intervals` output steps, as `integrate.dop853` describes; rows go into `states`, K and scratch are overwritten.
 
+    `precisions`: one over the accepted local error, 0 for the states that are not controlled.
+
     Returns: status; number of rows written; last instant that was reached, s; evaluations; size of the step that would follow, s.
     """
-    controlled = len(scales)
     end = output_step * intervals
     t = 0.0
     new, trial = scratch[0], scratch[1]
@@ -87,7 +90,7 @@ def _dop853(
                 norm = 1e9
                 break
         else:
-            norm = _error_norm(K, h, scales, controlled)
+            norm = _error_norm(K, h, precisions, controlled)
         first_stage = 1
         if not norm < 1.0:  # also where the norm is nan
             step = h * (max(0.333, 0.9 * norm**-0.125) if norm < 1e8 else 0.25)
@@ -120,25 +123,25 @@ def _copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
 
 @inner
 def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
-    for i in range(len(y)):
-        out[i] = y[i]
-    for j in range(stage):
-        weight = h * A[stage, j]
-        if weight != 0.0:
-            for i in range(len(y)):
-                out[i] += weight * K[j, i]
+    for i in range(0, len(y), 4):
+        rate = spread(0.0)
+        for j in range(stage):
+            if A[stage, j] != 0.0:
+                rate = plus(rate, A[stage, j], load(K[j], i))
+        store(out, i, plus(load(y, i), h, rate))
 
 
 @inner
-def _error_norm(K: NDArray[np.float64], h: float, scales: NDArray[np.float64], controlled: int) -> float:
-    error5 = error3 = 0.0
-    for i in range(controlled):
-        e5 = e3 = 0.0
+def _error_norm(K: NDArray[np.float64], h: float, precisions: NDArray[np.float64], controlled: int) -> float:
+    squares5 = squares3 = spread(0.0)
+    for i in range(0, len(precisions), 4):
+        e5 = e3 = spread(0.0)
         for stage in range(STAGES + 1):
-            e5 += E5[stage] * K[stage, i]
-            e3 += E3[stage] * K[stage, i]
-        error5 += (e5 / scales[i]) ** 2
-        error3 += (e3 / scales[i]) ** 2
+            e5 = plus(e5, E5[stage], load(K[stage], i))
+            e3 = plus(e3, E3[stage], load(K[stage], i))
+        e5, e3 = plus_product(spread(0.0), e5, load(precisions, i)), plus_product(spread(0.0), e3, load(precisions, i))
+        squares5, squares3 = plus_product(squares5, e5, e5), plus_product(squares3, e3, e3)
+    error5, error3 = total(squares5), total(squares3)
     if error5 == 0.0 and error3 == 0.0:
         return 0.0
     return h * error5 / math.sqrt((error5 + 0.01 * error3) * controlled)
@@ -152,8 +155,8 @@ def _interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: fl
         weight = 0.0
         for power in range(INTERPOLATION.shape[1] - 1, -1, -1):
             weight = weight * (2.0 * u - 1.0) + INTERPOLATION[j, power]
-        for i in range(len(y)):
-            out[i] += h * weight * K[INTERPOLATED[j], i]
+        for i in range(0, len(y), 4):
+            store(out, i, plus(load(out, i), h * weight, load(K[INTERPOLATED[j]], i)))
 
 
 def loop(
@@ -165,7 +168,7 @@ def loop(
     size: int,
     output_step: float,
     intervals: int,
-    scales: int,
+    precisions: int,
     controlled: int,
     limit: float,
     step: float,
@@ -177,7 +180,7 @@ def loop(
 ) -> int:
     """As `_dop853`, with arrays by address; the status, and in `reached` (4,) number of rows, last instant, calls and next step."""
     at = function, parameters, workspace, numbers_at(watched, 2), numbers_at(y, size)
-    how = output_step, intervals, numbers_at(scales, controlled)
+    how = output_step, intervals, numbers_at(precisions, size), controlled
     arrays = matrix_at(states, intervals + 1, size), matrix_at(K, STAGES + 1, size), matrix_at(scratch, 2, size)
     ended = numbers_at(reached, 4)
     status, ended[0], ended[1], ended[2], ended[3] = _dop853(*at, *how, limit, step, least_step, *arrays)

@@ -5,6 +5,7 @@ formulas of orders 5 and 3. Output rows within a step are interpolated from its 
 close is rejected like one with too large an error.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -59,11 +60,14 @@ def dop853(
         pace: rate of the motion, 1/s, such as `constants.pace`, which gives the sizes of the first step and of the least.
         first_step: step size to begin with, s; 0 for `FIRST_STEP`.
     """
-    size, y, scales = len(y), np.array(y, dtype=float), np.ascontiguousarray(scales, dtype=float)
-    states, scratch, K = np.empty((intervals + 1, size)), np.empty((2, size)), np.empty((STAGES + 1, size))
+    size, controlled = len(y), len(scales)
+    width = 4 * math.ceil(size / 4)  # four numbers take one register
+    padded, precisions = np.zeros(width), np.zeros(width)
+    padded[:size], precisions[:controlled] = y, 1.0 / scales
+    states, scratch, K = np.zeros((intervals + 1, width)), np.zeros((2, width)), np.zeros((STAGES + 1, width))
     watched, end = equations.watched, np.empty(4)
     at = equations.function, equations.parameters, equations.workspace
-    sizes = size, output_step, intervals, scales.ctypes.data, len(scales), limit, first_step or FIRST_STEP / pace, LEAST_STEP / pace
-    status = LOOP(*at, watched.ctypes.data, y.ctypes.data, *sizes, *(each.ctypes.data for each in (states, K, scratch, end)))
+    sizes = width, output_step, intervals, precisions.ctypes.data, controlled, limit, first_step or FIRST_STEP / pace, LEAST_STEP / pace
+    status = LOOP(*at, watched.ctypes.data, padded.ctypes.data, *sizes, *(each.ctypes.data for each in (states, K, scratch, end)))
     rows, calls, (time, step) = int(end[0]), int(end[2]), end[1::2].tolist()
-    return Integration(states[:rows], status, time, calls, step)
+    return Integration(np.ascontiguousarray(states[:rows, :size]), status, time, calls, step)

@@ -166,16 +166,17 @@ def _factor(M: Array, A: Array, first: int, size: int) -> bool:
 
 @inner
 def _substitute(A: Array, b: Array, first: int, size: int) -> None:
-    """Solve M x = b in place of `b`, with the factors `A` of `_factor`."""
-    for i in range(first, size):
-        for m in range(first, i):
-            b[i] -= A[i, m] * b[m]
-        b[i] *= A[i, i]
-    for i in range(size - 1, first - 1, -1):
-        total = 0.0
-        for m in range(i + 1, size):
-            total += A[m, i] * b[m]
-        b[i] -= total * A[i, i]
+    """Solve M x = b in place of `b`, with the factors `A` of `_factor`.
+
+    A number that is known is taken from all others at once, which do not wait for each other, unlike the terms of a sum.
+    """
+    for k in range(first, size):
+        b[k] *= A[k, k]
+        for i in range(k + 1, size):
+            b[i] -= A[i, k] * b[k]
+    for k in range(size - 1, first, -1):
+        for i in range(first, k):
+            b[i] -= A[k, i] * A[i, i] * b[k]
 
 
 @inner

@@ -63,13 +63,13 @@ def directions(psi: Array, e: Array) -> bool:
     return True
 
 
-@inner
-def cumulate(t: BeamTables, length: Array, f: Array, out: Array) -> None:
-    """To `out`: integrals of a complex function f, given at the points of all cells, from x = 0 to every point.
+@inlined
+def _cumulate(t: BeamTables, length: Array, f: Array, out: Array, G: int, S: int) -> None:
+    """`cumulate` for G Gauss points in a cell of S points.
 
     The loops treat real and imaginary parts together, and twelve points at a time, or four, so that these share what is loaded.
     """
-    G, S, cells = t.gauss_points, t.cell_size, t.cells
+    cells = t.cells
     N = cells * S
     before_1 = before_2 = 0.0
     for cell in range(cells):
@@ -97,6 +97,20 @@ def cumulate(t: BeamTables, length: Array, f: Array, out: Array) -> None:
             store(out, N + here, plus(begin_2, size, a2))
             p += 4
         before_1, before_2 = out[first + G], out[N + first + G]
+
+
+@inner
+def cumulate(t: BeamTables, length: Array, f: Array, out: Array) -> None:
+    """To `out`: integrals of a complex function f, given at the points of all cells, from x = 0 to every point.
+
+    The compiler unrolls the loops where it knows the number of points: here for those of up to three and up to nine modes.
+    """
+    if t.gauss_points == 11:
+        _cumulate(t, length, f, out, 11, 12)
+    elif t.gauss_points == 7:
+        _cumulate(t, length, f, out, 7, 8)
+    else:
+        _cumulate(t, length, f, out, t.gauss_points, t.cell_size)
 
 
 @inlined

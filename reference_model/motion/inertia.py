@@ -21,7 +21,7 @@ from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, load_spring, spring_stiffness
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
-from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.native.simd import few_registers, load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.tip_force import STILL, tool_force
@@ -54,13 +54,12 @@ def friction_share(speed: float, over: float) -> float:
 @inner
 def relative_velocities(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """To `relative`: velocities of the points relative to the base frame, which the beam damping opposes."""
-    size = len(w.relative)
     s_rate = w.facts.s_rate if t.moves else 0.0
-    for j in range(size):
-        w.relative[j] = s_rate * w.Y[j]
-    for i in range(p.n):
-        for j in range(size):
-            w.relative[j] += y.eta_rate[i] * w.U[i, j]
+    for j in range(0, len(w.relative), 4):
+        velocity = plus(spread(0.0), s_rate, load(w.Y, j))
+        for i in range(p.n):
+            velocity = plus(velocity, y.eta_rate[i], load(w.U[i], j))
+        store(w.relative, j, velocity)
 
 
 @inner
@@ -244,11 +243,16 @@ def crank_weight(p: BeamParameters, w: BeamWorkspace) -> float:
 
 @inlined
 def _dot(a: Array, b: Array, size: int) -> float:
-    """Scalar product of two rows whose length is a multiple of four."""
-    sums = spread(0.0)
-    for j in range(0, size, 4):
-        sums = plus_product(sums, load(a, j), load(b, j))
-    return total(sums)
+    """Scalar product of two rows whose length is a multiple of eight, in two sums that do not wait for each other."""
+    sums = others = spread(0.0)
+    if few_registers(a):
+        for j in range(0, size, 8):
+            sums = plus_product(sums, load(a, j), load(b, j))
+            others = plus_product(others, load(a, j + 4), load(b, j + 4))
+    else:
+        for j in range(0, size, 4):
+            sums = plus_product(sums, load(a, j), load(b, j))
+    return total(sums) + total(others)
 
 
 @inner
@@ -313,11 +317,11 @@ def moment_about_pivot(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> fl
     """
     N, f = t.points, w.facts
     bodies, end = 2 * N, t.tip
-    for j in range(len(w.bias)):
-        w.a[j] = w.bias[j]
-    for k in range(p.speeds):
-        for j in range(len(w.a)):
-            w.a[j] += w.acceleration[k] * w.V[k, j]
+    for j in range(0, len(w.a), 4):
+        acceleration = load(w.bias, j)
+        for k in range(p.speeds):
+            acceleration = plus(acceleration, w.acceleration[k], load(w.V[k], j))
+        store(w.a, j, acceleration)
     moment = p.base_inertia * w.a[bodies + BASE_TURN] + pivot_torque(p, w) + p.tip_inertia * w.a[bodies + TIP_TURN]
     for j in range(N):
         moment += w.mass[j] * (w.z[j] * w.a[N + j] - w.z[N + j] * w.a[j])
