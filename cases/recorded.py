@@ -20,7 +20,7 @@ from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_
 from quickreturn.cases.text.column_mapping import IGNORED, ColumnMapping, Target, mapping_file, mapping_of, near_column, suggested, unit_in
 from quickreturn.cases.text.dialect import Dialect, dialect_of
 from quickreturn.cases.text.number_rows import does_not_rise, late_row, name_and_unit, numbers_in, unit_factor
-from quickreturn.cases.text.text_file import read_text
+from quickreturn.cases.text.text_file import read_foreign_text
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 MOST_ROWS: Final = 1_000_000
 _MOST_BYTES: Final = 100_000_000
 _MOST_NAMED: Final = 6  # ignored headings in a message
+_COUNTERS: Final = ("sample", "samples", "index", "row", "n", "no", "no.", "nr", "nr.", "#", "scan", "point")  # headings of row numbers
 _WRAPPING: Final = ("crank_angle", "follower_angle")  # angles that other programs wrap
 
 #: Declarations above the heading with their accepted values; without values any text.
@@ -76,8 +77,11 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
     Raises:
         CaseError: the file cannot be read, or is not such a table, or can be read in two ways.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        accepted = "give the path of a file; `qr.compare` and `qr.difference` take a DataFrame or a dictionary of arrays as it is"
+        raise CaseError("table", None, None, f"{type(path).__name__} is no path", accepted)
     path = os.fspath(path)
-    shown, text = path_shown(path), read_text(path, "a recorded table", _MOST_BYTES)
+    shown, (text, encoding) = path_shown(path), read_foreign_text(path, "a recorded table", _MOST_BYTES)
     mapping = mapping_of(path, columns, decimal)
     written = dialect_of(shown, text, mapping.decimal)
     declared = _declarations(shown, written.comments)
@@ -89,7 +93,7 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
     factors = {target.column: factor for target, factor in used}
     values = {target.column: (values[target.column] - target.offset) / target.factor for target, _ in used}
     table = _table(printable(os.path.basename(path)), path, factors, values, declared)
-    told = [*written.told, *([f"columns by {mapping.file}"] if mapping.file else [])]
+    told = [*([encoding] if encoding else []), *written.told, *([f"columns by {mapping.file}"] if mapping.file else [])]
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += [f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"] if ignored else []
     return replace(table, told=f"read as: {', '.join(told)}, {rows:,} rows" if told else "")
@@ -98,7 +102,7 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
 def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | None = None) -> str:
     """The text of a mapping file for a table: what is known of its headings, and the nearest columns of the others."""
     shown, mapping = path_shown(path), mapping_of(path, columns, decimal)
-    written = dialect_of(shown, read_text(path, "a recorded table", _MOST_BYTES), mapping.decimal)
+    written = dialect_of(shown, read_foreign_text(path, "a recorded table", _MOST_BYTES)[0], mapping.decimal)
     headings = written.headings or [str(number + 1) for number in range(written.width)]
     known = dict[str, str]()
     for number, heading in enumerate(headings):
@@ -167,6 +171,8 @@ def _refuse(shown: str, place: str, names: Sequence[str], unknown: Sequence[str]
     accepted = (
         'name them by --column "HEADING = column [unit]" or --write-mapping; `quickreturn show CASE --for-other-tools` lists all columns'
     )
+    if "time" not in names and (counter := next((each for each in ignored if each.lower() in _COUNTERS), "")):
+        accepted = f'if it counts rows, 1000 a second say, add --column "{counter} = 1000 * time [s]"; {accepted}'
     if near:
         lacks = "" if "time" in names and len(names) > 1 else ", and no column time" if "time" not in names else ", and time alone is left"
         verb = "is no column of a trajectory" if len(near) == 1 else "are no columns of a trajectory"

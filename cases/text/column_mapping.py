@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from quickreturn.cases.errors import Argument, CaseError, as_written, path_shown, similar_name
+from quickreturn.cases.errors import Argument, CaseError, as_written, path_shown, similar_name, texts_given
 from quickreturn.cases.text.number_rows import unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
@@ -66,7 +66,7 @@ def mapping_of(path: str, columns: Sequence[str] | Mapping[str, str], decimal: s
                 targets[heading] = _target(shown, heading, text)
     if isinstance(columns, Mapping):
         columns = [f"{heading} = {target}" for heading, target in columns.items()]
-    for text in [columns] if isinstance(columns, str) else columns:
+    for text in texts_given(columns, COLUMN, "crank.phi = crank_angle [deg]"):
         heading, sign, target = (part.strip() for part in text.rpartition("="))
         if not (heading and sign):
             raise CaseError(COLUMN, None, as_written(text), "names no column", f"write {_EXAMPLE}")

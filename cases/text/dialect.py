@@ -1,24 +1,21 @@
 """Recognises how a program wrote a table: separator, decimal sign, comments, headings, units. It refuses ambiguous numbers."""
 
-import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from itertools import zip_longest
+from typing import Final, NamedTuple
 
 from quickreturn.cases.errors import CaseError, as_written, shortened
-from quickreturn.cases.mistakes.quantity_texts import NUMBER
+from quickreturn.cases.text.cells import are_units, as_typed, is_row, quoted, separator_of, split, unit_in_cell, with_point, without_unit
+from quickreturn.cases.text.decimal_sign import decimal_sign
+from quickreturn.cases.text.preamble import COMMENTS, Preamble, preamble
 
 #: Separator -> its name.
 SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks"}
-#: Beginnings of a comment line: Python and Exudyn; MATLAB and TeX; Fortran.
-COMMENTS: Final = ("#", "%", "!")
-_NUMBER: Final = re.compile(r"[+-]?(\d[\d.,]*|[.,]\d+)([eEdD][+-]?\d+)?")
-_THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
-_POINTED_THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+")
-_DURATION: Final = re.compile(rf"({NUMBER})\s+([^\W\d]+)")
-_CLOCK: Final = re.compile(r"(\d+):([0-5]\d):([0-5]\d(?:\.\d*)?)")
-_UNIT: Final = re.compile(r"[\[(]?[^\W\d%]*[-%*/^.\w·²]*[\])]?")
+_UNIT_OF_HEADING: Final = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
+#: A clock time in place of a unit, such as hh:mm:ss.fff.
+_CLOCK_FORM: Final = re.compile(r"h+:m+:s+([.,]\w+)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -59,206 +56,104 @@ class Dialect:
         """The lines with the wanted columns alone, separated by commas, with decimal points. CaseError: a row lacks a column."""
         if self.first >= len(self.lines):
             return self.lines
-        if self.separator == "," and list(wanted) == list(range(self.width)) and not _has_units(self._cells(self.first)):
+        units = [unit_in_cell(cell) for cell in cells_of(self.lines[self.first], self.separator, self.decimal)]
+        if self.separator == "," and list(wanted) == list(range(self.width)) and len(units) <= self.width and not any(units):
             return self.lines
         lines = list(self.lines)
-        units = [duration[2] if (duration := _DURATION.fullmatch(cell)) else "" for cell in self._cells(self.first)]
         for at in range(self.first, len(lines)):
             if not lines[at].strip():
                 continue
-            cells = self._cells(at)
+            cells = cells_of(lines[at], self.separator, self.decimal)
             if len(cells) < self.width or any(cells[self.width :]):
                 problem = f"has {len(cells)} numbers, the heading {self.width} columns"
                 decimals = "; decimals need a point, not a comma" if self.separator == "," and len(cells) > self.width else ""
                 accepted = f"give one number for each column{decimals}"
                 raise CaseError(source, f"line {at + 1}", f'"{shortened(lines[at])}"', problem, accepted)
-            lines[at] = ",".join(_quoted(_plain(cells[column], units[column])) for column in wanted)
+            lines[at] = ",".join(quoted(without_unit(cells[column], units[column])) for column in wanted)
         return lines
 
-    def _cells(self, at: int) -> list[str]:
-        cells = split(self.lines[at], self.separator)
-        if self.separator == ",":
-            return cells
-        return [_with_point(cell, self.decimal) for cell in cells]
+
+class _Head(NamedTuple):
+    """Headings (None: there are none), their place, the index of the first row of numbers, comments left, and what was recognised."""
+
+    headings: list[str] | None
+    place: str
+    first: int
+    comments: tuple[tuple[int, str], ...]
+    told: tuple[str, ...] = ()
 
 
 def dialect_of(source: str, text: str, decimal: str | None = None) -> Dialect:
     """How a table is written; `decimal`: its decimal sign, if it is known. CaseError: it is empty, or ambiguous."""
-    lines = text.splitlines()
-    told = list[str]()
-    comments = list[tuple[int, str]]()
-    at, forced = 0, ""
-    while at < len(lines) and (not (line := lines[at].strip()) or line.startswith(COMMENTS) or re.fullmatch(r'"?sep=.?"?', lines[at])):
-        if line.startswith(COMMENTS):
-            comments.append((at, lines[at]))
-        elif line:
-            forced, lines[at] = lines[at].strip('"')[4:], ""
-        at += 1
-    if at == len(lines):
-        what = "has no heading" if text.strip() else "is empty"
-        raise CaseError(source, None, None, what, 'write one such as "time [s],crank_angle [deg]"')
-    first = next((number for number in range(at, len(lines)) if lines[number].strip() and number > at), len(lines))
-    bare = _is_row(lines[at])
-    sample = lines[at] if bare or first == len(lines) else lines[first]
-    separator = forced or _separator("" if bare else lines[at], sample)
-    if separator != ",":
-        told.append(SEPARATORS.get(separator, f'"{separator}"'))
-    headings, place, units = None, f"line {at + 1}", list[str]()
-    if not bare:
-        headings = split(lines[at], separator)
-        if first < len(lines) and _is_units(cells := split(lines[first], separator), len(headings)):
-            units = [cell.strip("[]() ") for cell in cells]
-            first = next((number for number in range(first + 1, len(lines)) if lines[number].strip()), len(lines))
-    else:
-        first = at
-        width = len(split(lines[at], separator))
-        if comments and len(inside := split(comments[-1][1].lstrip("".join(COMMENTS)).strip(), _separator(comments[-1][1], ""))) == width:
-            headings, place = inside, f"line {comments.pop()[0] + 1}"
+    text, grouped = as_typed(text)
+    above = preamble(source, text.splitlines())
+    bare = is_row(above.lines[above.at])
+    separator = above.separator or _separator(above, bare)
+    head = _in_comment(above, separator) if bare else _above_rows(source, above, separator)
+    sign = "." if separator == "," else decimal_sign(source, above.lines, head.first, separator, decimal or above.decimal)
+    headings, durations = _with_units_of_cells(source, head, above.lines, separator, sign)
+    told = [SEPARATORS.get(separator, f'"{separator}"')] if separator != "," else []
+    told += [*["decimal comma"] * (sign == ","), *["thousands in groups"] * grouped, *head.told, *["durations"] * durations, *above.told]
+    if any("=" not in line for _, line in head.comments):
+        told.append(f"{len(head.comments)} comment line{'s' * (len(head.comments) > 1)}")
+    return Dialect(headings, head.place, above.lines, head.first, head.comments, tuple(told), separator, sign)
+
+
+def cells_of(line: str, separator: str, decimal: str) -> list[str]:
+    """The cells of a line, numbers with decimal points."""
+    cells = split(line, separator)
+    return cells if separator == "," else [with_point(cell, decimal) for cell in cells]
+
+
+def _next_line(lines: Sequence[str], at: int) -> int:
+    """Index of the first line from `at` on that is not blank; the number of lines if there is none."""
+    return next((number for number in range(at, len(lines)) if lines[number].strip()), len(lines))
+
+
+def _separator(above: Preamble, bare: bool) -> str:
+    heading, below = above.lines[above.at], _next_line(above.lines, above.at + 1)
+    return separator_of("" if bare else heading, heading if bare or below == len(above.lines) else above.lines[below])
+
+
+def _in_comment(above: Preamble, separator: str) -> _Head:
+    """The headings of a table whose first line consists of numbers: the last comment, if it has as many cells, or none."""
+    *others, (at, line) = above.comments or ((0, ""),)
+    inside = split(line.lstrip("".join(COMMENTS)).strip(), separator_of(line, ""))
+    if not above.comments or len(inside) != len(split(above.lines[above.at], separator)):
+        return _Head(None, f"line {above.at + 1}", above.at, above.comments)
+    return _Head(inside, f"line {at + 1}", above.at, tuple(others), ("heading in a comment",))
+
+
+def _above_rows(source: str, above: Preamble, separator: str) -> _Head:
+    """The headings above the rows, with the units of a line below them."""
+    headings, place = split(above.lines[above.at], separator), f"line {above.at + 1}"
+    first, told = _next_line(above.lines, above.at + 1), tuple[str, ...]()
+    units = split(above.lines[first], separator) if first < len(above.lines) else []
+    if are_units(units, len(headings)):
+        first, told = _next_line(above.lines, first + 1), ("units in the second row",)
+        headings = [_headed(source, place, heading, unit.strip("[]() ")) for heading, unit in zip(headings, units, strict=True)]
     if headings and not headings[-1]:  # each line ends with a separator
         headings.pop()
-    sign = "." if separator == "," else _decimal_sign(source, lines, first, separator, decimal)
-    if sign == ",":
-        told.append("decimal comma")
-    if headings is not None and bare:
-        told.append("heading in a comment")
-    if units and headings is not None:
-        told.append("units in the second row")
-        headings = [_headed(source, place, *pair) for pair in zip(headings, units, strict=False)]
-    if headings is not None and first < len(lines):
-        cells = [_with_point(cell, sign) if separator != "," else cell for cell in split(lines[first], separator)]
-        if _has_units(cells):
-            told.append("durations")
-            of_cells = [match[2] if (match := _DURATION.fullmatch(cell)) else "s" if _CLOCK.fullmatch(cell) else "" for cell in cells]
-            pairs = zip(headings, of_cells, strict=False)
-            headings = [_headed(source, place, *pair) if pair[1] else pair[0] for pair in pairs]
-    if comments and any("=" not in line for _, line in comments):
-        told.append(f"{len(comments)} comment line{'s' * (len(comments) > 1)}")
-    return Dialect(None if headings is None else tuple(headings), place, lines, first, tuple(comments), tuple(told), separator, sign)
+    return _Head(headings, place, first, above.comments, told)
 
 
-def split(line: str, separator: str) -> list[str]:
-    """The cells of a line, without quotes and blanks around them; a unit in brackets belongs to the name before it."""
-    if separator == " ":
-        return [cell.strip('"') for cell in re.findall(r'"[^"]*"|[^\s"]+(?:\s+[\[(][^\])]*[\])])*', line)]
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
-
-
-def _separator(heading: str, row: str) -> str:
-    """The separator of a line of headings, or of a row of numbers where there is none ("")."""
-    line = re.sub(r'"[^"]*"|[\[(][^\])]*[\])]', "x", heading) or row
-    for sign in (";", "\t"):
-        if sign in line.strip():
-            return sign
-    if heading:
-        return "," if "," in line or len(row.split()) < 2 or ("," in row and not _all_numbers(row.split())) else " "
-    return "," if "," in line and not (len(line.split()) > 1 and _all_numbers(line.split())) else " " if len(line.split()) > 1 else ","
-
-
-def _all_numbers(cells: Sequence[str]) -> bool:
-    return all(_NUMBER.fullmatch(cell) for cell in cells)
-
-
-def _is_row(line: str) -> bool:
-    """Whether a line consists of numbers alone."""
-    cells = [cell.strip().strip('"') for cell in re.split(r"[;\t,\s]+", line.strip()) if cell]
-    return bool(cells) and _all_numbers(cells)
-
-
-def _is_units(cells: Sequence[str], width: int) -> bool:
-    """Whether a row below the headings holds units: no numbers, as many as there are columns, and each the form of a unit."""
-    return (
-        len(cells) == width
-        and any(cells)
-        and not any(cell in ("nan", "inf", "NaN", "Inf") or re.match(r"[+-]?[.,]?\d", cell) for cell in cells)
-        and all(_UNIT.fullmatch(cell) for cell in cells)
-    )
+def _with_units_of_cells(
+    source: str, head: _Head, lines: Sequence[str], separator: str, decimal: str
+) -> tuple[tuple[str, ...] | None, bool]:
+    """The headings with the units that stand in the cells of the first row, and whether there are such units."""
+    if head.headings is None or head.first >= len(lines):
+        return None if head.headings is None else tuple(head.headings), False
+    units = [unit_in_cell(cell) for cell in cells_of(lines[head.first], separator, decimal)]
+    pairs = zip_longest(head.headings, units[: len(head.headings)], fillvalue="")
+    return tuple(_headed(source, head.place, heading, unit) for heading, unit in pairs), any(units)
 
 
 def _headed(source: str, place: str, heading: str, unit: str) -> str:
-    """A heading with the unit that stands below it. CaseError: it has one already."""
-    if re.search(r"[\[(][^\])]*[\])]\s*$", heading):
-        if unit and unit not in heading:
-            told = f'is followed by the unit "{unit}"'
-            raise CaseError(source, place, as_written(heading), told, "give one unit, in the heading or below it")
-        return heading
-    return f"{heading} [{unit}]" if unit else heading
-
-
-def _decimal_sign(source: str, lines: Sequence[str], first: int, separator: str, known: str | None) -> str:
-    """The decimal sign of the numbers from line `first` on. CaseError: they can be read in two ways."""
-    if known is not None:
-        return known
-    if not any("," in line for line in lines[first:]):
-        _refuse_pointed_thousands(source, lines, first, separator)
-        return "."
-    plain = ambiguous = None
-    decimal = grouped = False
-    for number, line in enumerate(lines[first:], first + 1):
-        for cell in split(line, separator):
-            comma, point = cell.rfind(","), cell.rfind(".")
-            if comma < 0:
-                plain = plain or ((number, cell) if point >= 0 and _NUMBER.fullmatch(cell) else None)
-            elif point > comma or cell.count(",") > 1:
-                grouped = True
-            elif point >= 0 or not _THOUSANDS.fullmatch(cell):
-                decimal = True
-            else:
-                ambiguous = ambiguous or (number, cell)
-    if decimal and (grouped or plain):
-        at, cell = plain or (first + 1, "")
-        told = "stands in a table that has decimal commas too"
-        raise CaseError(source, f"line {at}", as_written(cell), told, "use one decimal sign throughout")
-    if not (decimal or grouped or plain) and ambiguous:
-        at, cell = ambiguous
-        thousand, broken = cell.replace(",", ""), cell.replace(",", ".")
-        asked = f"is it {thousand} or {broken}? Give --decimal . or --decimal , (decimal= in Python)"
-        raise CaseError(source, f"line {at}", as_written(cell), "can be read in two ways", asked)
-    return "," if decimal else "."
-
-
-def _refuse_pointed_thousands(source: str, lines: Sequence[str], first: int, separator: str) -> None:
-    """Raise the CaseError of points that may separate thousands.
-
-    A program that writes decimals gives all numbers of a column a point, or numbers of decimals that differ. So the points can be
-    thousands where each has three digits behind it, and one column holds whole numbers of at most three digits as well.
-    """
-    pointed, whole = dict[int, tuple[int, str]](), set[int]()
-    for number, line in enumerate(lines[first:], first + 1):
-        for column, cell in enumerate(split(line, separator)):
-            if _POINTED_THOUSANDS.fullmatch(cell):
-                pointed.setdefault(column, (number, cell))
-            elif re.fullmatch(r"[+-]?\d{1,3}", cell):
-                whole.add(column)
-            elif _NUMBER.fullmatch(cell):
-                return
-    for column in sorted(whole & set(pointed)):
-        at, cell = pointed[column]
-        asked = f"is it {cell.replace('.', '')} or {cell}? Give --decimal , or --decimal . (decimal= in Python)"
-        raise CaseError(source, f"line {at}", as_written(cell), "can be read in two ways", asked)
-
-
-def _with_point(cell: str, decimal: str) -> str:
-    """A cell with a decimal point and without thousands separators."""
-    if decimal == "," and _POINTED_THOUSANDS.fullmatch(cell):
-        return cell.replace(".", "")
-    if "," not in cell or not re.match(r"[+-]?[\d.,]", cell):
-        return cell
-    if decimal == ",":
-        return cell.replace(".", "").replace(",", ".") if re.fullmatch(r"[+-]?\d{1,3}(\.\d{3})+,.*", cell) else cell.replace(",", ".")
-    return cell.replace(",", "") if re.match(r"[+-]?\d{1,3}(,\d{3})+(?!\d)", cell) else cell
-
-
-def _has_units(cells: Sequence[str]) -> bool:
-    return any(_DURATION.fullmatch(cell) or _CLOCK.fullmatch(cell) for cell in cells)
-
-
-def _plain(cell: str, unit: str) -> str:
-    """A cell without the unit behind its number, if that is `unit`; hours, minutes and seconds as seconds."""
-    if clock := _CLOCK.fullmatch(cell):
-        return repr(3600 * int(clock[1]) + 60 * int(clock[2]) + float(clock[3]))
-    duration = _DURATION.fullmatch(cell) if unit else None
-    return duration[1] if duration and duration[2] == unit else cell
-
-
-def _quoted(cell: str) -> str:
-    return f'"{cell}"' if "," in cell or not cell else cell
+    """A heading with the unit that stands below it. CaseError: it has another one already."""
+    own = _UNIT_OF_HEADING.search(heading)
+    if own and unit == "s" and _CLOCK_FORM.fullmatch(own[1].strip()):
+        return f"{heading[: own.start()].strip()} [s]"
+    if own and unit and unit != own[1].strip():
+        told = f'is followed by the unit "{unit}"'
+        raise CaseError(source, place, as_written(heading), told, "give one unit, in the heading or below it")
+    return f"{heading} [{unit}]" if unit and not own else heading

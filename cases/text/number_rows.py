@@ -20,6 +20,10 @@ _OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
     "1": {"-": "1", "": "1", "%": "percent", "µε": "microstrain", "με": "microstrain"} | {unit: unit for unit in PURE_UNITS},
     "m/s^2": {"g": "g0"},
 }
+#: Characters in the units of headings, as printed -> as `in_si` reads them.
+_PRINTED: Final[Mapping[str, str]] = {"°": "deg", "²": "^2", "³": "^3", "·": "*", "⋅": "*"}
+#: German for degrees, and English for 1/400 of a turn; to pint the first is a thousand million radians.
+_TWO_MEANINGS: Final = ("Grad", "grad")
 #: Pattern in a text that is not a number -> advice; the first that fits is given.
 _HINTS: Final = {
     r"\d{4}-\d\d?-\d\d?|\d\d?[./]\d\d?[./]\d{2,4}": "it is a date: write seconds from the first row",
@@ -50,14 +54,22 @@ def name_and_unit(source: str, place: str, heading: str, example: str) -> tuple[
 
 
 def unit_factor(source: str, place: str, si_unit: str, unit: str) -> float:
-    """The SI value of a unit in a heading, for a column whose SI unit is `si_unit`. CaseError: no such unit."""
-    others = _OTHER_UNITS.get(si_unit, {})
+    """The SI value of a unit in a heading, for a column whose SI unit is `si_unit`. CaseError: no such unit, or one that means two."""
+    others, unit = _OTHER_UNITS.get(si_unit, {}), _as_here(unit)
+    if unit in _TWO_MEANINGS:
+        raise CaseError(source, place, as_written(unit), "can be read in two ways", 'write "deg" for 1/360 of a turn, "gon" for 1/400')
     if unit in others:
         return in_si(others[unit])
     try:
         return unit_size(unit, DIMENSIONS[si_unit])
     except QuantityError as wrong:
         raise CaseError(source, place, as_written(unit), wrong.problem, wrong.accepted) from None
+
+
+def _as_here(unit: str) -> str:
+    for printed, here in _PRINTED.items():
+        unit = unit.replace(printed, here)
+    return unit
 
 
 def numbers_in(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str) -> Array:
