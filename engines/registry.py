@@ -149,10 +149,11 @@ def _origin(entry: EntryPoint) -> str:
 
 
 def _unknown(name: str) -> str:
-    known = engine_names()
-    near = difflib.get_close_matches(name, known, n=2)
+    names = engine_names()
+    near = difflib.get_close_matches(name, names, n=2)
     hint = f" (perhaps {' or '.join(near)} is meant)" if near else ""
-    return f'"{name[:_LONGEST_NAME]}": no such engine{hint}; accepted: {", ".join(known)}'
+    known = f"{', '.join(names)}, or the path of a file that declares one (.toml)"
+    return f'"{name[:_LONGEST_NAME]}": no such engine{hint}; accepted: {known}'
 
 
 class Missing(Engine[AnySettings]):

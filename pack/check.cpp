@@ -1,14 +1,18 @@
-// check PROBLEM FILE [SHARE]: see check.hpp. Build it in this folder with: g++ -std=c++17 -O1 -o check check.cpp
+// check PROBLEM FILE [SHARE]: see check.hpp. Build it with: g++ -std=c++17 -O1 -o check check.cpp
+// It finds the problems beside the program, or beside this file.
 #include <cstdio>
+#include <filesystem>
 
 #include "check.hpp"
 
 int main(int count, char** arguments) {
-    const std::string here = __FILE__, folder = here.find('/') == std::string::npos ? "." : here.substr(0, here.rfind('/'));
     if (count < 3 || count > 4) return std::fprintf(stderr, "check PROBLEM FILE [SHARE]\n"), 2;
     try {
         int code = 0;
-        for (const auto& each : pack::judged(folder, arguments[1], arguments[2], count == 4 ? std::stod(arguments[3]) : 0)) {
+        const auto beside = [](const char* file) { return std::filesystem::path(file).parent_path() / "."; };
+        const auto folder = std::filesystem::exists(beside(arguments[0]) / arguments[1]) ? beside(arguments[0]) : beside(__FILE__);
+        const double share = count == 4 ? pack::number(arguments[3], "share, such as 0.01 for one per cent") : 0;
+        for (const auto& each : pack::judged(folder.string(), arguments[1], arguments[2], share)) {
             std::printf("%-18s %-18s %s\n", each.signal.c_str(), each.status.c_str(), each.told.c_str());
             if (each.status == "outside") code = 1;
         }

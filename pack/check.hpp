@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -50,29 +49,34 @@ inline std::vector<std::string> fields_of(const std::string& line) {
     return fields;
 }
 
+// The number of a field, NaN for an empty one; `place` says where it stands.
+inline double number(const std::string& field, const std::string& place) {
+    char* end = nullptr;
+    const double value = field.empty() ? NAN : std::strtod(field.c_str(), &end);
+    if (end && *end) throw BadInput(place + ": not a number: " + field);
+    return value;
+}
+
 inline Table read_table(const std::string& file) {
     std::ifstream in(file);
     if (!in) throw BadInput(file + ": cannot be read");
     std::vector<std::string> names;
-    std::vector<Column> columns;
-    long number = 0;
+    Table table;
+    long count = 0;
     for (std::string line; std::getline(in, line);) {
-        if (number == 0 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
+        if (count == 0 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
         if (trimmed(line).empty()) continue;
         const auto fields = fields_of(line);
-        const std::string row = file + ", row " + std::to_string(++number);
-        if (number == 1) columns.resize((names = fields).size());
-        if (fields.size() != names.size()) throw BadInput(row + ": " + std::to_string(fields.size()) + " fields, " + std::to_string(names.size()) + " names");
-        for (size_t k = 0; number > 1 && k < fields.size(); ++k) {
-            char* end = nullptr;
-            const double value = fields[k].empty() ? std::numeric_limits<double>::quiet_NaN() : std::strtod(fields[k].c_str(), &end);
-            if (end && *end) throw BadInput(row + ": not numbers: " + line.substr(0, 60));
-            columns[k].push_back(value);
+        const std::string row = file + ", row " + std::to_string(++count);
+        if (count == 1) {
+            bool once = true;
+            for (const auto& name : names = fields) once &= table.emplace(name, Column()).second || name.empty();
+            if (once && table.count("time")) continue;
+            throw BadInput(file + ": the first line must have `time` and each name once, separated by commas, without units");
         }
+        if (fields.size() != names.size()) throw BadInput(row + ": " + std::to_string(fields.size()) + " fields, " + std::to_string(names.size()) + " names");
+        for (size_t k = 0; k < fields.size(); ++k) table[names[k]].push_back(number(fields[k], row));
     }
-    Table table;
-    for (size_t k = 0; k < names.size(); ++k) table[names[k]] = columns[k];
-    if (!table.count("time")) throw BadInput(file + ": the first line has no `time`; names are separated by commas, without units");
     const Column& time = table["time"];
     const bool falls = std::adjacent_find(time.begin(), time.end(), [](double a, double b) { return !(a < b); }) != time.end();
     if (time.size() < 2 || falls) throw BadInput(file + ": the times do not increase, or are fewer than two");
@@ -94,40 +98,39 @@ inline double interpolated(const Column& times, const Column& values, double t) 
 }
 
 inline Verdict judged_signal(const std::string& name, double bound, double horizon, const Table& right, const Table& table) {
-    struct Row {
-        double time, error;
-    };
     if (!table.count(name)) return {name, "missing", ""};
     const Column &times = right.at("time"), &values = right.at(name), &time = table.at("time"), &own = table.at(name);
-    const double begin = times.front(), slack = 1e-9 * (times.back() - begin);
-    std::vector<Row> now, later;
+    const double begin = times.front(), slack = 1e-9 * (times.back() - begin), longest = (horizon - begin) / 50 + slack;
+    double before = begin, worst = -1, at = begin;
+    long beyond = 0;
+    std::string gap, odd, later;  // what is said of the first row of each kind
+    const auto look_for_gap = [&](double t) {
+        if (gap.empty() && t - before > longest) gap = "no row between " + text(before) + " and " + text(t) + " s; the horizon is " + text(horizon) + " s";
+        before = t;
+    };
     for (size_t k = 0; k < time.size(); ++k) {
-        const Row row{time[k], std::abs(own[k] - interpolated(times, values, time[k]))};
-        if (begin - slack <= row.time && row.time <= horizon + slack) now.push_back(row);
-        if (horizon + slack < row.time) later.push_back(row);
+        const double t = time[k], error = std::abs(own[k] - interpolated(times, values, t));
+        if (t > horizon + slack) {
+            ++beyond;
+            if (later.empty() && t <= times.back() + slack && !(error <= bound)) later = "within up to " + text(horizon) + " s; off from " + text(t) + " s";
+        } else if (t >= begin - slack) {
+            look_for_gap(t);
+            if (odd.empty() && !std::isfinite(error)) odd = "not a number at " + text(t) + " s";
+            if (error > worst) worst = error, at = t;
+        }
     }
-    if (now.empty()) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
-    const Row worst = *std::max_element(now.begin(), now.end(), [](const Row& a, const Row& b) { return a.error < b.error; });
-    now.push_back({horizon, 0});
-    double before = begin;
-    for (const Row& row : now) {
-        if (row.time - before > (horizon - begin) / 50 + slack)
-            return {name, "outside", "no row between " + text(before) + " and " + text(row.time) + " s; the horizon is " + text(horizon) + " s"};
-        before = row.time;
-    }
-    for (const Row& row : now)
-        if (!std::isfinite(row.error)) return {name, "outside", "not a number at " + text(row.time) + " s"};
-    const std::string off = "off by " + text(worst.error, 2), limit = ", bound " + text(bound, 2);
-    if (worst.error > bound) return {name, "outside", off + " at " + text(worst.time) + " s" + limit};
-    for (const Row& row : later)
-        if (row.time <= times.back() + slack && !(row.error <= bound))
-            return {name, "beyond the horizon", "within up to " + text(horizon) + " s; off from " + text(row.time) + " s"};
-    return {name, "within", off + limit + (later.empty() ? "" : "; " + std::to_string(later.size()) + " rows beyond the horizon")};
+    if (worst < 0 && odd.empty()) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
+    look_for_gap(horizon);
+    const std::string off = "off by " + text(worst, 2), limit = ", bound " + text(bound, 2);
+    if (!gap.empty() || !odd.empty()) return {name, "outside", gap.empty() ? odd : gap};
+    if (worst > bound) return {name, "outside", off + " at " + text(at) + " s" + limit};
+    if (!later.empty()) return {name, "beyond the horizon", later};
+    return {name, "within", off + limit + (beyond ? "; " + std::to_string(beyond) + " rows beyond the horizon" : "")};
 }
 
 // The verdicts on the signals of a table; `share` of each signal's largest value is added to its bound.
 inline std::vector<Verdict> judged(const std::string& folder, const std::string& problem, const std::string& file, double share = 0) {
-    if (!(share >= 0) || std::isinf(share)) throw BadInput(text(share) + ": the share is a number from 0 on");
+    if (!(0 <= share && share <= 0.5)) throw BadInput(text(share) + ": the share is a number from 0 to 0.5, such as 0.01 for one per cent");
     std::ifstream in(folder + "/" + problem + "/bounds.json");
     if (!in) throw BadInput(problem + ": no such problem");
     const std::string bounds((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());

@@ -16,7 +16,8 @@ function read_table(file)
     isfile(file) || throw(BadInput("$file: cannot be read"))
     lines = filter(line -> !isempty(strip(line)), split(replace(read(file, String), "\ufeff" => ""), r"\r?\n"))
     names = isempty(lines) ? String[] : [String(strip(strip(name), '"')) for name in split(lines[1], ",")]
-    "time" in names || throw(BadInput("$file: the first line has no `time`; names are separated by commas, without units"))
+    "time" in names && allunique(filter(!isempty, names)) ||
+        throw(BadInput("$file: the first line must have `time` and each name once, separated by commas, without units"))
     rows = zeros(length(lines) - 1, length(names))
     for (k, line) in enumerate(lines[2:end])
         fields = strip.(split(line, ","))
@@ -61,7 +62,7 @@ end
 
 """A tuple (signal, status, remark) for each signal of a problem; throws BadInput."""
 function judged(problem, file, share=0.0)
-    0 <= share < Inf || throw(BadInput("$share: the share is a number from 0 on"))
+    0 <= share <= 0.5 || throw(BadInput("the share is a number from 0 to 0.5, such as 0.01 for one per cent"))
     folder = joinpath(@__DIR__, problem)
     isfile(joinpath(folder, "bounds.json")) || throw(BadInput("$problem: no such problem"))
     entry = r"\"(\w+)\": \{\"bound\": ([^,]+), \"horizon\": ([^,]+), \"scale\": ([^,]+),"  # a line for each signal
@@ -82,7 +83,7 @@ end
 function main(arguments)
     length(arguments) in (2, 3) || (println(stderr, "julia check.jl PROBLEM FILE [SHARE]"); return 2)
     try
-        verdicts = judged(arguments[1], arguments[2], length(arguments) == 3 ? parse(Float64, arguments[3]) : 0.0)
+        verdicts = judged(arguments[1], arguments[2], something(tryparse(Float64, get(arguments, 3, "0")), NaN))
         foreach(each -> println(rpad(each[1], 18), " ", rpad(each[2], 18), " ", each[3]), verdicts)
         return any(each -> each[2] == "outside", verdicts) ? 1 : 0
     catch error

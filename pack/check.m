@@ -5,10 +5,12 @@ function code = check(problem, file, share)
 %   code = check('sag', 'mine.csv', 0.01)      adds a hundredth of each signal's largest value to its bound
 %
 % In a shell, from this folder: octave-cli --eval "exit(check('sag', 'mine.csv'))" or matlab -batch "exit(check('sag', 'mine.csv'))"
-  if nargin < 3
-    share = 0;
-  end
   try
+    if nargin < 2
+      error('check(problem, file, share)');
+    elseif nargin < 3
+      share = 0;
+    end
     verdicts = judged(problem, file, share);
   catch problem_found
     fprintf(2, '%s\n', problem_found.message);
@@ -22,8 +24,8 @@ end
 
 function verdicts = judged(problem, file, share)
   folder = fullfile(fileparts(mfilename('fullpath')), problem);
-  if ~(share >= 0) || isinf(share)
-    error('%g: the share is a number from 0 on', share);
+  if ~isnumeric(share) || ~isscalar(share) || ~(share >= 0 && share <= 0.5)
+    error('the share is a number from 0 to 0.5, such as 0.01 for one per cent');
   end
   if exist(fullfile(folder, 'bounds.json'), 'file') ~= 2
     error('%s: no such problem', problem);
@@ -31,17 +33,15 @@ function verdicts = judged(problem, file, share)
   % a line for each signal
   entry = '"(\w+)": \{"bound": ([^,]+), "horizon": ([^,]+), "scale": ([^,]+),';
   signals = regexp(fileread(fullfile(folder, 'bounds.json')), entry, 'tokens');
-  [names, right] = read_table(fullfile(folder, 'results.csv'));
-  [own_names, table] = read_table(file);
+  right = read_table(fullfile(folder, 'results.csv'));
+  own = read_table(file);
   verdicts = cell(numel(signals), 3);
   for k = 1:numel(signals)
     [name, numbers] = deal(signals{k}{1}, str2double(signals{k}(2:4)));
     verdicts(k, :) = {name, 'missing', ''};
-    column = find(strcmp(own_names, name), 1);
-    if ~isempty(column)
-      pair = right(:, [find(strcmp(names, 'time'), 1), find(strcmp(names, name), 1)]);
-      own = table(:, [find(strcmp(own_names, 'time'), 1), column]);
-      [verdicts{k, 2}, verdicts{k, 3}] = judged_signal(numbers(1) + share * numbers(3), numbers(2), pair, own);
+    if isKey(own, name)
+      pairs = {[right('time'), right(name)], [own('time'), own(name)]};
+      [verdicts{k, 2:3}] = judged_signal(numbers(1) + share * numbers(3), numbers(2), pairs{:});
     end
   end
   if all(strcmp(verdicts(:, 2), 'missing'))
@@ -49,7 +49,8 @@ function verdicts = judged(problem, file, share)
   end
 end
 
-function [names, rows] = read_table(file)
+function table = read_table(file)
+% The columns of a CSV table by their names.
   if exist(file, 'file') ~= 2
     error('%s: cannot be read', file);
   end
@@ -60,8 +61,9 @@ function [names, rows] = read_table(file)
     first = lines{1}(lines{1} >= ' ' & lines{1} <= '~');  % without the mark of UTF-8
     names = strrep(strtrim(regexp(first, ',', 'split')), '"', '');
   end
-  if ~any(strcmp(names, 'time'))
-    error('%s: the first line has no `time`; names are separated by commas, without units', file);
+  named = names(~cellfun(@isempty, names));
+  if ~any(strcmp(named, 'time')) || numel(unique(named)) < numel(named)
+    error('%s: the first line must have `time` and each name once, separated by commas, without units', file);
   end
   rows = zeros(numel(lines) - 1, numel(names));
   for k = 1:numel(lines) - 1
@@ -75,8 +77,8 @@ function [names, rows] = read_table(file)
       error('%s, row %d: not numbers: %s', file, k + 1, lines{k + 1});
     end
   end
-  time = rows(:, strcmp(names, 'time'));
-  if numel(time) < 2 || ~all(diff(time) > 0)
+  table = containers.Map(names, num2cell(rows, 1));
+  if size(rows, 1) < 2 || ~all(diff(table('time')) > 0)
     error('%s: the times do not increase, or are fewer than two', file);
   end
 end

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 PACK = Path(__file__).resolve().parent
 NEIGHBOURS = 6  # rows of the reference results through which a polynomial gives the value at a time of the table
+LARGEST = 0.5  # share: a larger one is a per cent, or allows a table of zeros
 FEWEST = 50  # the longest gap between rows of the table is the time up to the horizon over this
 
 
@@ -29,32 +30,34 @@ class Verdict(NamedTuple):
     told: str
 
 
-def judged(problem: str, file: Path, share: float = 0.0) -> list[Verdict]:
-    """The verdicts on the signals of a table. Raises BadInput."""
+def judged(problem: str, file: Path, share: float | str = 0.0) -> list[Verdict]:
+    """The verdicts on the signals of a table; `share` may be a number's text. Raises BadInput."""
     folder = PACK / problem
     if not (folder / "bounds.json").is_file():
         known = ", ".join(sorted(each.parent.name for each in PACK.glob("*/bounds.json")))
         raise BadInput(f"{problem}: no such problem; there are {known}")
-    if not 0.0 <= share < math.inf:
-        raise BadInput(f"{share}: the share is a number from 0 on")
+    try:
+        allowed = float(share)
+    except ValueError:
+        allowed = math.nan
+    if not 0.0 <= allowed <= LARGEST:
+        raise BadInput(f"{share}: the share is a number from 0 to {LARGEST}, such as 0.01 for one per cent")
     signals = json.loads((folder / "bounds.json").read_text("utf-8"))["signals"]
     right, table = read_table(folder / "results.csv"), read_table(file)
     if not any(name in table for name in signals):
         raise BadInput(f"{file}: has none of the signals {', '.join(signals)}")
-    return [judged_signal(name, each, right, table, share) for name, each in signals.items()]
+    return [judged_signal(name, each, right, table, allowed) for name, each in signals.items()]
 
 
 def read_table(file: Path) -> dict[str, list[float]]:
     """The columns of a CSV table. Raises BadInput."""
     try:
         lines = [line for line in file.read_text("utf-8-sig").splitlines() if line.strip()]
-    except OSError as error:
-        raise BadInput(f"{file}: cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise BadInput(f"{file}: is no text in UTF-8") from error
+    except (OSError, UnicodeError) as error:
+        raise BadInput(f"{file}: cannot be read as a text in UTF-8 ({error})") from error
     names = [name.strip().strip('"') for name in lines[0].split(",")] if lines else []
-    if "time" not in names:
-        raise BadInput(f"{file}: the first line has no `time`; names are separated by commas, without units")
+    if names.count("time") != 1 or any(name and names.count(name) > 1 for name in names):
+        raise BadInput(f"{file}: the first line must have `time` and each name once, separated by commas, without units")
     rows: list[list[float]] = []
     for number, line in enumerate(lines[1:], 2):
         fields = line.split(",")
@@ -113,8 +116,8 @@ def main(arguments: list[str]) -> int:
         print(__doc__, file=sys.stderr)
         return 2
     try:
-        verdicts = judged(arguments[0], Path(arguments[1]), float((arguments[2:] or ["0"])[0]))
-    except (BadInput, ValueError) as error:
+        verdicts = judged(arguments[0], Path(arguments[1]), *arguments[2:])
+    except BadInput as error:
         print(error, file=sys.stderr)
         return 2
     for each in verdicts:

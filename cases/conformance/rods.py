@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import least_squares
 
+from quickreturn.cases.conformance.alone import BARE
 from quickreturn.cases.conformance.alone import DURATION as SPIN_UP_DURATION
 from quickreturn.cases.conformance.alone import SCENE as SPUN_UP
 from quickreturn.cases.conformance.bench import TOLERANCE_FACTOR, Bench, Motion, solution
@@ -86,7 +87,7 @@ class Level:
 
 def motion_alone(engine: AnyEngine) -> Motion | None:
     """The motion in which an engine is tried that refuses the mechanism and models a follower alone; None for any other engine."""
-    for scene in (BASE, PRESCRIBED, SPUN_UP, SCENE):
+    for scene in (BASE, PRESCRIBED, SPUN_UP, BARE, SCENE):
         try:
             check_scene(engine, scene)
         except Refusal:

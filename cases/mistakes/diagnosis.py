@@ -28,6 +28,8 @@ IN_TIME: Final = "take it at the instant of the row, after the last step, with e
 _GROSS: Final = 0.2
 #: Relative error allowed in the mild scene for a model without an error estimate: one cubic is 43 % off in a strain there.
 HOPELESS: Final = 1.2
+#: Size of a column, relative to the right one, that no model is too coarse for: a smaller one lacks a factor, or its numbers.
+_LIFELESS: Final = 0.05
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ def diagnose(
         coarsely = explain(found, expected, tried, coarse=True) if off > _GROSS * size else None
         if coarsely is not None:
             return Finding(f"{name} {coarsely.words}", coarsely.advice, coarsely.remainder)
-        if within or off < HOPELESS * size or not (COLUMNS[name].required or name == name.rstrip(DIGITS)):
+        lifeless = rms(found) < _LIFELESS * size and off > (1.0 - _LIFELESS) * size
+        if within or (off < HOPELESS * size and not lifeless) or not (COLUMNS[name].required or name == name.rstrip(DIGITS)):
             return None
     explained = explain(found, expected, [*tried, *fitted_mistakes(name, found, expected, right)], tolerance or 0.0)
     if explained is not None:

@@ -1,11 +1,9 @@
-"""An FMU as its description tells it, and what the file beside it declares."""
+"""An FMU as its description and the file beside it tell it."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
-
-from quickreturn.engines.base import EstimateOf
 
 #: Relative difference up to which values are the same: the rounding of a unit.
 SAME: Final = 1e-9
@@ -17,39 +15,30 @@ class Variable:
 
     name: str
     reference: int  # FMI's value reference
-    kind: str  # what FMI calls the functions that set and get it: Real, Integer, Boolean, Float64, ...
-    factor: float = 1.0
-    offset: float = 0.0
+    kind: str  # its type as FMI calls it, as do the functions that get it: Real, Float64, Float32
+    factor: float
+    offset: float
 
 
 @dataclass(frozen=True)
 class Fmu:
-    """A file with its description."""
+    """An FMU, and what the file beside it declares; keys are those of a case file."""
 
-    path: str
+    path: str  # of the FMU
     about: Any  # an `fmpy.model_description.ModelDescription` with co-simulation
-    digest: str  # hash of the file
-    fingerprint: str  # hash of the file and of the declarations
+    digest: str  # hash of the FMU
+    fingerprint: str  # hash of the FMU and of the declarations
+    method: str
+    parameters: Mapping[str, tuple[Variable, ...]]  # by key, one for each number of its value
+    fixed: Mapping[str, float | tuple[float, ...]]  # values that are built in, SI
+    constants: Mapping[str, Any]  # values of the FMU's own parameters by their names
+    outputs: Mapping[str, Variable]  # by column
+    steps: tuple[float, ...]  # s, coarse to fine
 
     @property
     def fmi(self) -> str:
         """The first digit of its version of FMI."""
         return str(self.about.fmiVersion[0])
-
-
-@dataclass(frozen=True)
-class Declarations:
-    """What the file beside the FMU says of it; keys are those of a case file."""
-
-    parameters: Mapping[str, tuple[Variable, ...]]  # by key, one for each number of its value
-    fixed: Mapping[str, float | tuple[float, ...]]  # values that are built in, SI
-    constants: tuple[tuple[Variable, Any], ...]  # values of the FMU's own parameters, as it takes them
-    outputs: Mapping[str, Variable]  # by column
-    steps: tuple[float, ...]  # s, coarse to fine
-    errors: tuple[float, ...]  # of the tip deflection, for each step; empty if unknown
-    order: float  # of the error in the step
-    estimates: EstimateOf
-    method: str
 
 
 def steps_within(output_step: float, step: float) -> int:

@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from quickreturn.pack.check import PACK, BadInput, judged
+from quickreturn.pack.check import PACK, judged
 from quickreturn.pack.make.bounds import made, written
 from quickreturn.pack.make.problems import PROBLEMS
 
@@ -21,16 +21,12 @@ def main(folder: Path, names: list[str]) -> int:
         new = made(PROBLEMS[name])
         written(folder, name, new)
         print(f"{name}: {time.monotonic() - begun:.0f} s", flush=True)
-        try:
-            kept = json.loads((PACK / name / "bounds.json").read_text("utf-8"))["signals"]
-            verdicts = {each.signal: each for each in judged(name, folder / name / "results.csv")}
-        except (OSError, BadInput) as missing:
-            print(f"  not compared: {missing}")
-            continue
-        for signal, each in new[1]["signals"].items():
-            wider = f"; bound {each['bound']:g}, was {kept[signal]['bound']:g}" if each["bound"] > kept[signal]["bound"] else ""
-            print(f"  {signal:18} {verdicts[signal].status:18} {verdicts[signal].told}{wider}")
-        code |= any(each.status != "within" for each in verdicts.values())
+        kept = json.loads((PACK / name / "bounds.json").read_text("utf-8"))["signals"]
+        for signal, status, told in judged(name, folder / name / "results.csv"):
+            bounds = [each[signal]["bound"] for each in (new[1]["signals"], kept)]
+            wider = "; bound {:g}, was {:g}".format(*bounds) if bounds[0] > bounds[1] else ""
+            print(f"  {signal:18} {status:18} {told}{wider}")
+            code |= status != "within"
     return code
 
 

@@ -6,6 +6,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import brentq
 
 from quickreturn.pack.make.values import BEAD, BRIDGE, DECAY, FOUR_BAR, SAG, Array, Columns, G, times
+from quickreturn.reference_model.shapes import clamped_free_modes
 
 
 def sag(rows: int) -> Columns:
@@ -39,22 +40,13 @@ def decay(rows: int, modes: int = 40) -> Columns:
     ) / 2
     # the square of a mode's tip is four times its mean square over the length
     size = 4 * DECAY.force / (DECAY.mass * length * omega**2) * (1 - swing.real)
-    middle = np.array([_clamped(b, 0.5) / _clamped(b, 1.0) for b in roots])
-    return {"time": t[:, 0], "tip_deflection": size.sum(axis=1), "middle_deflection": size @ middle}
-
-
-def _clamped(b: float, u: float) -> float:
-    """The mode of root b of a clamped beam at x = u L, without differences of large numbers."""
-    small = np.exp(-b)
-    over = 1 - small**2 + 2 * small * np.sin(b)
-    ratio = (1 + small**2 + 2 * small * np.cos(b)) / over
-    growing = np.exp(b * (u - 1)) * (np.sin(b) - np.cos(b) - small) / over
-    return float(growing + np.exp(-b * u) * (1 + ratio) / 2 - np.cos(b * u) + ratio * np.sin(b * u))
+    middle, tip = clamped_free_modes(length, modes).evaluate(length * np.array([0.5, 1.0]))
+    return {"time": t[:, 0], "tip_deflection": size.sum(axis=1), "middle_deflection": size @ (middle / tip)}
 
 
 def moving_load(rows: int, modes: int = 40) -> Columns:
     """The bridge's modes under a mass M at x = v t, with the inertia of its place w(v t, t): w'' + 2 v w'_x + v^2 w_xx."""
-    waves, speed, load = np.pi * np.arange(1, modes + 1) / BRIDGE.length, BRIDGE.speed, BRIDGE.load
+    waves, speed, load = np.pi * np.arange(1, modes + 1) / BRIDGE.length, BRIDGE.velocity, BRIDGE.load
     modal = BRIDGE.mass * BRIDGE.length / 2
 
     def rate(t: float, z: Array) -> Array:

@@ -6,7 +6,7 @@ import click
 
 from quickreturn.commands import options
 from quickreturn.commands.console import ExitCode
-from quickreturn.pack.check import BadInput, judged
+from quickreturn.pack.check import LARGEST, BadInput, judged
 from quickreturn.reports.output import print_json
 
 
@@ -16,7 +16,7 @@ from quickreturn.reports.output import print_json
 @options.single(
     "--share",
     metavar="REL",
-    read=options.number(0.0, 1.0, 1e-3),
+    read=options.number(0.0, LARGEST, 1e-3),
     default="0",
     show_default=True,
     help="Part of each signal's largest value that is added to its bound.",

@@ -41,11 +41,11 @@ def checker(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
         strict = ("-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror")
         subprocess.run([program, *strict, "-o", built, PACK / "check.cpp"], check=True)
 
-    def check(problem: str, file: Path, share: float = 0.0) -> tuple[int, dict[str, str]]:
+    def check(problem: str, file: Path, share: float | str = 0.0) -> tuple[int, dict[str, str]]:
         command = {
             "python": [sys.executable, "-I", "-S", PACK / "check.py", problem, file, str(share)],
             "c++": [built if request.param == "c++" else "", problem, file, str(share)],
-            "octave": [program, "--eval", f"exit(check('{problem}', '{file}', {share}))"],
+            "octave": [program, "--eval", f"exit(check('{problem}', '{file}', {share!r}))"],
             "julia": [program, PACK / "check.jl", problem, file, str(share)],
         }[request.param]
         found = subprocess.run(list(map(str, command)), cwd=PACK, capture_output=True, text=True, check=False, timeout=100)
@@ -179,6 +179,7 @@ NO_TABLE = {
     "no signal": "time,crank_angle\n0,0\n1,0\n",
     "units in the heading": "time [s],tip_deflection [m]\n0,0\n1,0\n",
     "decimal commas": "time,tip_deflection\n0,0\n0,001,0,002\n",
+    "a name twice": "time,tip_deflection,tip_deflection\n0,0,1\n1,0,1\n",
     "semicolons": "time;tip_deflection\n0;0\n1;0\n",
     "a row of units": "time,tip_deflection\ns,m\n0,0\n1,0\n",
     "times that go back": "time,tip_deflection\n0,0\n2,0\n1,0\n",
@@ -196,4 +197,19 @@ def test_what_is_no_table_is_bad_input(checker: Checker, tmp_path: Path, kind: s
 def test_no_file_and_no_problem_are_bad_input(checker: Checker, tmp_path: Path) -> None:
     assert checker("decay", tmp_path / "none.csv") == (2, {})
     assert checker("dekay", PACK / "decay" / "results.csv") == (2, {})
-    assert checker("decay", PACK / "decay" / "results.csv", -1.0) == (2, {})
+
+
+@pytest.mark.parametrize("share", [-1.0, 1.0, math.nan, "1%", "0,01"])
+def test_a_share_that_is_no_part_is_bad_input(checker: Checker, share: float | str) -> None:
+    """A share of 1, or what a language makes of a text, would allow any table."""
+    assert checker("decay", PACK / "decay" / "results.csv", share) == (2, {})
+
+
+@pytest.mark.verify
+def test_a_program_in_cpp_finds_the_problems_from_any_folder(tmp_path: Path) -> None:
+    if not (program := shutil.which("g++")):
+        pytest.skip("g++ is not installed")
+    shutil.copytree(PACK, tmp_path / "pack", ignore=shutil.ignore_patterns("make", "__pycache__"))
+    subprocess.run([program, "-std=c++17", "-o", "check", "check.cpp"], cwd=tmp_path / "pack", check=True)
+    for command, folder in (("./check", tmp_path / "pack"), ("pack/check", tmp_path), (tmp_path / "pack/check", Path("/"))):
+        subprocess.run([command, "sag", tmp_path / "pack/sag/results.csv"], cwd=folder, check=True, stdout=subprocess.DEVNULL)

@@ -49,7 +49,6 @@ method = "a beam of three bending modes, plain numpy"
 
 [resolution]
 steps = ["1 ms", "0.5 ms", "0.25 ms"]
-order = 2
 
 [parameters]
 mechanism.pivot_distance = "d [mm]"

@@ -78,10 +78,8 @@ def test_a_study_names_its_engine_from_its_folder(make_plain: Make, monkeypatch:
     assert study_of("../study.toml")["engine"] == "../my.toml"
 
 
-def test_an_fmu_begins_in_no_periodic_state_whatever_its_estimates(make_plain: Make) -> None:
-    path = make_plain(("[parameters]", '[resolution]\nestimates = "total"\n[parameters]'))
-    assert engine(path).estimates == "total"
-    assert not begins_in_orbit(engine(path))
+def test_an_fmu_begins_in_no_periodic_state(make_plain: Make) -> None:
+    assert not begins_in_orbit(engine(make_plain()))
 
 
 def test_files_of_engines_have_the_name_without_its_folder(make_plain: Make, capfd: pytest.CaptureFixture[str]) -> None:
