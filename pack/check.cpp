@@ -10,7 +10,7 @@ int main(int count, char** arguments) {
     try {
         int code = 0;
         const auto beside = [](const char* file) { return std::filesystem::path(file).parent_path() / "."; };
-        const auto folder = std::filesystem::exists(beside(arguments[0]) / arguments[1]) ? beside(arguments[0]) : beside(__FILE__);
+        const auto folder = std::filesystem::exists(beside(arguments[0]) / arguments[1] / "bounds.json") ? beside(arguments[0]) : beside(__FILE__);
         const double share = count == 4 ? pack::number(arguments[3], "share, such as 0.01 for one per cent") : 0;
         for (const auto& each : pack::judged(folder.string(), arguments[1], arguments[2], share)) {
             std::printf("%-18s %-18s %s\n", each.signal.c_str(), each.status.c_str(), each.told.c_str());

@@ -102,30 +102,27 @@ inline Verdict judged_signal(const std::string& name, double bound, double horiz
     const Column &times = right.at("time"), &values = right.at(name), &time = table.at("time"), &own = table.at(name);
     const double begin = times.front(), slack = 1e-9 * (times.back() - begin), longest = (horizon - begin) / 50 + slack;
     double before = begin, worst = -1, at = begin;
-    long beyond = 0;
-    std::string gap, odd, later;  // what is said of the first row of each kind
+    std::string gap, later;  // what is said of the first row of each kind
     const auto look_for_gap = [&](double t) {
         if (gap.empty() && t - before > longest) gap = "no row between " + text(before) + " and " + text(t) + " s; the horizon is " + text(horizon) + " s";
         before = t;
     };
     for (size_t k = 0; k < time.size(); ++k) {
-        const double t = time[k], error = std::abs(own[k] - interpolated(times, values, t));
+        const double t = time[k], error = std::isfinite(own[k]) ? std::abs(own[k] - interpolated(times, values, t)) : INFINITY;
         if (t > horizon + slack) {
-            ++beyond;
-            if (later.empty() && t <= times.back() + slack && !(error <= bound)) later = "within up to " + text(horizon) + " s; off from " + text(t) + " s";
+            if (later.empty() && t <= times.back() + slack && error > bound) later = "within up to " + text(horizon) + " s; off from " + text(t) + " s";
         } else if (t >= begin - slack) {
             look_for_gap(t);
-            if (odd.empty() && !std::isfinite(error)) odd = "not a number at " + text(t) + " s";
             if (error > worst) worst = error, at = t;
         }
     }
-    if (worst < 0 && odd.empty()) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
+    if (worst < 0) return {name, "beyond the horizon", "no row from " + text(begin) + " to " + text(horizon) + " s"};
     look_for_gap(horizon);
     const std::string off = "off by " + text(worst, 2), limit = ", bound " + text(bound, 2);
-    if (!gap.empty() || !odd.empty()) return {name, "outside", gap.empty() ? odd : gap};
+    if (!gap.empty()) return {name, "outside", gap};
     if (worst > bound) return {name, "outside", off + " at " + text(at) + " s" + limit};
     if (!later.empty()) return {name, "beyond the horizon", later};
-    return {name, "within", off + limit + (beyond ? "; " + std::to_string(beyond) + " rows beyond the horizon" : "")};
+    return {name, "within", off + limit};
 }
 
 // The verdicts on the signals of a table; `share` of each signal's largest value is added to its bound.

@@ -86,9 +86,9 @@ end
 function [status, told] = judged_signal(bound, horizon, right, own)
   [first, last] = deal(right(1, 1), right(end, 1));
   slack = 1e-9 * (last - first);
-  beyond = sum(own(:, 1) > horizon + slack);
   own = own(own(:, 1) >= first - slack & own(:, 1) <= last + slack, :);
   errors = abs(own(:, 2) - arrayfun(@(t) interpolated(right(:, 1), right(:, 2), t), own(:, 1)));
+  errors(~isfinite(errors)) = Inf;
   now = own(:, 1) <= horizon + slack;
   if ~any(now)
     [status, told] = deal('beyond the horizon', sprintf('no row from %g to %g s', first, horizon));
@@ -98,22 +98,16 @@ function [status, told] = judged_signal(bound, horizon, right, own)
   times = own(now, 1);
   marks = [first; times; horizon];
   gap = find(diff(marks) > (horizon - first) / 50 + slack, 1);
-  odd = find(~isfinite(errors(now)), 1);
   [worst, at] = max(errors(now));
-  later = find(~now & ~(errors <= bound), 1);
+  later = find(~now & errors > bound, 1);
   if ~isempty(gap)
     told = sprintf('no row between %g and %g s; the horizon is %g s', marks(gap), marks(gap + 1), horizon);
-  elseif ~isempty(odd)
-    told = sprintf('not a number at %g s', times(odd));
   elseif worst > bound
     told = sprintf('off by %.2g at %g s, bound %.2g', worst, times(at), bound);
   elseif ~isempty(later)
     [status, told] = deal('beyond the horizon', sprintf('within up to %g s; off from %g s', horizon, own(later, 1)));
   else
     [status, told] = deal('within', sprintf('off by %.2g, bound %.2g', worst, bound));
-    if beyond > 0
-      told = sprintf('%s; %d rows beyond the horizon', told, beyond);
-    end
   end
 end
 

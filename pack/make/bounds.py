@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.pack.check import PACK, interpolated
 from quickreturn.pack.make.values import Array, Columns
@@ -41,16 +40,18 @@ def made(problem: Problem) -> tuple[str, dict[str, Any]]:
     time = fine["time"]
     horizon = problem.horizon or float(time[-1])
     until = time <= horizon * (1 + 1e-9)
+
+    def largest(differences: Array) -> float:
+        return float(np.max(np.abs(differences[until])))
+
     columns, signals = [[f"{t:.10g}" for t in time]], {}
     for name, unit in problem.signals.items():
         values, scale = fine[name], float(np.max(np.abs(fine[name])))
-        own = _largest(first[name] - values, until)
-        differences = {
-            words: _largest(other[name] - values, until) for words, other in zip(names[1:], others, strict=True) if name in other
-        }
-        words = min(differences, key=lambda each: differences[each])
-        gap = _gap(time, values, between[name][1::2], until)
-        bound = _rounded_up((MARGIN * max(differences[words], own) + gap) / (1 - ROUNDED), LEAST * scale)
+        own = largest(first[name] - values)
+        differences = {words: largest(other[name] - values) for words, other in zip(names[1:], others, strict=True) if name in other}
+        halfway = [interpolated(time.tolist(), values.tolist(), t) for t in ((time[:-1] + time[1:]) / 2).tolist()]
+        gap = float(np.max(np.abs(halfway - between[name][1::2])[until[1:]]))
+        bound = _rounded_up(max((MARGIN * max(min(differences.values()), own) + gap) / (1 - ROUNDED), LEAST * scale))
         decimals = max(0, math.ceil(-math.log10(2 * ROUNDED * bound)))
         columns.append([f"{value:.{decimals}f}".replace("-0." + "0" * decimals, "0." + "0" * decimals) for value in values])
         relative = bound / float(np.sqrt(np.mean(values[until] ** 2)))
@@ -66,32 +67,17 @@ def _digits(value: float) -> float:
     return float(f"{value:.2g}")
 
 
-def _largest(difference: Array, until: NDArray[np.bool_]) -> float:
-    return float(np.max(np.abs(difference[until])))
-
-
-def _gap(time: Array, values: Array, between: Array, until: NDArray[np.bool_]) -> float:
-    """Largest error of the interpolation halfway between rows."""
-    middles = (time[:-1] + time[1:]) / 2
-    errors = [abs(interpolated(time.tolist(), values.tolist(), t) - right) for t, right in zip(middles.tolist(), between, strict=True)]
-    return float(np.max(np.array(errors)[until[1:]]))
-
-
-def _rounded_up(bound: float, least: float) -> float:
+def _rounded_up(bound: float) -> float:
     """With two digits."""
-    size = 10.0 ** (math.floor(math.log10(max(bound, least))) - 1)
-    return _digits(math.ceil(max(bound, least) / size) * size)
+    size = 10.0 ** (math.floor(math.log10(bound)) - 1)
+    return _digits(math.ceil(bound / size) * size)
 
 
 def written(folder: Path, name: str, made: tuple[str, dict[str, Any]]) -> None:
     """Write results.csv and bounds.json of a problem; each signal is on a line of its own, which the checkers rely on."""
-    text, content = made
     (folder / name).mkdir(parents=True, exist_ok=True)
-    (folder / name / "results.csv").write_text(text, "utf-8")
-    head = {"problem": name, "version": (PACK / "VERSION").read_text("utf-8").strip()} | {
-        k: v for k, v in content.items() if k != "signals"
-    }
-    lines = [f"  {json.dumps(key)}: {json.dumps(value)}," for key, value in head.items()]
-    of_signals = [f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in content["signals"].items()]
-    lines += ['  "signals": {', ",\n".join(of_signals), "  }"]
-    (folder / name / "bounds.json").write_text("\n".join(["{", *lines, "}", ""]), "utf-8")
+    (folder / name / "results.csv").write_text(made[0], "utf-8")
+    content = {"problem": name, "version": (PACK / "VERSION").read_text("utf-8").strip()} | made[1]
+    signals = ",\n".join(f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in content.pop("signals").items())
+    head = "".join(f"  {json.dumps(key)}: {json.dumps(value)},\n" for key, value in content.items())
+    (folder / name / "bounds.json").write_text(f'{{\n{head}  "signals": {{\n{signals}\n  }}\n}}\n', "utf-8")

@@ -10,15 +10,10 @@ _TIP: Final = {"tip_x": "m", "tip_y": "m"}
 _MECHANISM: Final = {"tip_deflection": "m", "tip_x": "m", "tip_y": "m", "crank_angle": "rad", "slider_position": "m"}
 _DERIVED: Final = "quickreturn.derive"
 _CABLE: Final = "Exudyn, ANCF cables, extrapolated in step and elements"
-_ENGINES: Final = {
-    "reference": "quickreturn, engine reference",
-    "exudyn": "quickreturn, engine exudyn",
-    "mujoco": "quickreturn, engine mujoco",
-}
 
 
 def _scene(name: str, signals: dict[str, str], *others: str, **more: Formulation) -> Problem:
-    formulations = {_ENGINES[engine]: partial(scenes.moved, name, engine) for engine in ("reference", *others)} | more
+    formulations = {f"quickreturn, engine {engine}": partial(scenes.moved, name, engine) for engine in ("reference", *others)} | more
     return Problem(signals, 1000, formulations, partial(scenes.moved, name, "reference", fine=True))
 
 

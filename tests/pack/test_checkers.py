@@ -211,5 +211,8 @@ def test_a_program_in_cpp_finds_the_problems_from_any_folder(tmp_path: Path) -> 
         pytest.skip("g++ is not installed")
     shutil.copytree(PACK, tmp_path / "pack", ignore=shutil.ignore_patterns("make", "__pycache__"))
     subprocess.run([program, "-std=c++17", "-o", "check", "check.cpp"], cwd=tmp_path / "pack", check=True)
-    for command, folder in (("./check", tmp_path / "pack"), ("pack/check", tmp_path), (tmp_path / "pack/check", Path("/"))):
+    subprocess.run([program, "-std=c++17", "-o", tmp_path / "away", tmp_path / "pack/check.cpp"], check=True)
+    (tmp_path / "sag").touch()  # no folder of a problem
+    inside, above = tmp_path / "pack", tmp_path
+    for command, folder in (("./check", inside), ("pack/check", above), (inside / "check", Path("/")), ("./away", above)):
         subprocess.run([command, "sag", tmp_path / "pack/sag/results.csv"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
