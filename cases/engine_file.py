@@ -20,8 +20,8 @@ from quickreturn.cases.text.number_rows import unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.cases.units import DIMENSIONS, TIME, QuantityError, parse_quantity
 from quickreturn.engines.base import SPIN_UP, AnyEngine
-from quickreturn.engines.fmu.description import Fmu, Variable
 from quickreturn.engines.fmu.engine import EXTREME_FIBRE, KEYS, FmuEngine
+from quickreturn.engines.fmu.simulation import Fmu, Variable
 from quickreturn.engines.registry import Missing
 from quickreturn.engines.trajectory import REQUIRED
 from quickreturn.reference_model.columns import COLUMNS
@@ -65,7 +65,8 @@ def engine_of(name: str) -> AnyEngine:
     if unusable:
         return Missing(name, f"{given} {unusable}")
     declarations = _Reader(source, content, about).declarations()
-    return FmuEngine(name, Fmu(file, about, digest, _hash(f"{digest}{text}".encode()), **declarations))
+    fingerprint = hashlib.sha256(f"{digest}{text}".encode()).hexdigest()[:12]
+    return FmuEngine(name, Fmu(file, about, digest, fingerprint, **declarations))
 
 
 @functools.lru_cache(maxsize=8)
@@ -76,25 +77,20 @@ def _described(file: str, _written: int) -> tuple[Any, str, str]:
     """
     import fmpy
 
-    here = fmpy.platform
     try:
         about = fmpy.read_model_description(file, validate=False)
         platforms = fmpy.supported_platforms(file)
     except Exception as error:  # whatever a file that is none makes of it
         cause = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
         return None, "", f"is no FMU with a description that can be read ({cause})"
-    unusable = ""
-    if about.fmiVersion[:1] not in ("2", "3"):
-        unusable = f"is of FMI {about.fmiVersion}; FMI 2 and 3 are accepted"
-    elif about.coSimulation is None:
-        unusable = "is for model exchange; export it for co-simulation"
-    elif here not in platforms:
-        unusable = f"has no library for {here}, only for {' and '.join(platforms) or 'no system'}; export it for {here}"
-    return about, _hash(Path(file).read_bytes()), unusable
-
-
-def _hash(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:12]
+    here, others = fmpy.platform, " and ".join(platforms) or "no system"
+    reasons = {
+        f"is of FMI {about.fmiVersion}; FMI 2 and 3 are accepted": about.fmiVersion[:1] not in ("2", "3"),
+        "is for model exchange; export it for co-simulation": about.coSimulation is None,
+        f"has no library for {here}, only for {others}; export it for {here}": here not in platforms,
+    }
+    digest = hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
+    return about, digest, next((reason for reason, holds in reasons.items() if holds), "")
 
 
 class _Reader:
@@ -197,10 +193,10 @@ class _Reader:
             accepted = f"the nearest one is {nearest(name, self.variables)}" if self.variables else "it has none"
             raise self._wrong(place, name, "is no variable of the FMU", accepted)
         if variable.type not in kinds or variable.dimensions or (settable and not _is_settable(variable)):
-            what = f"{variable.causality or 'local'}, {variable.variability or 'continuous'}, {variable.type}"
-            accepted = f"a single number ({' or '.join(_REAL)})" if kinds == _REAL else "a single value"
-            problem = f"is {what}{', an array' * bool(variable.dimensions)} in the FMU"
-            raise self._wrong(place, name, problem, f"{accepted}{' that is a parameter or an input' * settable} is needed")
+            kind = variable.type + " array" * bool(variable.dimensions)
+            what = f"{variable.causality or 'local'}, {variable.variability or 'continuous'}, {kind}"
+            accepted = f"a single {'real number' if kinds == _REAL else 'value'}{' that is a parameter or an input' * settable} is needed"
+            raise self._wrong(place, name, f"is {what} in the FMU", accepted)
         return variable
 
     def _unit(self, place: str, variable: Any, si_unit: str) -> float:

@@ -12,8 +12,7 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import SPIN_UP, Comparison, Engine, ModelDescription, Refusal, Simulation, installed
-from quickreturn.engines.fmu.description import SAME, Fmu, steps_within
-from quickreturn.engines.fmu.simulation import FmuSimulation
+from quickreturn.engines.fmu.simulation import SAME, Fmu, FmuSimulation, steps_within
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.follower import DIMENSIONS
@@ -32,7 +31,6 @@ KEYS: Final[Mapping[str, Quantity]] = {
 } | {EXTREME_FIBRE: SECTIONS["follower"]["thickness"]}
 #: Values of parts that a scene may lack; of a part's friction, spring and so on all strengths.
 _ABSENT: Final = {key: quantity.default for key, quantity in KEYS.items() if quantity.named} | {"tip.mass": 0.0, "tip.inertia": 0.0}
-_INITIAL: Final = ("crank.initial_angle", "crank.initial_speed")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,18 +52,13 @@ class FmuEngine(Engine[FmuSettings]):
         self.name, self.fmu, self.method = name, fmu, fmu.method
         self.quantities = tuple(key for key in (*fmu.parameters, *fmu.fixed) if key in NAMED)
 
-    @property
-    def alone(self) -> bool:
-        """Whether it models a follower alone."""
-        return SPIN_UP in self.quantities
-
     def version(self) -> str:
         maker = self.fmu.about.generationTool or "an unknown tool"
         return f"fmpy {installed('fmpy')}, FMI {self.fmu.fmi} by {maker}, {self.fmu.fingerprint}"
 
     def check(self, scene: Scene, /) -> None:
         """Refuse every value that neither goes to a parameter nor is built in, unless it is that of a feature that is not there."""
-        if self.alone and scene.crank is not None:
+        if SPIN_UP in self.quantities and scene.crank is not None:
             raise Refusal(f"[crank]: engine {self.name} models a follower alone; accepted: a scene without [crank]")
         super().check(scene)
         given = _given(scene)
@@ -93,9 +86,7 @@ class FmuEngine(Engine[FmuSettings]):
 
     def describe(self, scene: Scene, settings: FmuSettings, /) -> ModelDescription:
         self.check(scene)
-        states = self.fmu.about.numberOfContinuousStates  # many tools list none of those that an FMU for co-simulation integrates
-        inside = f"as in {self.fmu.path}"
-        return ModelDescription((f"all bodies {inside}",), (f"all joints {inside}",), states // 2 or None)
+        return ModelDescription((f"all bodies as in {self.fmu.path}",), (f"all joints as in {self.fmu.path}",), None)
 
     def settings_for(self, accuracy: float, scene: Scene, /) -> FmuSettings:
         """The coarsest step: a run's own estimate decides whether it suffices."""
@@ -121,7 +112,8 @@ class FmuEngine(Engine[FmuSettings]):
         if start is not None:
             if start.deflection is not None or start.deflection_rate is not None:
                 raise Refusal(f"a start with a bent follower cannot be given to engine {self.name}; accepted: the standard start of a case")
-            begun = {key: value for key, value in zip(_INITIAL, (start.crank_angle, start.crank_speed), strict=True) if key in given}
+            begun = {"crank.initial_angle": start.crank_angle, "crank.initial_speed": start.crank_speed}
+            begun = {key: value for key, value in begun.items() if key in given}
             self._refuse_other_than_built_in(begun)
             given |= begun
         length = math.inf if scene.crank is None else scene.follower.length

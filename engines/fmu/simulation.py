@@ -1,4 +1,7 @@
-"""Runs an FMU by fmpy. It is loaded into this process, which it may end: jobs run in processes of their own."""
+"""An FMU with what is declared of it, and its simulation by fmpy.
+
+An FMU is loaded into this process, which it may end: jobs run in processes of their own.
+"""
 
 import contextlib
 import math
@@ -8,22 +11,61 @@ import sys
 import time
 import weakref
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.fmu.description import SAME, Fmu, steps_within
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.native import cache_folder
 
+#: Relative difference up to which values are the same: the rounding of a unit.
+SAME: Final = 1e-9
 _ADVICE: Final = "try a smaller engine.step, or ask the author of the FMU"
 _FATAL: Final = 4  # status in FMI 2 and 3 after which nothing of the instance may be called, not even what frees it
 _LONGEST: Final = 200  # characters of an FMU's message that a sentence quotes
 
 #: Paths of FMUs of which a process can hold one instance -> the simulation that holds it; others begin anew when they are continued.
 _only: Final[weakref.WeakValueDictionary[str, "FmuSimulation"]] = weakref.WeakValueDictionary()
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of an FMU: SI value = factor x value of the variable + offset."""
+
+    name: str
+    reference: int  # FMI's value reference
+    kind: str  # its type as FMI calls it, as do the functions that get it: Real, Float64, Float32
+    factor: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """An FMU, and what the file beside it declares; keys are those of a case file."""
+
+    path: str  # of the FMU
+    about: Any  # an `fmpy.model_description.ModelDescription` with co-simulation
+    digest: str  # hash of the FMU
+    fingerprint: str  # hash of the FMU and of the declarations
+    method: str
+    parameters: Mapping[str, tuple[Variable, ...]]  # by key, one for each number of its value
+    fixed: Mapping[str, float | tuple[float, ...]]  # values that are built in, SI
+    constants: Mapping[str, Any]  # values of the FMU's own parameters by their names
+    outputs: Mapping[str, Variable]  # by column
+    steps: tuple[float, ...]  # s, coarse to fine
+
+    @property
+    def fmi(self) -> str:
+        """The first digit of its version of FMI."""
+        return str(self.about.fmiVersion[0])
+
+
+def steps_within(output_step: float, step: float) -> int:
+    """Number of communication steps in an output step."""
+    return max(1, math.ceil(output_step / step * (1.0 - SAME)))
 
 
 class FmuSimulation(Simulation):

@@ -107,7 +107,7 @@ def test_what_can_be_set_depends_on_causality_and_variability(make: Make, attrib
     if not refused:
         assert len(begun(engine(make())).advance(2e-3, 1e-3)) == 3
         return
-    words = f'my.toml: parameters.crank.mass: "m1" is {refused}, Real in the FMU; a single number (Real or Float64 or Float32) that is a'
+    words = f'my.toml: parameters.crank.mass: "m1" is {refused}, Real in the FMU; a single real number that is a'
     with pytest.raises(CaseError, match=re.escape(words)):
         engine(make())
 
@@ -141,7 +141,7 @@ def test_a_parameter_takes_values_of_its_type(make_plain: Make, line: str, words
 
 
 def test_a_value_of_a_case_goes_to_a_real_number_alone(make_plain: Make) -> None:
-    words = 'parameters.crank.length: "count" is parameter, fixed, Integer in the FMU; a single number (Real or Float64 or Float32)'
+    words = 'parameters.crank.length: "count" is parameter, fixed, Integer in the FMU; a single real number'
     with pytest.raises(CaseError, match=re.escape(words)):
         engine(make_plain(('crank.length = "r"', 'crank.length = "count"')))
 

@@ -109,7 +109,7 @@ def test_each_engine_of_the_two_refuses_the_scene_of_the_other(make: Make) -> No
         ("machine.fmu", "machina.fmu", 'my.toml: fmu: "machina.fmu" is no file'),
         ("crank.mass =", "crank.mas =", 'my.toml: parameters.crank.mas: "m1" is unknown; the nearest known one is parameters.crank.mass'),
         ('"m1"', '"m7"', 'my.toml: parameters.crank.mass: "m7" is no variable of the FMU; the nearest one is m1'),
-        ('"m1"', '"F"', 'my.toml: parameters.crank.mass: "F" is output, continuous, Real in the FMU; a single number'),
+        ('"m1"', '"F"', 'my.toml: parameters.crank.mass: "F" is output, continuous, Real in the FMU; a single real number'),
         ("r [mm]", "r [kg]", 'my.toml: parameters.crank.length: "kg" is a mass (kg), but a length is needed'),
         ("phi [deg]", "phi [degz]", 'my.toml: outputs.crank_angle: "degz" has the unknown unit "degz"'),
         ('slider_force = "F"', "", "my.toml: outputs.slider_force: is missing; name the variable of the FMU with normal force"),
