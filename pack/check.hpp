@@ -42,13 +42,6 @@ inline std::string trimmed(const std::string& field) {
     return first == std::string::npos ? "" : field.substr(first, field.find_last_not_of(blanks) - first + 1);
 }
 
-inline std::vector<std::string> fields_of(const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream in(line + ",");  // so that an empty last field counts
-    for (std::string field; std::getline(in, field, ',');) fields.push_back(trimmed(field));
-    return fields;
-}
-
 // The number of a field, NaN for an empty one; `place` says where it stands.
 inline double number(const std::string& field, const std::string& place) {
     char* end = nullptr;
@@ -66,7 +59,9 @@ inline Table read_table(const std::string& file) {
     for (std::string line; std::getline(in, line);) {
         if (count == 0 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
         if (trimmed(line).empty()) continue;
-        const auto fields = fields_of(line);
+        std::vector<std::string> fields;
+        std::istringstream rest(line + ",");  // so that an empty last field counts
+        for (std::string field; std::getline(rest, field, ',');) fields.push_back(trimmed(field));
         const std::string row = file + ", row " + std::to_string(++count);
         if (count == 1) {
             bool once = true;
