@@ -8,8 +8,7 @@ converted, and angles that wrap are made continuous: no filter, no fit.
 
 import math
 import os
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -17,9 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, similar_name
-from quickreturn.cases.text.column_mapping import IGNORED, ColumnMapping, Target, mapping_file, mapping_of, near_column, suggested, unit_in
+from quickreturn.cases.instants import gaps, single_instants
+from quickreturn.cases.named_columns import check_complete, columns_used, own_name
+from quickreturn.cases.text.column_mapping import IGNORED, Target, mapping_of, suggested
 from quickreturn.cases.text.dialect import Dialect, dialect_of
-from quickreturn.cases.text.number_rows import does_not_rise, late_row, name_and_unit, numbers_in, unit_factor
+from quickreturn.cases.text.number_rows import does_not_rise, late_row, line_of, name_and_unit, numbers_in, unit_factor
 from quickreturn.cases.text.text_file import read_foreign_text
 from quickreturn.reference_model.columns import COLUMNS
 
@@ -28,7 +29,6 @@ Array = NDArray[np.float64]
 MOST_ROWS: Final = 1_000_000
 _MOST_BYTES: Final = 100_000_000
 _MOST_NAMED: Final = 6  # ignored headings in a message
-_COUNTERS: Final = ("sample", "samples", "index", "row", "n", "no", "no.", "nr", "nr.", "#", "scan", "point")  # headings of row numbers
 _WRAPPING: Final = ("crank_angle", "follower_angle")  # angles that other programs wrap
 
 #: Declarations above the heading with their accepted values; without values any text.
@@ -53,6 +53,8 @@ class RecordedTable:
     of_experiment: bool = False  # whether it lies in the folder of the experiment's recordings
     told: str = ""  # how the file was read, if it is not commas, decimal points and plain names
     unwrapped: frozenset[str] = frozenset()  # angles that wrapped, and were made continuous
+    noted: tuple[str, ...] = ()  # clauses on its instants: doubled rows left out, and gaps
+    from_zero: str = ""  # the text of `--column` with which its time begins at 0; "" for a table without a file
 
     @property
     def shown(self) -> str:
@@ -87,16 +89,32 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
     declared = _declarations(shown, written.comments)
     if (rows := written.count) > MOST_ROWS:
         raise CaseError(shown, None, None, f"has {rows} rows", f"at most {MOST_ROWS} are accepted")
-    used, ignored, places = _columns_used(shown, written, mapping)
+    used, ignored, places = columns_used(shown, written, mapping)
     names = [target.column for target, _ in used]
-    values = dict(zip(names, numbers_in(shown, names, written.rows(shown, places), written.first, "time").T, strict=True))
+    lines = written.rows(shown, places)
+    numbers = dict(zip(names, numbers_in(shown, names, lines, written.first, "time", doubled=True).T, strict=True))
     factors = {target.column: factor for target, factor in used}
-    values = {target.column: (values[target.column] - target.offset) / target.factor for target, _ in used}
-    table = _table(printable(os.path.basename(path)), path, factors, values, declared)
+    values = {target.column: (numbers[target.column] - target.offset) / target.factor for target, _ in used}
+
+    def refusal(row: int, accepted: str) -> CaseError:
+        place = f"line {line_of(lines, written.first, row)}, time"
+        return does_not_rise(shown, place, float(numbers["time"][row]), accepted)
+
+    table = _table(printable(os.path.basename(path)), path, factors, values, declared, refusal)
     told = [*([encoding] if encoding else []), *written.told, *([f"columns by {mapping.file}"] if mapping.file else [])]
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
+    told += table.noted
     told += [f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"] if ignored else []
-    return replace(table, told=f"read as: {', '.join(told)}, {rows:,} rows" if told else "")
+    rows, at = len(table.columns["time"]), names.index("time")
+    from_zero = _from_zero(written, places[at], used[at][0], float(numbers["time"][0]))
+    return replace(table, told=f"read as: {', '.join(told)}, {rows:,} rows" if told else "", from_zero=from_zero)
+
+
+def _from_zero(written: Dialect, place: int, time: Target, first: float) -> str:
+    """The text of `--column` with which the time of a table begins at 0 in its first row, where it is `first` as written."""
+    heading = str(place + 1) if written.headings is None else written.headings[place].partition("[")[0].strip()
+    factor = "" if time.factor == 1.0 else f"{time.factor!r} * "
+    return f"{heading} = {factor}time [{time.unit or 's'}] {'-' if first < 0.0 else '+'} {abs(first):.12g}"
 
 
 def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | None = None) -> str:
@@ -108,94 +126,13 @@ def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | Non
     for number, heading in enumerate(headings):
         target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
         if target is None and written.headings is not None:
-            target = _own_name(shown, written.place, heading)
+            target = own_name(shown, written.place, heading)
         if target is not None and target.column != IGNORED:
             factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
             offset = f" {'-' if target.offset < 0 else '+'} {abs(target.offset)!r}" if target.offset else ""
             unit = f" [{target.unit}]" if target.unit is not None else ""
             known[heading] = f"{factor}{target.column}{unit}{offset}"
     return suggested(headings, known, mapping.decimal)
-
-
-def _own_name(shown: str, place: str, heading: str) -> Target | None:
-    """The column that a heading names, however it writes capitals and blanks; None: none of a trajectory."""
-    name, unit = name_and_unit(shown, place, heading, "time [s]")
-    column = re.sub(r"[\s_-]+", "_", name.strip().lower())
-    return Target(column, unit) if column in COLUMNS else None
-
-
-def _columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple[list[tuple[Target, float | None]], list[str], list[int]]:
-    """Columns that the table gives, with the SI value of their units (None: none is given), headings ignored, and places of the columns.
-
-    CaseError: names all headings that are not understood, each with the nearest column.
-    """
-    headings = written.headings
-    targets = dict(mapping.targets)
-    if headings is None and not targets:
-        write = "".join(f' --column "{number + 1} = {name}"' for number, name in enumerate(["time [s]", "crank_angle [deg]"]))
-        accepted = f"name the columns by position:{write}, or write them into {path_shown(mapping_file(shown))} (--write-mapping)"
-        raise CaseError(shown, written.place, None, "has numbers where a heading is due", accepted)
-    used, ignored, unknown, places = list[tuple[Target, float | None]](), list[str](), list[str](), list[int]()
-    for number in range(written.width):
-        heading = str(number + 1) if headings is None else headings[number]
-        name, unit = name_and_unit(shown, written.place, heading, "time [s]") if headings is not None else (heading, None)
-        key = next((each for each in (heading, name, str(number + 1)) if each in targets), None)
-        target = _own_name(shown, written.place, heading) if key is None and headings is not None else targets.pop(key or "", None)
-        if target is None or target.column == IGNORED:
-            (ignored if target is not None or headings is None or not _is_misspelt(name, heading, unit) else unknown).append(
-                heading or f"column {number + 1}"
-            )
-            continue
-        if any(target.column == other.column for other, _ in used):
-            raise CaseError(
-                shown, written.place, as_written(heading), f"gives {target.column} a second time", "keep one of the two columns"
-            )
-        unit = unit if target.unit is None else target.unit
-        si_unit = COLUMNS[target.column].unit.replace(" ", "*")
-        factor = None if unit is None else unit_factor(shown, f"{written.place}, {target.column}", si_unit, unit)
-        used.append((target, factor))
-        places.append(number)
-    if targets:
-        heads = ", ".join(headings or [f"1 to {written.width}"])
-        raise CaseError(shown, None, as_written(next(iter(targets))), "is no heading of this table", f"it has {heads}")
-    names = [target.column for target, _ in used]
-    if unknown or "time" not in names or len(names) < 2:
-        _refuse(shown, written.place, names, unknown, ignored)
-    return used, ignored, places
-
-
-def _refuse(shown: str, place: str, names: Sequence[str], unknown: Sequence[str], ignored: Sequence[str]) -> None:
-    """Raise the CaseError of a table that lacks time or all other columns, or has headings near to a column; it answers them all."""
-    told = {each: near_column(each) for each in (*unknown, *(() if "time" in names and len(names) > 1 else ignored))}
-    near = [as_written(each) + (f" (nearest: {_with_unit(each, column)})" if column else "") for each, column in told.items()]
-    accepted = (
-        'name them by --column "HEADING = column [unit]" or --write-mapping; `quickreturn show CASE --for-other-tools` lists all columns'
-    )
-    if "time" not in names and (counter := next((each for each in ignored if each.lower() in _COUNTERS), "")):
-        accepted = f'if it counts rows, 1000 a second say, add --column "{counter} = 1000 * time [s]"; {accepted}'
-    if near:
-        lacks = "" if "time" in names and len(names) > 1 else ", and no column time" if "time" not in names else ", and time alone is left"
-        verb = "is no column of a trajectory" if len(near) == 1 else "are no columns of a trajectory"
-        raise CaseError(shown, place, None, f"{', '.join(near)} {verb}{lacks}", accepted)
-    _check_complete(shown, place, names)
-
-
-def _with_unit(heading: str, column: str) -> str:
-    """A column with the unit that a heading names, if it names one."""
-    return f"{column} [{unit}]" if (unit := unit_in(heading, column)) else column
-
-
-def _is_misspelt(name: str, heading: str, unit: str | None) -> bool:
-    """Whether a heading is nearly the name of a column, in a unit of that column if it has one."""
-    column = similar_name(name, tuple(COLUMNS))
-    return bool(column) and (unit is None or bool(unit_in(heading, column)))
-
-
-def _check_complete(source: str, place: str, names: Iterable[str]) -> None:
-    """Raise the CaseError of a table without time, or with time alone."""
-    if "time" not in (given := list(names)) or len(given) < 2:
-        lacks = "has no column time" if "time" not in given else "holds time alone"
-        raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
 
 
 def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | None = None) -> RecordedTable:
@@ -211,7 +148,7 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
     """
     factors = _unit_factors(name, "heading", [str(heading) for heading in columns])
     values, wrong = dict[str, Array](), list[tuple[int, CaseError]]()
-    cells = {column: np.asarray(columns[heading], dtype=object) for column, heading in zip(factors, columns, strict=True)}
+    cells = {column: _cells(columns[heading]) for column, heading in zip(factors, columns, strict=True)}
     for column, given in cells.items():
         if given.ndim != 1 or given.shape != next(iter(cells.values())).shape:
             raise CaseError(name, column, None, f"has the shape {given.shape}", "give one number for each row, as in the other columns")
@@ -222,11 +159,21 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
         for row in np.flatnonzero(~np.isfinite(values[column]))[:1].tolist():
             value, accepted = str(values[column][row]), "leave out rows that lack a number"
             wrong.append((row, CaseError(name, f"row {row}, {column}", value, "is not finite", accepted)))
-        if column == "time" and (late := late_row(values[column])) is not None:
+        if column == "time" and (late := late_row(values[column], doubled=True)) is not None:
             wrong.append((late, does_not_rise(name, f"row {late}, time", values[column][late])))
     if wrong:
         raise min(wrong, key=lambda mistake: mistake[0])[1]
-    return _table(name, name, factors, values, {} if case is None else {"case": case})
+
+    def refusal(row: int, accepted: str) -> CaseError:
+        return does_not_rise(name, f"row {row}, time", float(values["time"][row]), accepted)
+
+    return _table(name, name, factors, values, {} if case is None else {"case": case}, refusal)
+
+
+def _cells(given: ArrayLike) -> NDArray[np.object_]:
+    """The cells of a column; dates, which numpy would turn into nanoseconds, as texts."""
+    cells = np.asarray(given)
+    return (cells.astype(str) if cells.dtype.kind in "mM" else cells).astype(object)
 
 
 def _numbers(cells: NDArray[np.object_]) -> tuple[Array, int | None]:
@@ -244,9 +191,14 @@ def _numbers(cells: NDArray[np.object_]) -> tuple[Array, int | None]:
 
 
 def _table(
-    name: str, path: str, factors: Mapping[str, float | None], values: Mapping[str, Array], declared: Mapping[str, str]
+    name: str,
+    path: str,
+    factors: Mapping[str, float | None],
+    values: Mapping[str, Array],
+    declared: Mapping[str, str],
+    refusal: Callable[[int, str], CaseError],
 ) -> RecordedTable:
-    """A table from values in the units of their headings; `factors` are those of `_unit_factors`."""
+    """A table from values in the units of their headings; `factors` are those of `_unit_factors`, `refusal` as of `single_instants`."""
     columns = {name: values[name] if factor is None else factor * values[name] for name, factor in factors.items()}
     bare = frozenset(name for name, factor in factors.items() if factor is None)
     unwrapped = frozenset(each for each in _WRAPPING if each in columns and _wraps(columns[each]))
@@ -254,7 +206,10 @@ def _table(
         columns[each] = np.unwrap(columns[each])
     if "follower_angle" in unwrapped:  # within a quarter of a turn of half a turn, as every engine has it
         columns["follower_angle"] -= 2.0 * math.pi * math.floor(float(np.mean(columns["follower_angle"])) / (2.0 * math.pi))
-    return RecordedTable(name, path, columns, bare, declared, unwrapped=unwrapped)
+    columns, noted = single_instants(columns, refusal)
+    if gap := gaps(columns["time"]):
+        noted = (*noted, gap)
+    return RecordedTable(name, path, columns, bare, declared, unwrapped=unwrapped, noted=noted)
 
 
 def _wraps(angle: Array) -> bool:
@@ -321,5 +276,5 @@ def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str,
             raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
         si_unit = COLUMNS[name].unit.replace(" ", "*") if unit is not None else ""
         factors[name] = None if unit is None else unit_factor(source, f"{place}, {name}", si_unit, unit)
-    _check_complete(source, place, factors)
+    check_complete(source, place, factors)
     return factors

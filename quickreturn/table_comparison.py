@@ -278,10 +278,25 @@ def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
         return read_table(os.fspath(given))
     if hasattr(given, "keys") and hasattr(given, "__getitem__"):
         case = getattr(given, "attrs", {}).get("case")
-        return table_of({heading: given[heading] for heading in given.keys()}, name, case if isinstance(case, str) else None)  # noqa: SIM118
+        columns = {heading: given[heading] for heading in given.keys()}  # noqa: SIM118
+        return table_of(_index_as_time(given) | columns, name, case if isinstance(case, str) else None)
     raise CaseError(
         name, None, None, f"{type(given).__name__} is no table", "give a path, a DataFrame, a dictionary of arrays or a solution"
     )
+
+
+def _index_as_time(given: Any) -> dict[str, Any]:
+    """The column time that a DataFrame has as its index: one that is called so, or durations. Empty if it has none."""
+    index = getattr(given, "index", None)
+    if any(_is_time(heading) for heading in given.keys()) or not hasattr(index, "name"):  # noqa: SIM118
+        return {}
+    if hasattr(index, "total_seconds"):
+        return {"time": index.total_seconds()}
+    return {index.name: index} if _is_time(index.name) else {}
+
+
+def _is_time(heading: Any) -> bool:
+    return str(heading).partition("[")[0].partition("(")[0].strip() == "time"
 
 
 def _common_rows(our_times: Array, their_times: Array) -> tuple[Places, Places]:

@@ -5,6 +5,7 @@ import io
 import math
 import re
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from typing import Final
 
 import numpy as np
@@ -72,8 +73,11 @@ def _as_here(unit: str) -> str:
     return unit
 
 
-def numbers_in(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str) -> Array:
-    """The numbers in the lines from `first` on, shape (rows, columns). CaseError: the first mistake; the column `rising` must rise."""
+def numbers_in(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str, doubled: bool = False) -> Array:
+    """The numbers in the lines from `first` on, shape (rows, columns).
+
+    CaseError: the first mistake; the column `rising` must rise, or must not fall if the same value may be `doubled` in the next row.
+    """
     if not any(line.strip() for line in lines[first:]):
         raise CaseError(source, None, None, "has no rows below its heading", "a whole turn of the crank is needed")
     try:
@@ -84,24 +88,30 @@ def numbers_in(source: str, names: Sequence[str], lines: Sequence[str], first: i
         values is None
         or values.shape[1] != len(names)
         or not np.all(np.isfinite(values))
-        or late_row(values[:, names.index(rising)]) is not None
+        or late_row(values[:, names.index(rising)], doubled) is not None
     ):
-        raise _bad_row(source, names, lines, first, rising)
+        raise _bad_row(source, names, lines, first, rising, doubled)
     return values
 
 
-def late_row(values: Array) -> int | None:
-    """Index of the first row whose value is not larger than that of the row before; None if there is none."""
-    late = np.flatnonzero(np.diff(values) <= 0.0)
+def late_row(values: Array, doubled: bool = False) -> int | None:
+    """Index of the first row whose value is smaller than that of the row before, or equal unless it may be `doubled`; None: no row."""
+    steps = np.diff(values)
+    late = np.flatnonzero(steps < 0.0 if doubled else steps <= 0.0)
     return int(late[0]) + 1 if late.size else None
 
 
-def does_not_rise(source: str, place: str, value: float) -> CaseError:
+def does_not_rise(source: str, place: str, value: float, accepted: str = "sort the rows and drop doubles") -> CaseError:
     """The mistake of a value that is not larger than that of the row before."""
-    return CaseError(source, place, f"{value:.12g}", "does not rise", "sort the rows and drop doubles")
+    return CaseError(source, place, f"{value:.12g}", "does not rise", accepted)
 
 
-def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str) -> CaseError:
+def line_of(lines: Sequence[str], first: int, row: int) -> int:
+    """Number of the line, counted from 1, that holds a row, counted from 0; rows begin at index `first`."""
+    return next(islice((number for number in range(first, len(lines)) if lines[number].strip()), row, None)) + 1
+
+
+def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str, doubled: bool) -> CaseError:
     """The mistake in the first row that is not one finite number for each column, or does not rise."""
     before = -math.inf
     for number, line in enumerate(lines[first:], first + 1):
@@ -120,7 +130,7 @@ def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int
                 accepted = "leave out rows that lack a number, or columns that were not recorded"
                 return CaseError(source, f"{place}, {name}", as_written(cell), problem, accepted)
             if name == rising:
-                if not value > before:
+                if not (value > before or (doubled and value == before)):
                     return does_not_rise(source, f"{place}, {name}", value)
                 before = value
         if len(cells) != len(names):
