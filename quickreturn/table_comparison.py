@@ -287,7 +287,7 @@ def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
 
 def _index_as_time(given: Any) -> dict[str, Any]:
     """The column time that a DataFrame has as its index: one that is called so, or durations. Empty if it has none."""
-    index = getattr(given, "index", None)
+    index: Any = getattr(given, "index", None)
     if any(_is_time(heading) for heading in given.keys()) or not hasattr(index, "name"):  # noqa: SIM118
         return {}
     if hasattr(index, "total_seconds"):

@@ -10,7 +10,8 @@ import jinja2
 from quickreturn.cases.case import Case
 from quickreturn.cases.keys import SECTIONS
 from quickreturn.cases.measures.time_scale import TURN, time_scale
-from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD, standard_row
+from quickreturn.cases.runs.first_row import standard_row
+from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD
 from quickreturn.reference_model.columns import AXIAL, BENDING, COLUMNS
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive

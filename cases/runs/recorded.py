@@ -26,6 +26,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredNumbers
+from quickreturn.cases.runs.first_row import first_row
 from quickreturn.cases.runs.marching import columns_of
 from quickreturn.cases.runs.noise import noise_of, scatter
 from quickreturn.cases.runs.other_case import cases_of_pace
@@ -34,7 +35,7 @@ from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed, rigid_motion
+from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed
 
 Array = NDArray[np.float64]
 
@@ -48,19 +49,14 @@ VIBRATING: Final = (*CHANNELS, "tip_deflection", "slider_force")
 LARGEST_GAP: Final = 0.01
 #: Least number of rows in a period of the first mode for its measurement.
 ROWS_PER_PERIOD: Final = 4.0
+#: Least number of rows that show the noise of a column.
+FEWEST_ROWS: Final = 5
 #: Largest factor between the time of a turn and that of the drive.
 OFF: Final = 2.0
 #: Largest backward step of the recorded crank angle, rad: the noise of an encoder.
 BACKLASH: Final = 0.02
-#: Allowed departure, besides noise, of a first row from the standard start, as a part of a turn for time and crank angle and of the largest
-#: magnitude for other columns ...
-SAME: Final = 1e-3
-#: ... and for the tip deflection, its acceleration and strains: a straight beam under load has strains if they come from equilibrium.
-UNBENT: Final = 1e-2
 #: Least distance from the steady state, as a part of the signals' RMS, at which a table does not show it.
 FAR: Final = 0.1
-#: Largest number of named columns in which a first row departs from the standard start.
-MOST_ODD: Final = 3
 #: Largest ratio of a step of the crank angle between two rows to the usual step.
 WRAPPED: Final = 100.0
 #: Units that may be meant by a heading without a unit, with their sizes: of time (s) and of angle (rad).
@@ -79,41 +75,44 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     mechanism = case.mechanism
     if table.declared.get("case", case.name) != case.name:
         raise CaseError(table.shown, "case", f'"{table.declared["case"]}"', f'is not "{case.name}"', "compare it with the case it declares")
-    columns, remarks = dict(table.columns), []
+    columns, remarks = dict(table.columns), [*table.noted]
     if "crank_angle" not in columns:
         speed = mean_crank_speed(mechanism)
         columns["crank_angle"] = mechanism.crank.initial_angle + speed * columns["time"]
         start = math.degrees(mechanism.crank.initial_angle)
         evenly = case.units.of("rad/s").text(speed, ".6g")
         remarks.append(f"no crank_angle was recorded: the crank is taken to turn evenly at {evenly}, from {start:.6g} deg at time 0")
+        if abs(first := float(columns["time"][0])) * crank_pace(mechanism) > 2.0 * math.pi * LARGEST_GAP:
+            remarks.append(f"if it is there in the first row, at {first:.6g} s, {_from_zero(table)}")
     elif "crank_angle" in table.unwrapped:  # which turn it is in, the wrapped angle does not say
+        _check_turns(table, columns["time"], crank_pace(mechanism))
         turns = round((mechanism.crank.initial_angle - float(columns["crank_angle"][0])) / (2.0 * math.pi))
         columns["crank_angle"] = columns["crank_angle"] + 2.0 * math.pi * turns
     _check_pace(table, columns, mechanism, case.name)
-    begun, odd = _first_row(table, columns, mechanism)
+    begun, odd, late = first_row(table, columns, mechanism, _rows_before_gap(columns["time"], crank_pace(mechanism)))
+    if late:
+        columns["time"] = columns["time"] - late
+        remarks.append(f"its time is counted from the first row, at {late:.6g} s: all else in it is the standard start")
     cycles = _cycles(table, columns)
-    settling = _settling(cycles[:GREATEST_NUMBER] if begun else cycles)
+    cycles, missing = _after_gaps(table, cycles[:GREATEST_NUMBER] if begun else cycles)
+    remarks += missing
+    settling = _settling(cycles)
     far = _is_far(settling, cycles[-1])
     begins = far if begun is None else begun
     if odd and begins:
         remarks.append(f"its first row is not that of the standard start: {odd}")
-    cycles = cycles[: settling.cycles]
     last = columns_of(cycles[-1])
     turn = _turn_number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
     gap = float(np.max(np.diff(last["time"])))
-    period = float(last["time"][-1] - last["time"][0])
-    if gap > LARGEST_GAP * period:
-        at = float(last["time"][np.argmax(np.diff(last["time"]))])
-        told = f"{gap:.3g} s without a row after {at:.6g} s"
-        raise CaseError(table.shown, "time", None, told, f"at most {LARGEST_GAP * period:.3g} s, {LARGEST_GAP} of a turn, are accepted")
     largest = float(np.max(np.abs(columns["constraint_gap"]))) if "constraint_gap" in columns else None
-    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, largest)
-    angle_noise = scatter(columns["time"], columns["crank_angle"])
+    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, largest, late)
+    counted = columns["time"] >= cycles[0].time[0] if missing else slice(None)
+    angle_noise = scatter(columns["time"][counted], columns["crank_angle"][counted])
     errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if not settling.settled:
-            remarks.append(_unsettled(settling, far, odd))
+            remarks.append(_unsettled(table, settling, far, odd))
     unsettled = Ending.NOT_SETTLED if far else Ending.ASSUMED
     measures, consensus = _measured(mechanism, last, recording.filtered, gap)
     return Run(
@@ -137,23 +136,6 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     )
 
 
-def standard_row(mechanism: Mechanism) -> dict[str, float]:
-    """The first row of the standard start, without a simulation: places and speeds of the rigid mechanism, without bending."""
-    crank, length = mechanism.crank, mechanism.follower.length
-    motion = rigid_motion(mechanism, np.array(crank.initial_angle), crank.drive.initial_speed)
-    angle = float(motion.follower_angle)
-    return {
-        "time": 0.0,
-        "crank_angle": crank.initial_angle,
-        "crank_speed": crank.drive.initial_speed,
-        "follower_angle": angle,
-        "slider_position": float(motion.slider_position),
-        "tip_x": mechanism.pivot_distance + length * math.cos(angle),
-        "tip_y": length * math.sin(angle),
-        **dict.fromkeys(("tip_deflection", *CHANNELS[1:]), 0.0),
-    }
-
-
 def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism, case: str) -> None:
     """Raise unless the crank turns about as fast as with its drive; the message names the unit that is probably meant if none is given."""
     time, angle = columns["time"], columns["crank_angle"]
@@ -169,8 +151,10 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
         turns = pace * float(np.median(np.diff(time))) / (2.0 * math.pi)  # from row to row
         ratio = 1.0 if turns < LARGEST_GAP else 1e3  # far beyond OFF
     steps = np.abs(np.diff(angle))
-    if np.any(steps > 0.0) and np.max(steps) > WRAPPED * np.median(steps[steps > 0.0]):  # an encoder may stand still from row to row
-        at = int(np.argmax(steps))
+    usual = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 0.0  # an encoder may stand still from row to row
+    jumps = np.where(steps > OFF * pace * np.diff(time), steps, 0.0)  # where rows are missing, the crank turned on
+    if np.max(jumps) > WRAPPED * usual:
+        at = int(np.argmax(jumps))
         told = f"jumps from {angle[at]:.6g} to {angle[at + 1]:.6g} rad after {time[at]:.6g} s"
         raise CaseError(table.shown, "crank_angle", None, told, "let it run on from turn to turn, and leave no gaps in time")
     if 1.0 / OFF <= ratio <= OFF:
@@ -195,28 +179,39 @@ def _turn_time(pace: float) -> str:
     return f"{2.0 * math.pi / pace:.3g}" if pace > 0.0 else "for ever"
 
 
-def _first_row(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism) -> tuple[bool | None, str]:
-    """Whether a table's first row is that of the standard start, and a list of its departures in words.
+def _from_zero(table: RecordedTable) -> str:
+    """How to let a table's time begin at 0."""
+    return f'add --column "{table.from_zero}"' if table.from_zero else f"subtract {table.columns['time'][0]:.12g} s from its time"
 
-    It is if time and crank angle agree with that start, and most of the columns that distinguish it from another turn: an offset of a
-    gauge, or another origin of one column, is a mistake of that column. None if there is no such column.
-    """
-    if table.declared.get("origin", "simulated") != "simulated":
-        return False, ""
-    standard = {name: value for name, value in standard_row(mechanism).items() if name in columns}
-    time, pace, bending = columns["time"], crank_pace(mechanism), ("tip_deflection", *CHANNELS[1:])
-    sizes = {name: float(np.max(np.abs(columns[name]))) for name in standard} | {"crank_angle": 2.0 * math.pi}
-    if pace > 0.0:
-        sizes["time"] = 2.0 * math.pi / pace
-    allowed = {name: (UNBENT if name in bending else SAME) * sizes[name] + noise_of(time, columns[name]) for name in standard}
-    odd = [name for name, value in standard.items() if abs(float(columns[name][0]) - value) > allowed[name]]
-    told = [f"{name} {float(columns[name][0]):.5g} instead of {round(standard[name], 12):.5g}" for name in odd[:MOST_ODD]]
-    deciding = standard.keys() & ({"crank_speed"} if mechanism.follower.is_rigid else set(bending))
-    if deciding:
-        begun: bool | None = not {"time", "crank_angle"} & set(odd) and 2 * len(deciding.intersection(odd)) < len(deciding)
-    else:
-        begun = False if odd else None
-    return begun, ", ".join(told) + (f" and {len(odd) - MOST_ODD} more" if len(odd) > MOST_ODD else "")
+
+def _rows_before_gap(time: Array, pace: float) -> int:
+    """Number of rows before the first gap of more than `LARGEST_GAP` of a turn; all rows if these are too few to show noise."""
+    rows = int(np.argmax(np.append(np.diff(time) * pace > 2.0 * math.pi * LARGEST_GAP, True))) + 1
+    return rows if rows >= FEWEST_ROWS else len(time)
+
+
+def _check_turns(table: RecordedTable, time: Array, pace: float) -> None:
+    """Raise if a wrapped crank angle may have passed any number of turns between two rows."""
+    if pace * float(np.max(np.diff(time), initial=0.0)) > math.pi:
+        at = int(np.argmax(np.diff(time)))
+        told = f"has no row for {time[at + 1] - time[at]:.3g} s after {time[at]:.6g} s, and the wrapped crank_angle does not tell its turns"
+        raise CaseError(table.shown, "time", None, told, "leave out the rows before, or give an angle that runs on from turn to turn")
+
+
+def _after_gaps(table: RecordedTable, cycles: list[Cycle]) -> tuple[list[Cycle], list[str]]:
+    """The turns after the last one that lacks rows, and a remark on those left out. CaseError: the last turn itself lacks rows."""
+    steps = [np.diff(cycle.time) for cycle in cycles]
+    lacking = [k for k, each in enumerate(steps) if np.min(each) <= 0.0 or np.max(each) > LARGEST_GAP * np.sum(each)]
+    if not lacking:
+        return cycles, []
+    at, after = lacking[-1], len(cycles) - 1 - lacking[-1]
+    most = LARGEST_GAP * float(cycles[-1].time[-1] - cycles[-1].time[0])
+    gap, since = float(np.max(steps[at])), float(cycles[at].time[np.argmax(steps[at])])
+    if not after:
+        accepted = f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
+        raise CaseError(table.shown, "time", None, f"{gap:.3g} s without a row after {since:.6g} s", accepted)
+    turns = f"{len(lacking)} of its turns lack{'s' * (len(lacking) == 1)} rows for more than {most:.3g} s"
+    return cycles[-after:], [f"{turns}: only the {after} turn{'s' * (after > 1)} after {cycles[at].time[-1]:.6g} s are used"]
 
 
 def _cycles(table: RecordedTable, columns: Mapping[str, Array]) -> list[Cycle]:
@@ -287,14 +282,15 @@ def _is_far(settling: Settling, last: Cycle) -> bool:
     return outlook.change > max((FAR, *noise))
 
 
-def _unsettled(settling: Settling, far: bool, odd: str) -> str:
+def _unsettled(table: RecordedTable, settling: Settling, far: bool, odd: str) -> str:
     """A remark on a table that has not settled."""
     if settling.cycles == 1:
         return "it holds one turn, which is taken to repeat"
     outlook = settling.outlook
     change = f"its last turn differs from the one before by {outlook.change:.2g} of the signals' RMS"
     if far:
-        return f"{change}, and it does not begin in the standard start{odd and f' ({odd})'}; record longer, or from there"
+        anew = f"; if its first row is that start, {_from_zero(table)}" if odd.startswith("time ") else ""
+        return f"{change}, and it does not begin in the standard start{odd and f' ({odd})'}; record longer, or from there{anew}"
     return f"{change}: noise, or not quite settled"
 
 

@@ -51,7 +51,7 @@ class TableModel:
         self.values = np.array([table.columns[name] for name in self.names])  # SI, shape (C, N)
         self.sizes = np.array([rms(column) for column in self.values])  # RMS of each column, shape (C,)
         self.engine = ReferenceEngine()
-        self._time = table.columns["time"]
+        self._time = table.columns["time"] - (run.recording.begins if run.recording else 0.0)
         scene = case.mechanism
         even = scene.crank.initial_angle + mean_crank_speed(scene) * self._time
         self._angle = table.columns.get("crank_angle", even)

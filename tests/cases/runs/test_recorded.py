@@ -192,7 +192,7 @@ def test_strains_that_loads_leave_in_a_straight_beam_are_no_other_start(transien
 @pytest.mark.parametrize(
     ("first", "changes", "words"),
     [
-        (0, {"time": lambda t: t["time"] + 3e-3}, ["time 0.003 instead of 0"]),
+        (0, {"time": lambda t: t["time"] + 3e-3, "crank_angle": lambda t: t["crank_angle"] + 0.1}, ["time 0.003 instead of 0"]),
         (100, {}, ["time 0.1 instead of 0", "and 2 more"]),  # four turns, too few to tell their trend
     ],
 )
@@ -203,6 +203,52 @@ def test_another_start_is_told_by_what_departs(
     assert run.status == Ending.NOT_SETTLED
     for word in words:
         assert word in run.remark
+
+
+@pytest.mark.parametrize("first", [12.5, -0.25])
+def test_the_time_of_the_start_may_be_any(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, first: float) -> None:
+    run = recorded(transient, time=transient["time"] + first)
+    assert (run.status, run.approach.turn) == (Ending.TRANSIENT, 5)
+    assert f"its time is counted from the first row, at {first:g} s" in run.remark
+    assert held(run, in_turn_5).passed is True
+    assert column_differences(run, in_turn_5)["strain_2"] < 1e-3
+
+
+def test_where_the_phase_is_open_the_option_that_tells_it_is_named(transient: pd.DataFrame, recorded: Recorded, tmp_path: Path) -> None:
+    angleless = transient[["time", "tip_deflection", "strain_2"]]
+    run = recorded(angleless, time=transient["time"] + 12.5)
+    option = "time = time [s] + 12.5"
+    assert f'in the first row, at 12.5 s, add --column "{option}"' in run.remark
+    table = read_table(str(tmp_path / "tool.csv"), option)
+    assert recorded_run(table, CASE).approach.turn == recorded(angleless).approach.turn == 5
+
+
+@pytest.mark.parametrize("missing", [(0.30, 0.33), (0.30, 1.40)])  # also longer than two turns
+def test_turns_that_lack_rows_are_not_used_and_it_is_told(
+    transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, missing: tuple[float, float]
+) -> None:
+    low, high = missing
+    run = recorded(transient[(transient["time"] < low) | (transient["time"] > high)])
+    assert run.approach.turn == 5
+    assert f"a gap: {high - low + 0.002:.3g} s without a row after {low - 0.001:g} s" in run.remark
+    assert "rows for more than" in run.remark
+    assert held(run, in_turn_5).passed is True
+    assert column_differences(run, in_turn_5)["strain_2"] < 1e-3
+
+
+def test_a_steady_state_is_judged_by_the_turns_after_a_gap(settled: pd.DataFrame, recorded: Recorded) -> None:
+    later = settled[settled["time"] > 7.0]
+    whole, run = recorded(later), recorded(later[(later["time"] < 9.0) | (later["time"] > 9.01)])
+    assert run.status == whole.status == Ending.SETTLED
+    assert run.approach.cycles < whole.approach.cycles - 4
+    assert "1 of its turns lacks rows" in run.remark
+    assert "are used" in run.remark
+
+
+def test_a_wrapped_angle_does_not_tell_the_turns_in_a_gap(transient: pd.DataFrame, recorded: Recorded) -> None:
+    some = transient[(transient["time"] < 0.30) | (transient["time"] > 1.20)]
+    with pytest.raises(CaseError, match=r"no row for 0\.902 s after 0\.299 s, and the wrapped crank_angle does not tell its turns"):
+        recorded(some, crank_angle=some["crank_angle"] % (2.0 * np.pi))
 
 
 def test_a_table_on_its_way_from_elsewhere_is_not_judged(transient: pd.DataFrame, steady: Run, recorded: Recorded) -> None:

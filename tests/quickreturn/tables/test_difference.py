@@ -90,3 +90,14 @@ def test_files_frames_and_solutions_alike(tmp_path: Path) -> None:
     assert found["tip_y"] == 0.0
     same = qr.difference(tmp_path / "table.csv", pd.DataFrame({"time [ms]": 1e3 * frame["time"], "tip_x [mm]": 1e3 * frame["tip_x"]}))
     assert dict(same) == {"tip_x": pytest.approx(0.0, abs=1e-12)}
+
+
+@pytest.mark.parametrize("name", ["time", "time [ms]", None])
+def test_the_index_of_a_frame_may_be_its_time(name: str | None) -> None:
+    time = np.linspace(0.0, 1.0, 11)
+    plain = pd.DataFrame({"time": time, "tip_x": time**2})
+    index = pd.Index(1e3 * time if name == "time [ms]" else time, name=name) if name else pd.to_timedelta(time, unit="s")
+    indexed = pd.DataFrame({"tip_x": 2.0 * time**2}, index=index)
+    assert qr.difference(indexed, plain)["tip_x"] == pytest.approx(1.0, rel=1e-12)
+    with pytest.raises(qr.CaseError, match="no column time"):
+        qr.difference(indexed.rename_axis("frames").reset_index(drop=True), plain)
