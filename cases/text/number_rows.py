@@ -23,11 +23,15 @@ _OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
 }
 #: Characters in the units of headings, as printed -> as `in_si` reads them.
 _PRINTED: Final[Mapping[str, str]] = {"°": "deg", "²": "^2", "³": "^3", "·": "*", "⋅": "*"}
-#: German for degrees, and English for 1/400 of a turn; to pint the first is a thousand million radians.
-_TWO_MEANINGS: Final = ("Grad", "grad")
+#: Units that are hardly meant as pint reads them -> what to write: a thousand million radians, 1/400 of a turn, a thousand kilometres.
+_TWO_MEANINGS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("Grad", "grad"), 'write "deg" for 1/360 of a turn, "gon" for 1/400'),
+    "Mm": 'write "mm" for millimetres',
+}
 #: Pattern in a text that is not a number -> advice; the first that fits is given.
 _HINTS: Final = {
     r"\d{4}-\d\d?-\d\d?|\d\d?[./]\d\d?[./]\d{2,4}": "it is a date: write seconds from the first row",
+    r"^\d+:\d\d": "of a clock: write hours, minutes and seconds, or seconds",
     r"\d;": "semicolons separate it: use commas, and decimal points",
     r"\d,\d{3}(,\d{3})*\.": "leave out the separators of thousands",
     r"\d,|,\d": "the decimal sign is a point",
@@ -58,7 +62,7 @@ def unit_factor(source: str, place: str, si_unit: str, unit: str) -> float:
     """The SI value of a unit in a heading, for a column whose SI unit is `si_unit`. CaseError: no such unit, or one that means two."""
     others, unit = _OTHER_UNITS.get(si_unit, {}), _as_here(unit)
     if unit in _TWO_MEANINGS:
-        raise CaseError(source, place, as_written(unit), "can be read in two ways", 'write "deg" for 1/360 of a turn, "gon" for 1/400')
+        raise CaseError(source, place, as_written(unit), "can be read in two ways", _TWO_MEANINGS[unit])
     if unit in others:
         return in_si(others[unit])
     try:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from quickreturn.cases.errors import CaseError, as_written
-from quickreturn.cases.text.cells import is_number, is_row, separator_of, split
+from quickreturn.cases.text.cells import are_units, is_number, is_row, separator_of, split
 from quickreturn.cases.units import plain_number
 from quickreturn.reference_model.columns import COLUMNS
 
@@ -56,6 +56,8 @@ def preamble(source: str, lines: list[str]) -> Preamble:
     above, at = range(at, heading := _heading(lines, at)), heading
     comments += [(number, lines[number]) for number in above if _is_comment(lines[number])]
     titles = sum(1 for number in above if lines[number].strip() and not _is_comment(lines[number]))
+    for number in above:
+        _check_title(source, lines, number, at)
     told = (f"{titles} line{'s' * (titles > 1)} above the headings left out",) if titles else ()
     return Preamble(lines, at, tuple(comments), separator, told=told)
 
@@ -88,6 +90,15 @@ def _fits(line: str, row: str) -> bool:
     separator = separator_of(line, row)
     cells, numbers = (split(each.strip().rstrip(separator.strip() or None), separator) for each in (line, row))
     return len(cells) == len(numbers) > 1 and not is_number(cells[0])
+
+
+def _check_title(source: str, lines: Sequence[str], number: int, heading: int) -> None:
+    """Raise if a line above the headings may hold their units, which would be lost."""
+    separator = separator_of(lines[heading], "")
+    cells, headings = split(lines[number], separator), split(lines[heading], separator)
+    if not _is_comment(lines[number]) and are_units(cells, len(headings)):
+        accepted = "put units into a line below the headings, or delete the line"
+        raise CaseError(source, f"line {number + 1}", as_written(lines[number]), "stands above the headings, and may hold units", accepted)
 
 
 def _names(cell: str) -> bool:
