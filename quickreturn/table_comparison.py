@@ -131,7 +131,8 @@ class TableComparison(Displayed):
         return [other for other in self.result.runs.values() if self.run.usable and other.usable]
 
     def _parts(self) -> list[Cell]:
-        return parts_of_tables(self.result, [self])
+        told = self.run.recording.told if self.run.recording else ""
+        return [*([f"{self.name}: {told}"] if told else []), *parts_of_tables(self.result, [self])]
 
 
 def compare(

@@ -105,7 +105,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     turn = _turn_number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
     gap = float(np.max(np.diff(last["time"])))
     largest = float(np.max(np.abs(columns["constraint_gap"]))) if "constraint_gap" in columns else None
-    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, largest, late)
+    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, largest, late, table.told)
     counted = columns["time"] >= cycles[0].time[0] if missing else slice(None)
     angle_noise = scatter(columns["time"][counted], columns["crank_angle"][counted])
     errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
@@ -289,7 +289,9 @@ def _unsettled(table: RecordedTable, settling: Settling, far: bool, odd: str) ->
     outlook = settling.outlook
     change = f"its last turn differs from the one before by {outlook.change:.2g} of the signals' RMS"
     if far:
-        anew = f"; if its first row is that start, {_from_zero(table)}" if odd.startswith("time ") else ""
+        anew = (
+            f"; if its first row is that start, {_from_zero(table)}" if odd.startswith("time ") and "crank_angle" in table.columns else ""
+        )
         return f"{change}, and it does not begin in the standard start{odd and f' ({odd})'}; record longer, or from there{anew}"
     return f"{change}: noise, or not quite settled"
 

@@ -126,6 +126,7 @@ class Recording:
     of_experiment: bool  # whether it lies in the folder of the experiment's recordings
     gap: float | None = None  # largest distance of the slider from the centre line in its rows, m
     begins: float = 0.0  # time of its first row that counts as 0, s
+    told: str = ""  # how its file was read
 
     @property
     def filtered(self) -> bool:

@@ -170,6 +170,12 @@ def test_in_python_a_table_is_told_the_same(call: Call, trajectory: pd.DataFrame
     assert (some.passed, "of them say nothing" in some.verdict) == (True, True)
 
 
+def test_in_python_it_is_told_how_a_file_was_read(trajectory: pd.DataFrame, tmp_path: Path) -> None:
+    trajectory[["time", "crank_angle", "strain_2"]].to_csv(tmp_path / "tool.csv", sep=";", decimal=",", index=False)
+    found = qr.compare("thesis-24", tmp_path / "tool.csv", "reference", quiet=True)
+    assert repr(found).splitlines()[0] == f"tool.csv: read as: semicolons, decimal comma, {len(trajectory):,} rows"
+
+
 def test_a_table_that_knows_its_case_is_refused_on_another(trajectory: pd.DataFrame) -> None:
     trajectory.attrs["case"] = "thesis-24"
     with pytest.raises(qr.CaseError, match='"thesis-24" is not "thesis-23"'):
