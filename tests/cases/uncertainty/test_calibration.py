@@ -18,7 +18,9 @@ from quickreturn.cases.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR
 from quickreturn.cases.uncertainty.covariance import covariance, reach, smooth_part, undetermined
 from quickreturn.cases.uncertainty.fit import FittedParameter
 from quickreturn.cases.uncertainty.parameters import Parameter, changes
+from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.engines.one_run import run_once
+from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
@@ -55,6 +57,16 @@ def noisy(columns: dict[str, Array], generator: np.random.Generator, memory: flo
             noise[row] = memory * noise[row - 1] + np.sqrt(1.0 - memory**2) * noise[row]
         found[name] = columns[name] + NOISE * np.sqrt(np.mean(columns[name] ** 2)) * noise
     return table_of(found, "table", CASE.name)
+
+
+@pytest.mark.parametrize("first", [0.0, 12.5])
+def test_the_model_of_a_table_begins_where_the_table_does(first: float) -> None:
+    columns = {name: computed("reference")[name] for name in ("time", "crank_angle", *COLUMNS)}
+    model = TableModel(CASE, table_of({**columns, "time": columns["time"] + first}, "table", CASE.name))
+    chosen = engine("reference").settings_for(1e-3, CASE.mechanism)
+    assert isinstance(chosen, ReferenceSettings)
+    simulated = model.simulated(CASE.mechanism, chosen, model.rows)
+    assert rms(simulated - model.values) < 1e-9 * rms(model.values)  # the same simulation: rounding of the instants, 1e-15 s, is left
 
 
 @pytest.mark.verify
