@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import partial, reduce
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -17,6 +17,10 @@ from quickreturn.derive.units import DescriptionError
 Array = NDArray[np.float64]
 #: A quantity along the beam: arc lengths (m, a column) to values, a column.
 Field = Callable[[ca.SX], ca.SX]
+
+
+#: Support of an end -> number of derivatives that vanish there, counted from the deflection itself.
+_HELD: Final = {"free": 0, "pinned": 1, "clamped": 2}
 
 
 class _Line(NamedTuple):
@@ -77,25 +81,41 @@ class Beam:
     ) -> None:
         if (tangent is None) == (deflection is None):
             raise DescriptionError(f"beam {name!r} needs one of tangent and deflection")
+        for field, what in ((tangent or deflection, "tangent" if tangent else "deflection"), (stretch or tangent or deflection, "stretch")):
+            if not callable(field):
+                raise DescriptionError(
+                    f"the {what} of beam {name!r} is no function; write one of the arc length, such as lambda x: w * (x / L)**2"
+                )
+        if tangent and (stretch or not foreshortening):
+            raise DescriptionError(f"beam {name!r} with tangent= keeps its length exactly; stretch= and foreshortening= need deflection=")
+        if not stretch and not ca.SX(axial_stiffness).is_zero():
+            raise DescriptionError(f"beam {name!r} has an axial stiffness but does not stretch; give stretch=, or leave the stiffness out")
+        if len(edges) < 2 or not (isinstance(points, int) and points > 0):
+            raise DescriptionError(
+                f"beam {name!r} needs two or more edges, from 0 to its end, and one or more points, not {edges}, {points}"
+            )
         self._tangent, self._deflection, self._stretch, self._shortens = tangent, deflection, stretch, foreshortening
         self.origin, self.angle, self._points = origin, ca.SX(angle), points
-        self._full_line = line = self._line(edges)
-        inner = [k for k in range(line.s.numel()) if (k + 1) % (points + 1)]
-        dx = column(*(h * ca.SX(0.5 * legendre.leggauss(points)[1]) for h in line.lengths))
+        self._full_line = line = self._line(edges, points)
+        inner, dx = _inner(line, points)
         self.x, self.y, self.shares, self.lengths = x, y, _, _ = line.x[inner], line.y[inner], dx, line.lengths
         system.mass_points(name, mass_per_length * dx, x, y, origin, angle)
-        curvature = _derivative(tangent or (lambda s: _derivative(deflection, s)), line.s)
+        curvature = self._curvature(line.s)
         strain = _derivative(stretch, line.s) if stretch else ca.SX(line.s.numel(), 1)
         system.energy(name, 0.5 * ca.dot(dx, (bending_stiffness * curvature**2 + axial_stiffness * strain**2)[inner]))
+        more = ca.SX.sym("s", line.s.numel() + 1)
+        field = tangent or deflection
+        if field and field(more).numel() == more.numel():  # others are tables of values at the points
+            system.integrals.append((name, self._squares(edges, points), self._squares(edges, 2 * points)))
         system.damper(name, column(x, y), column(damping * dx, damping * dx))
 
     def place(self, s: Any) -> ca.SX:
         """Place of the line at an arc length (m). If the arc length moves, the rate of the place is that of a travelling load."""
-        return self._end(self._line([0, s]), -1)
+        return self._end(self._line([0, s], self._points), -1)
 
     def slope(self, s: Any) -> ca.SX:
         """The tangent's angle from n1 at a fixed or moving arc length (m)."""
-        return self.angle + self._line([0, s]).psi[-1]
+        return self.angle + self._line([0, s], self._points).psi[-1]
 
     def end(self, cell: int = -1) -> ca.SX:
         """Place of a cell's end, by default the last cell's."""
@@ -124,28 +144,43 @@ class Beam:
     def _end(self, line: _Line, cell: int) -> ca.SX:
         return self.origin + turned(self.angle, *(each[self._points :: self._points + 1][cell] for each in (line.x, line.y)))
 
-    def _line(self, edges: Sequence[Any]) -> _Line:
-        u = ca.SX(np.append(0.5 * (legendre.leggauss(self._points)[0] + 1.0), 1.0))
+    def _curvature(self, s: ca.SX) -> ca.SX:
+        return _derivative(self._tangent or (lambda x: _derivative(self._deflection, x)), s)
+
+    def _squares(self, edges: Sequence[Any], points: int) -> ca.SX:
+        """Integrals of the squared deflection and curvature along the beam, by a number of points in each cell."""
+        line = self._line(edges, points)
+        inner, dx = _inner(line, points)
+        return column(*(ca.dot(dx, each[inner] ** 2) for each in (line.y, self._curvature(line.s))))
+
+    def _line(self, edges: Sequence[Any], points: int) -> _Line:
+        u = ca.SX(np.append(0.5 * (legendre.leggauss(points)[0] + 1.0), 1.0))
         lengths = [ca.SX(b) - a for a, b in pairwise(edges)]
         s = column(*(a + h * u for a, h in zip(edges[:-1], lengths, strict=True)))
         if self._tangent:
             psi = self._tangent(s)
-            return _Line(s, psi, self._integral(ca.cos(psi), lengths), self._integral(ca.sin(psi), lengths), lengths)
+            return _Line(s, psi, self._integral(ca.cos(psi), lengths, points), self._integral(ca.sin(psi), lengths, points), lengths)
         deflection = self._deflection or (lambda s: 0.0 * s)
         slope = _derivative(deflection, s)
         x = s + (self._stretch(s) if self._stretch else 0.0)
-        x -= self._integral(0.5 * slope**2, lengths) if self._shortens else 0.0
+        x -= self._integral(0.5 * slope**2, lengths, points) if self._shortens else 0.0
         return _Line(s, slope, x, deflection(s), lengths)
 
-    def _integral(self, f: ca.SX, lengths: list[ca.SX]) -> ca.SX:
+    def _integral(self, f: ca.SX, lengths: list[ca.SX], n: int) -> ca.SX:
         """Integral from the beginning to every point and end, of the polynomial through the points of each cell."""
-        n, (gauss, weights) = self._points, legendre.leggauss(self._points)
+        gauss, weights = legendre.leggauss(n)
         series = (np.arange(n)[:, None] + 0.5) * (legendre.legvander(gauss, n - 1) * weights[:, None]).T
         to_points = ca.SX(0.5 * legendre.legval(np.append(gauss, 1.0), legendre.legint(series, lbnd=-1)).T)
         parts = [ca.SX(0)]
         for k, h in enumerate(lengths):
             parts.append(parts[-1][-1] + h * (to_points @ f[k * (n + 1) : k * (n + 1) + n]))
         return column(*parts[1:])
+
+
+def _inner(line: _Line, points: int) -> tuple[list[int], ca.SX]:
+    """Indices of the Gauss points of a line, and the length that each represents."""
+    inner = [k for k in range(line.s.numel()) if (k + 1) % (points + 1)]
+    return inner, column(*(h * ca.SX(0.5 * legendre.leggauss(points)[1]) for h in line.lengths))
 
 
 def _derivative(field: Any, s: ca.SX) -> ca.SX:
@@ -161,7 +196,11 @@ def natural_shapes(supports: str, count: int) -> list[Field]:
         supports: supports of the beginning and the end, each free, pinned or clamped, such as "clamped-free".
         count: number of modes; motions of the rigid beam come first and count.
     """
-    begin, end = ({"free": 0, "pinned": 1, "clamped": 2}[each] for each in supports.split("-"))
+    ends = [_HELD.get(each, -1) for each in supports.split("-")]
+    if len(ends) != 2 or min(ends) < 0 or count < 1:
+        accepted = "one or more, between two ends that are free, pinned or clamped, such as 'clamped-free'"
+        raise DescriptionError(f"{count} shapes between {supports!r} cannot be; give {accepted}")
+    begin, end = ends
     held = Polynomial([0.0, 1.0]) ** begin * Polynomial([1.0, -1.0]) ** end
     basis = [held * legendre.Legendre.basis(k, domain=[0.0, 1.0]).convert(kind=Polynomial) for k in range(count + 8)]
     gauss, weights = legendre.leggauss(count + 12)

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.derive.checks import check_units
+from quickreturn.derive.checks import check_points, check_units
 from quickreturn.derive.equations import Equations, Form
 from quickreturn.derive.machine_code import MachineCode
 from quickreturn.derive.system import System, column
@@ -34,6 +34,7 @@ class CompiledEquations:
 
     def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
         check_units(system)
+        check_points(system)
         self.system, self.equations = system, Equations(system, form, feedback)
         e, n = self.equations, len(system.coordinates)
         self.parameters = {name: value / in_si(unit)[0] for name, (_, value, unit) in system.parameters.items()}

@@ -14,6 +14,7 @@ is that of the gap, G, unless a force acts elsewhere than the motion that it mak
 from typing import Any, Literal, get_args
 
 import casadi as ca
+import numpy as np
 
 from quickreturn.derive.system import COMMON_COLUMNS, Points, System, column, turned
 from quickreturn.derive.units import DescriptionError, per
@@ -47,6 +48,8 @@ class Equations:
         if form not in get_args(Form) or not system.coordinates:
             wrong = f"the form {form!r} is not known; take one of {', '.join(get_args(Form))}"
             raise DescriptionError(wrong if system.coordinates else f"{system.name!r} has no coordinate")
+        if not 0.0 <= feedback < np.inf:
+            raise DescriptionError(f"a feedback of {feedback:g} 1/s opens the loops of {system.name!r}; give 0 or more")
         each, loops, self.feedback = system.coordinates, system.loops, feedback
         self.q, self.v, self.a = (column(*(getattr(c, kind) for c in each)) for kind in "qva")
         self._z, self._w = column(self.q, system.time), column(self.v, 1)

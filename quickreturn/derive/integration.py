@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import integrate
 
-from quickreturn.derive.singular import Passage, Watch
+from quickreturn.derive.collocation import Passage
+from quickreturn.derive.singular import Watch
 from quickreturn.derive.units import DescriptionError
 
 Array = NDArray[np.float64]
@@ -31,6 +32,7 @@ def integrated(
     longest: float,
     name: str,
     ends: str = "",
+    departure: Passage | None = None,
 ) -> tuple[Array, list[Passage]]:
     """The states at given times, shape (times, len(y)), and the passages.
 
@@ -45,6 +47,7 @@ def integrated(
         longest: s, longest step.
         name: of the system, for messages.
         ends: what else may have ended the motion, for messages.
+        departure: the step with which the motion begins, away from a singular position.
 
     Raises:
         DescriptionError: an unknown method or tolerance, or the integration finds no step; the sentence says when.
@@ -58,8 +61,13 @@ def integrated(
         accuracy: Any = {"rtol": tolerance, "atol": tolerance * sizes, "max_step": longest}
         return METHODS[method](rates, time, state, times[-1], first_step=first_step, **accuracy)
 
-    states, row, passages = np.tile(y, (len(times), 1)), 1, list[Passage]()
-    solver = begun(0.0, y)
+    states, row, passages, time = np.tile(y, (len(times), 1)), 1, list[Passage](), 0.0
+    if departure:
+        passages, row = [departure], _filled(states, times, 1, departure.times[-1], departure.at)
+        time, y = departure.times[-1], departure.states[-1]
+    if row == len(times):
+        return states, passages
+    solver = begun(time, y)
     while solver.status == "running" and row < len(times):
         before = solver.y
         with np.errstate(

@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from numbers import Real
 from typing import Final
 
 import casadi as ca
@@ -11,10 +12,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from quickreturn.derive.checks import check_condition, check_inertia
+from quickreturn.derive.collocation import Passage
 from quickreturn.derive.compiled import Array, CompiledEquations, Values
 from quickreturn.derive.integration import Rates, integrated
 from quickreturn.derive.machine_code import refuse_nan
-from quickreturn.derive.singular import Passage, Watch
+from quickreturn.derive.singular import Watch
 from quickreturn.derive.units import DescriptionError, in_si
 
 #: Largest gap of a closed loop after Newton's method, relative to the size of the loop's terms.
@@ -46,9 +48,11 @@ def grid(duration: float, step: float) -> Array:
     """Times from 0 to a duration (s) by the step nearest to the given one that divides it.
 
     Raises:
-        DescriptionError: the step is not positive, or the duration is negative.
+        DescriptionError: no numbers, a step that is not positive or longer than the duration, or a negative duration.
     """
-    if not (step > 0.0 and 0.0 <= duration < np.inf):
+    if not (isinstance(duration, Real) and isinstance(step, Real)):
+        raise DescriptionError(f"the duration {duration!r} and the step {step!r} must be numbers, in s")
+    if not (step > 0.0 and 0.0 <= duration < np.inf and (step <= duration or duration == 0.0)):
         raise DescriptionError(f"a duration of {duration:g} s cannot have rows {step:g} s apart")
     return np.linspace(0.0, duration, round(duration / step) + 1)
 
@@ -66,7 +70,13 @@ class Model(CompiledEquations):
     """
 
     def start(self, values: Values, parameters: Values | None = None) -> Array:
-        """The state at time 0 for given coordinates and rates, by name in their units. The others are zero or follow from the loops.
+        """The state at time 0 for given coordinates and rates; see `placed`."""
+        return self.state(*self.placed(values, parameters)[:2])
+
+    def placed(self, values: Values, parameters: Values | None = None) -> tuple[Array, Array, list[int], list[int]]:
+        """Coordinates and rates at time 0, SI, for those given by name in their units, and the indices of those that the loops gave.
+
+        Coordinates and rates that are not given are zero, or follow from the loops.
 
         Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values. A warning says when the loops
         could also close nearer to the guess, or an angle is more than 90 degrees from it.
@@ -81,7 +91,7 @@ class Model(CompiledEquations):
         given = [k for loop in self.system.loops for k in loop.gives]
         seek, turn = ([k for k in given if coordinates[k][which] not in values] for which in (0, 1))
         p = self.values(parameters)
-        return self.closed(self._assembled(q, p, seek) if seek else q, v, p, seek, turn)
+        return (*self._on_loops(self._assembled(q, p, seek) if seek else q, v, p, seek, turn), seek, turn)
 
     def _assembled(self, guess: Array, p: Array, seek: list[int]) -> Array:
         """Coordinates that close the loops; warns of an angle far from its guess, and if others are nearer to the guess."""
@@ -127,6 +137,10 @@ class Model(CompiledEquations):
         Raises:
             DescriptionError: a loop does not close.
         """
+        return self.state(*self._on_loops(q, v, p, seek, turn))
+
+    def _on_loops(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> tuple[Array, Array]:
+        """All coordinates and rates for `closed`."""
         v = v.copy()
         q, gap, G = self._nearest(q, p, seek)
         of_rows = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
@@ -140,8 +154,10 @@ class Model(CompiledEquations):
         rates = np.append(v, 1.0)
         fastest = np.max(np.abs(G) @ np.abs(rates), initial=0.0)
         problem = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
+        if turn and len(turn) == len([k for loop in self.system.loops for k in loop.gives]):
+            problem = "cannot move as the given rates say: {left:.3g} {unit} a second remain; in a singular position, give all coordinates"
         self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), problem)
-        return self.state(q, v)
+        return q, v
 
     def _nearest(self, q: Array, p: Array, seek: Sequence[int]) -> tuple[Array, Array, Array]:
         """Coordinates that close the loops, by Newton's method from q, and the gap and its Jacobian there."""
@@ -194,10 +210,17 @@ class Model(CompiledEquations):
             DescriptionError: the start is impossible, the integration gets stuck, the motion ends in a singular position, or the energy
                 balance changes; the sentence says when.
         """
-        times, y, p = grid(duration, step), self.start(start, parameters), self.values(parameters)
+        times, p, (q, v, seek, turn) = grid(duration, step), self.values(parameters), self.placed(start, parameters)
+        y = self.state(q, v)
         self.check_drives([0.0], y[None], p)
-        self.check(y, p, tolerance)
-        states, passages = self.integrate(lambda t, y: self.rates(t, y, p), y, times, p, tolerance, self.error_sizes(), method)
+        _, G, M = self.loops(q, p)
+        check_inertia(self.system, M, G[:, :-1])
+        watch = self._watch(p, tolerance)
+        departure = watch.departure(y, v, seek, turn)
+        self.check(*((departure.states[-1], p, tolerance, departure.times[-1]) if departure else (y, p, tolerance)))
+        states, passages = self._integrated(
+            lambda t, y: self.rates(t, y, p), y, times, watch, tolerance, self.error_sizes(), method, departure
+        )
         self.check_drives(times, states, p)
         frame = self.observe(times, states, p, passages)
         self.check_motion(frame, y, p, tolerance)
@@ -210,15 +233,32 @@ class Model(CompiledEquations):
 
         The first entries of y are the state of the system. `passes`: whether to pass singular positions. See `simulate`.
         """
-        e, tables = self.equations, self.system.tables
-        # a passage knows accelerations that forces leave only where these act on the loops themselves
-        watch = Watch(self, p, tolerance, passes and not (e.elsewhere and e.gap.numel() < e.q.numel()))
+        watch = self._watch(p, tolerance, passes)
         watch.begin(y)
+        return self._integrated(rates, y, times, watch, tolerance, sizes, method)
+
+    def _watch(self, p: Array, tolerance: float, passes: bool = True) -> Watch:
+        """A watch of the loops. A passage knows accelerations that forces leave only where these act on the loops themselves."""
+        e = self.equations
+        return Watch(self, p, tolerance, passes and not (e.elsewhere and e.gap.numel() < e.q.numel()))
+
+    def _integrated(
+        self,
+        rates: Rates,
+        y: Array,
+        times: Array,
+        watch: Watch,
+        tolerance: float,
+        sizes: Array,
+        method: str,
+        departure: Passage | None = None,
+    ) -> tuple[Array, list[Passage]]:
+        e, tables = self.equations, self.system.tables
         ends = ", ".join(self.system.coordinates[table.index].name for table in tables)
         cause = f" ({ends} may have left its table)" if ends else ""
         feedback = e.feedback if e.gap.numel() and method == "DOP853" else 0.0
         longest = LONGEST / feedback if feedback else np.inf
-        return integrated(rates, y, times, tolerance, sizes, method, watch, longest, self.system.name, cause)
+        return integrated(rates, y, times, tolerance, sizes, method, watch, longest, self.system.name, cause, departure)
 
     def check_motion(self, frame: pd.DataFrame, y: Array, p: Array, tolerance: float) -> None:
         """Raise DescriptionError if the energy balance changes by more than errors of integration explain."""
@@ -253,15 +293,14 @@ class Model(CompiledEquations):
                 )
             last = value, distance
 
-    def check(self, y: Array, p: Array, tolerance: float = 1e-9) -> None:
-        """Check that a start determines the motion.
+    def check(self, y: Array, p: Array, tolerance: float = 1e-9, time: float = 0.0) -> None:
+        """Check that a state in which the integration begins determines the motion.
 
         Raises:
             DescriptionError: accelerations are undetermined or lost in rounding, an output is not finite, or code and interpreter differ.
         """
-        _, G, M = self.loops(y[: len(self.system.coordinates)], p)
-        G, free = G[:, :-1], self.equations.free
-        check_inertia(self.system, M, G)
+        q = y[: len(self.system.coordinates)]
+        G, M, free = self.jacobian(time, q, p)[:, :-1], self.loops(q, p)[2], self.equations.free
         Watch(self, p, tolerance).begin(y)
         if len(free) < len(M):  # the matrices that the two forms solve
             given = [k for k in range(len(M)) if k not in free]
@@ -271,7 +310,7 @@ class Model(CompiledEquations):
         else:
             solved = M + np.trace(M) / max(float(np.sum(G**2)), 1e-300) * G.T @ G
         check_condition(self.system, solved, free, tolerance)
-        x = self.input(0.0, y, p)
+        x = self.input(time, y, p)
         self._rates.check(x)
         refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
 
@@ -282,7 +321,7 @@ class Model(CompiledEquations):
         """
         rows, e = self._shown(times, states, p), self.equations
         for passage in passages:
-            inside = (times > passage.times[0]) & (times < passage.times[-1])
+            inside = (times > passage.since) & (times < passage.times[-1])
             if np.any(inside):
                 smooth = [k for k, (value, _) in enumerate(e.stated.values()) if not ca.depends_on(value, e.forces)]
                 rows[np.ix_(inside, smooth)] = passage.between(self._shown(passage.times, passage.states, p)[:, smooth], times[inside])
@@ -290,7 +329,7 @@ class Model(CompiledEquations):
                 rows[np.ix_(inside & lost, [k for k in range(rows.shape[1]) if k not in smooth])] = np.nan
         frame = pd.DataFrame(np.column_stack([times, rows]), columns=list(self.units)) / [in_si(unit)[0] for unit in self.units.values()]
         frame.attrs["units"] = self.units
-        frame.attrs["singular_positions"] = [passage.singular for passage in passages]
+        frame.attrs["singular_positions"] = [passage.singular for passage in passages if passage.singular >= 0.0]
         return frame
 
     def _shown(self, times: Array, states: Array, p: Array) -> Array:

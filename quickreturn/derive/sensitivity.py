@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from quickreturn.derive.compiled import Values
 from quickreturn.derive.machine_code import MachineCode
-from quickreturn.derive.model import Model, grid
+from quickreturn.derive.model import OPENS, Model, grid
 from quickreturn.derive.system import column
 from quickreturn.derive.units import DescriptionError, in_si, per
 
@@ -52,7 +52,13 @@ def sensitivities(
     if given := [k for loop in system.loops for k in loop.gives if system.coordinates[k].name not in start]:
         loops = ca.Function("loops", [model.inputs], [e.G[:, given], ca.jacobian(e.gap, model.constants)[:, chosen]])
         by_q, by_p = (np.array(each) for each in loops(model.input(0.0, y, p)))
-        begin[given] = -np.linalg.solve(by_q, by_p)
+        begin[given] = np.linalg.lstsq(by_q, -by_p, rcond=None)[0]
+        if np.max(np.abs(by_q @ begin[given] + by_p)) > OPENS * np.max(np.abs(by_p)):
+            named = [coordinate.name for loop in system.loops for k in loop.gives if (coordinate := system.coordinates[k]).name in start]
+            raise DescriptionError(
+                f"with other parameters the loops of {system.name!r} do not close at the start, because {', '.join(named)} stays as given;"
+                " leave it out, for the loops to give it"
+            )
 
     def rate(time: float, Y: NDArray[np.float64]) -> NDArray[np.float64]:
         return code(np.concatenate([[time], Y[:size], p, Y[size:]]))

@@ -6,14 +6,14 @@ of Gauss collocation from one side to the other. Its nodes lie beside the singul
 is solved where it has no solution, and a motion that turns off, or ends there, is told from one that passes.
 """
 
-from collections.abc import Callable
-from typing import Final, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, Final, NoReturn
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
+from quickreturn.derive.collocation import Collocation, Passage
 from quickreturn.derive.compiled import CompiledEquations
 from quickreturn.derive.units import DescriptionError, in_si
 
@@ -25,38 +25,14 @@ NEAR: Final = 0.05
 NEARER: Final = 0.3
 #: Smallest singular value at which the motion ends. The relative rounding of an acceleration is 1e-16 over its square.
 SINGULAR: Final = 1e-6
+#: Smallest singular value of a start below which the motion begins with a step away from it.
+BESIDE: Final = 1e-3
+#: Part of its size by which the fastest coordinate moves in the shortest step away from a start.
+FIRST: Final = 1e-4
+#: Part of a step away from a start within which a singular position counts as the start itself, for its time.
+ROUNDED: Final = 1e-6
 #: Number of coordinates that tell the place, at most.
 NAMED: Final = 6
-#: Nodes of a passage, an even number: none is in the middle. Its error is of the order of twice as many.
-NODES: Final = 8
-#: Farthest a node is moved to close the loops, over the tolerance of the integration, in a passage that counts as smooth.
-MOVED: Final = 10.0
-#: Rounding of places in a passage, over their sizes: some 1e-15 divided by the square of the smallest singular value at a node, 0.003.
-CLEAN: Final = 1e-10
-
-_X: Final = legendre.leggauss(NODES)[0]
-#: Values at the nodes to coefficients of their polynomial.
-_SERIES: Final = np.linalg.inv(legendre.legvander(_X, NODES - 1))
-
-
-class Passage(NamedTuple):
-    """A step across a singular position.
-
-    Attributes:
-        times: s, of its beginning, its nodes and its end, shape (NODES + 2,).
-        states: the states there, shape (NODES + 2, size of a state).
-        at: the state at any time between.
-        singular: time of the singular position, s.
-    """
-
-    times: Array
-    states: Array
-    at: Callable[[float], Array]
-    singular: float
-
-    def between(self, values: Array, times: Array) -> Array:
-        """Values at the passage's times, shape (NODES + 2, columns), interpolated to others."""
-        return np.asarray(BarycentricInterpolator(self.times, values)(times))
 
 
 class Watch:
@@ -73,7 +49,7 @@ class Watch:
     """
 
     def __init__(self, model: CompiledEquations, p: Array, tolerance: float, passes: bool = True) -> None:
-        self._model, self._p, self._tolerance, self._passes = model, p, tolerance, passes
+        self._model, self._p, self._passes, self._steps = model, p, passes, Collocation(model, p, tolerance)
         loops, e = model.system.loops, model.equations
         self._rows = np.repeat(np.arange(len(loops)), [loop.gap.numel() for loop in loops])
         n = e.q.numel()
@@ -88,14 +64,89 @@ class Watch:
 
     def begin(self, y: Array) -> None:
         """Refuse a singular start."""
+        if self._begins_at(y) <= SINGULAR:
+            self._refuse_start("the position is singular, or one loop repeats another; start beside it, or leave out the loop that repeats")
+
+    def departure(self, y: Array, v: Array, seek: Sequence[int], turn: Sequence[int]) -> Passage | None:
+        """A step away from a start in a singular position or close beside it; None if no such step is needed.
+
+        Which way the motion goes on is seen at the nodes, not at the start: rates that no motion has cannot keep the loops closed there.
+
+        Args:
+            y: the state at time 0.
+            v: all rates there.
+            seek: coordinates that were not given, but found from the loops.
+            turn: rates that were not given.
+
+        Raises:
+            DescriptionError: the position is singular, and no motion begins with these rates, or they are not all given.
+        """
+        beside = self._begins_at(y)
+        if beside > BESIDE:
+            return None
+        still = float(np.max(np.abs(v) / self._sizes)) == 0.0
+        missing = [c.name for k, c in enumerate(self._model.system.coordinates) if k in seek and not self._determined(y, seek)]
+        missing += [c.rate_name for k, c in enumerate(self._model.system.coordinates) if k in turn and not self._determined(y, turn)]
+        if self._passes and not still and (beside > SINGULAR or not missing):
+            corrected = (seek, turn) if beside > SINGULAR and len(seek) >= len(self._rows) else ((), ())
+            if found := self._away(y, v, *corrected):
+                return found
+        if beside > SINGULAR:
+            return None
+        why = "no smooth motion passes it with these rates; give those of one motion, or start beside it"
+        if missing:
+            why = f"give {', '.join(missing)} as well, or start beside it"
+        if still or not self._passes:
+            why = "nothing moves there; give rates, or start beside it" if still else "start beside it"
+        if self._repeats(y):
+            self._refuse_start("one loop repeats another; leave out the loop that repeats")
+        return self._refuse_start(f"the position is singular; {why}")
+
+    def _determined(self, y: Array, which: Sequence[int]) -> bool:
+        """Whether the loops determine some coordinates, or their rates, from all others even in this state."""
+        G = self._model.jacobian(0.0, y[: len(self._sizes)], self._p)[:, list(which)] * self._sizes[list(which)]
+        singular = np.linalg.svd(G)[1]
+        return len(which) <= len(G) and bool(singular[-1] > BESIDE * singular[0])
+
+    def _refuse_start(self, why: str) -> NoReturn:
+        raise DescriptionError(f"{self.loops()} of {self._model.system.name!r} cannot determine the motion at the start: {why}")
+
+    def _begins_at(self, y: Array) -> float:
+        """The smallest singular value at the start, 1 without loops."""
         if len(self._rows):
             self._grow(G := self._block(0.0, y))
             self._look(G / self._scales)
-            if not self.smallest > SINGULAR:
-                raise DescriptionError(
-                    f"{self.loops()} of {self._model.system.name!r} cannot determine the motion at the start: the position is singular, or"
-                    " one loop repeats another; start beside it, or leave out the loop that repeats"
-                )
+        return self.smallest
+
+    def _repeats(self, y: Array) -> bool:
+        """Whether the loops lose rank beside the start as well."""
+        random = np.random.default_rng(0)
+        beside = np.concatenate([y[: len(self._sizes)] + 0.1 * self._sizes * random.normal(size=len(self._sizes)), y[len(self._sizes) :]])
+        singular = np.linalg.svd(self._block(0.0, beside) / self._scales)[1]
+        return len(self._rows) > len(self._columns) or not singular[-1] > SINGULAR
+
+    def _away(self, y: Array, v: Array, seek: Sequence[int], turn: Sequence[int]) -> Passage | None:
+        """A step that begins in the state y and ends where the loops determine the motion."""
+        q, found = y[: len(self._sizes)], None
+        length = FIRST / float(np.max(np.abs(v) / self._sizes))
+        for _ in range(30):  # until the loops' condition is good, or a coordinate has moved by half its size
+            self._grow(G := self._block(length, np.concatenate([q + length * v, y[len(q) :]])))
+            if np.linalg.svd(G / self._scales)[1][-1] > 2.0 * NEAR or length * float(np.max(np.abs(v) / self._sizes)) > 0.5:
+                break
+            length *= 2.0
+        for _ in range(6):
+            self._look(self._block(0.1 * length, np.concatenate([q + 0.1 * length * v, y[len(q) :]])) / self._scales)
+            found = self._across(0.0, y, length, v, seek, turn)
+            if found:
+                break
+            length *= NEARER
+        if found:
+            self._look(self._block(found.times[-1], found.states[-1]) / self._scales)
+            here = 0.0 if abs(found.singular) < ROUNDED * found.times[-1] else found.singular
+            found = found._replace(times=found.times[1:], states=found.states[1:], singular=here, since=-np.inf)
+        else:
+            self._begins_at(y)
+        return found
 
     def loops(self) -> str:
         """The loops that lose rank, in words."""
@@ -181,85 +232,14 @@ class Watch:
         """The smallest singular value in another state, which changes its sign in a singular position."""
         return float(self._left @ (self._block(time, y) / self._scales) @ self._right)
 
-    def _across(self, time: float, y: Array, length: float) -> Passage | None:
-        """A collocation step, or None if the motion is not smooth over it."""
-        e, n, half = self._model.equations, len(self._sizes), 0.5 * length
-        times = time + half * (_X + 1.0)
-        q, v, _ = self._closed(time, y[:n], self._speeds(time, y))
-        a = np.tile(self._acceleration(time, q, v), (NODES, 1))
-
-        def at(x: Array) -> tuple[Array, Array]:
-            series = _SERIES @ a
-            places = q + half * np.multiply.outer(x + 1.0, v) + half**2 * legendre.legval(x, legendre.legint(series, 2, lbnd=-1)).T
-            return places, v + half * legendre.legval(x, legendre.legint(series, lbnd=-1)).T
-
-        last_change = np.inf
-        for _ in range(30):
-            nodes = [self._closed(t, *each) for t, *each in zip(times, *at(_X), strict=True)]
-            new = np.array([self._acceleration(t, *each) for t, (*each, _) in zip(times, nodes, strict=True)])
-            if not np.all(np.isfinite(new)):
-                return None
-            change, a = np.max(np.abs(new - a) / self._sizes) * length**2, new
-            stays = change > 0.5 * last_change
-            if change < 0.01 * self._tolerance or (stays and change < max(self._tolerance, CLEAN)):
-                break  # in the second case only rounding is left
-            if stays:
-                return None
-            last_change = change
-        else:
+    def _across(self, time: float, y: Array, length: float, *begin: Any) -> Passage | None:
+        """A step of collocation, with the time of the singular position, or None if the motion is not smooth over it."""
+        found = self._steps.step(time, y, length, *begin)
+        if found is None:
             return None
-        places, speeds = at(np.array([1.0]))
-        end = self._closed(time + length, places[0], speeds[0])
-        if max(moved for *_, moved in [*nodes, end]) > max(MOVED * self._tolerance, CLEAN):
-            return None
-        inner = np.array([np.concatenate([q_, v_[e.free], y[-2:]]) for q_, v_, _ in nodes])
-        power = np.array([self._model.rates(t, each, self._p)[-2:] for t, each in zip(times, inner, strict=True)])
-
-        def integrals(x: Array) -> Array:
-            return np.asarray(y[-2:] + half * legendre.legval(x, legendre.legint(_SERIES @ power, lbnd=-1)).T)
-
-        def state(t: float) -> Array:
-            x = np.array([(t - time) / half - 1.0])
-            (place,), (speed,) = at(x)
-            place, speed, _ = self._closed(t, place, speed)
-            return np.concatenate([place, speed[e.free], integrals(x)[0]])
-
-        inner[:, -2:] = integrals(_X)
-        signed = [self._signed(t, each) for t, each in zip(times, inner, strict=True)]
-        singular = float(BarycentricInterpolator(signed, times)(0.0))
-        last = np.concatenate([end[0], end[1][e.free], integrals(np.array([1.0]))[0]])
-        return Passage(np.array([time, *times, time + length]), np.vstack([y, inner, last]), state, singular)
-
-    def _speeds(self, time: float, y: Array) -> Array:
-        """All speeds, from those that the state contains."""
-        n, free = len(self._sizes), self._model.equations.free
-        v = np.zeros(n)
-        v[free] = y[n:-2]
-        if len(free) < n:
-            G = self._model.jacobian(time, y[:n], self._p)
-            v[self._columns] = np.linalg.solve(G[:, self._columns], -G @ np.append(v, 1.0))
-        return v
-
-    def _closed(self, time: float, q: Array, v: Array) -> tuple[Array, Array, float]:
-        """The nearest coordinates that close the loops, speeds that keep them closed, and the largest move over its coordinate's size."""
-        n, begin = len(q), q
-        for _ in range(10):
-            gap, G = self._model.motion(time, q, v, self._p)[:2]
-            step = self._sizes * np.linalg.lstsq(G[:, :n] * self._sizes, -gap, rcond=None)[0]
-            q = q + step
-            if np.max(np.abs(step) / self._sizes) < 1e-15:
-                break
-        opening = G @ np.append(v, 1.0)
-        v = v - self._sizes * np.linalg.lstsq(G[:, :n] * self._sizes, opening, rcond=None)[0]
-        return q, v, float(np.max(np.abs(q - begin) / self._sizes))
-
-    def _acceleration(self, time: float, q: Array, v: Array) -> Array:
-        """The accelerations that the loops ask for, and along the directions that they leave those of the forces."""
-        n, D = len(q), self._sizes
-        _, G, bias, M, Q = self._model.motion(time, q, v, self._p)
-        left, singular, right = np.linalg.svd(G[:, :n] * D)
-        rank = int(np.sum(singular > 1e-12 * singular[0]))
-        held = -right[:rank].T @ ((left[:, :rank].T @ bias) / singular[:rank])
-        Z = right[rank:].T
-        M, Q = (M * D).T * D, Q * D
-        return np.asarray(D * (held + Z @ np.linalg.solve(Z.T @ M @ Z, Z.T @ (Q - M @ held))))
+        nodes = slice(1, -1)
+        for _ in range(2):  # the second time with the singular vectors of the node that is nearest
+            signed = [self._signed(t, each) for t, each in zip(found.times[nodes], found.states[nodes], strict=True)]
+            nearest = 1 + int(np.argmin(np.abs(signed)))
+            self._look(self._block(found.times[nearest], found.states[nearest]) / self._scales)
+        return found._replace(singular=float(BarycentricInterpolator(signed, found.times[nodes])(0.0)))

@@ -1,6 +1,8 @@
 """The description of a planar mechanism: coordinates, bodies, loads, loops, outputs (thesis, section 4.4)."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
+from math import isfinite
+from numbers import Real
 from types import SimpleNamespace
 from typing import Any, Final, NamedTuple
 
@@ -89,11 +91,17 @@ class System:
         self.outputs: dict[str, tuple[ca.SX, str]] = {}
         self.tables: list[Table] = []
         self.frozen: dict[int, ca.SX] = {}
+        self.integrals: list[tuple[str, ca.SX, ca.SX]] = []  # of a beam: its name, the integrals by its points, and by twice as many
         self.stated: list[tuple[str, ca.SX, str]] = []  # meaning of an expression, the expression, and its unit
 
     def constants(self, **values: tuple[float, str]) -> SimpleNamespace:
         """Declare parameters by name, each as (value, unit); simulations may change them. Returns their symbols as attributes."""
-        for name, (value, unit) in values.items():
+        for name, pair in values.items():
+            if not (isinstance(pair, tuple) and len(pair) == 2 and _is_number(pair[0]) and isinstance(pair[1], str)):
+                raise DescriptionError(
+                    f"constant {name!r} of {self.name!r} is {pair!r}; give a finite number and its unit, such as {name}=(0.5, 'm')"
+                )
+            value, unit = pair
             self._new(name)
             self.parameters[name] = (ca.SX.sym(name), value * in_si(unit)[0], unit)
         return SimpleNamespace(**{name: self.parameters[name][0] for name in values})
@@ -101,6 +109,10 @@ class System:
     def coordinate(self, name: str, unit: str, rate: str = "", size: float = 1.0, guess: float = 0.0) -> ca.SX:
         """A coordinate; the name of its rate is NAME_rate unless `rate` is given. `size` and `guess` are in its unit."""
         rate, factor = rate or f"{name}_rate", in_si(unit)[0]
+        if not (_is_number(size) and size > 0.0 and _is_number(guess)):
+            raise DescriptionError(
+                f"coordinate {name!r} of {self.name!r} needs a size above zero and a finite guess, not {size} and {guess}"
+            )
         self._new(name, rate)
         symbols = (ca.SX.sym(name), ca.SX.sym(rate), ca.SX.sym(f"{rate}_rate"))
         self.coordinates.append(Coordinate(name, rate, unit, size * factor, guess * factor, *symbols))
@@ -108,6 +120,8 @@ class System:
 
     def amplitudes(self, name: str, count: int, unit: str, size: float = 1.0) -> ca.SX:
         """Coordinates NAME_1 to NAME_count as a column."""
+        if not (isinstance(count, int) and count > 0):
+            raise DescriptionError(f"{count} amplitudes {name!r} of {self.name!r} cannot be; give a whole number above zero")
         return column(*(self.coordinate(f"{name}_{k}", unit, size=size) for k in range(1, count + 1)))
 
     def rate(self, expression: ca.SX) -> ca.SX:
@@ -127,10 +141,20 @@ class System:
         return self.tables[-1]
 
     def body(self, name: str, mass: Any = 0.0, place: Any = None, inertia: Any = 0.0, angle: Any = None) -> None:
-        """Add a rigid body: mass (kg), place of its centre, inertia (kg m^2) about that centre, and the angle by which it turns."""
+        """Add a rigid body: mass (kg), place of its centre, inertia (kg m^2) about that centre, and the angle by which it turns.
+
+        Raises:
+            DescriptionError: a mass without a place, or an inertia without an angle: it would not count.
+        """
+        for value, what, at, where in ((mass, "mass", place, "place"), (inertia, "inertia", angle, "angle")):
+            if at is None and not ca.SX(value).is_zero():
+                raise DescriptionError(
+                    f"body {name!r} of {self.name!r} has {what} but no {where}, so that it would not count; give {where}="
+                )
         if place is not None:
             self.mass_points(name, mass, ca.SX(0), ca.SX(0), place, 0.0)
         if angle is not None:
+            self._has_rows(f"angle of {name!r}", angle, 1)
             self.turning.append((ca.SX(inertia), ca.SX(angle)))
             self._stays(f"inertia of {name!r}", inertia)
             self.states(f"inertia of {name!r}", inertia, "kg*m^2")
@@ -138,6 +162,7 @@ class System:
 
     def mass_points(self, name: str, mass: Any, x: Any, y: Any, origin: Any, angle: Any) -> None:
         """Add mass points (kg) at the places (x, y), columns, of a moving frame."""
+        self._has_rows(f"place of {name!r}", origin, 2)
         self.points.append(Points(ca.SX(mass), x, y, ca.SX(origin), ca.SX(angle)))
         self._stays(f"mass of {name!r}", mass)
         self.states(f"mass of {name!r}", mass, "kg")
@@ -145,6 +170,7 @@ class System:
 
     def load(self, name: str, on: Any, value: Any) -> None:
         """Add a force (N) on a place or a torque (N m) on an angle; it may depend on coordinates, rates and time."""
+        self._has_rows(f"load {name!r}", value, ca.SX(on).numel())
         self.loads.append((ca.SX(on), ca.SX(value)))
         self.states(f"load {name!r} times what it acts on", ca.SX(value) * on, "J")
 
@@ -159,10 +185,11 @@ class System:
 
     def energy(self, name: str, value: Any) -> None:
         """Add a potential energy (J) of any kind."""
+        self._has_rows(f"energy of {name!r}", value, 1)
         self.energies.append(ca.SX(value))
         self.states(f"energy of {name!r}", value, "J")
 
-    def loop(self, name: str, gap: Any, unit: str = "m", gives: Iterable[ca.SX] = (), by: tuple[Any, str] | None = None) -> ca.SX:
+    def loop(self, name: str, gap: Any, unit: str = "m", gives: Sequence[ca.SX] = (), by: tuple[Any, str] | None = None) -> ca.SX:
         """Add a closed loop, or a prescribed motion: `gap` stays zero. It determines as many coordinates (`gives`) as it has rows.
 
         Args:
@@ -176,6 +203,8 @@ class System:
         Returns:
             The forces that keep it closed. They act along `gap`, on its first place, and reversed on the subtracted place; or on `by`.
         """
+        if not isinstance(gives, Sequence):
+            raise DescriptionError(f"loop {name!r} of {self.name!r} gives {gives}; write a list of coordinates, such as gives=[{gives}]")
         gap = ca.SX(gap)
         on, on_unit = (ca.SX(by[0]), by[1]) if by else (gap, unit)
         if on.numel() != gap.numel():
@@ -191,6 +220,7 @@ class System:
 
     def output(self, name: str, expression: Any, unit: str) -> None:
         """Add a named result: an expression in coordinates, their rates, accelerations (`rate` of a rate), forces of loops and time."""
+        self._has_rows(f"output {name!r}", expression, 1)
         self._new(name)
         self.outputs[name] = (ca.SX(expression), unit)
         self.states(f"output {name!r}", expression, unit)
@@ -207,9 +237,16 @@ class System:
                 f"the {what} depends on a coordinate; describe a mass that moves by its place, such as turned(angle, radius)"
             )
 
+    def _has_rows(self, what: str, value: Any, rows: int) -> None:
+        """Raise DescriptionError for a scalar in place of a vector, or the reverse: CasADi would take it for both components."""
+        given = ca.SX(value).numel()
+        if given != rows:
+            shape = "one number" if rows == 1 else f"{rows} components, such as vector(x, y)"
+            raise DescriptionError(f"the {what} of {self.name!r} has {given} component{'s' if given != 1 else ''}; it needs {shape}")
+
     def _index(self, coordinate: ca.SX) -> int:
         for k, each in enumerate(self.coordinates):
-            if ca.is_equal(each.q, coordinate):
+            if isinstance(coordinate, ca.SX) and ca.is_equal(each.q, coordinate):
                 return k
         raise DescriptionError(f"{coordinate} is no coordinate of {self.name!r}; declare it with coordinate(...)")
 
@@ -218,3 +255,7 @@ class System:
         for name in names:
             if name in taken or name in [force.name() for loop in self.loops for force in ca.vertsplit(loop.force)]:
                 raise DescriptionError(f"the name {name!r} is used twice in {self.name!r}")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and isfinite(value)

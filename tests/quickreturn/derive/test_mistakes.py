@@ -194,6 +194,8 @@ def negative(system: System) -> None:
         (None, {"start": {"angle": "30 deg"}}, "coordinate or rate 'angle' of 'crank' is '30 deg', which is no finite number"),
         (None, {"parameters": {"mass": np.inf}}, "parameter 'mass' of 'crank' is inf, which is no finite number"),
         (None, {"step": 0.0}, "a duration of 0.1 s cannot have rows 0 s apart"),
+        (None, {"step": 0.2}, "a duration of 0.1 s cannot have rows 0.2 s apart"),
+        (None, {"duration": "1 s"}, "the duration '1 s' and the step 0.1 must be numbers, in s"),
         (None, {"duration": -0.1}, "a duration of -0.1 s cannot have rows 0.1 s apart"),
         (None, {"tolerance": 0.0}, "a tolerance of 0 is not between 0 and 1"),
         (negative, {}, "the inertia of 'angle' of 'crank' is negative; a mass or an inertia has the wrong sign"),
