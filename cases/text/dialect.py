@@ -9,11 +9,13 @@ from typing import Final, NamedTuple
 from quickreturn.cases.errors import CaseError, as_written, shortened
 from quickreturn.cases.text.cells import are_units, as_typed, is_row, quoted, separator_of, split, unit_in_cell, with_point, without_unit
 from quickreturn.cases.text.decimal_sign import decimal_sign
-from quickreturn.cases.text.preamble import COMMENTS, Preamble, preamble
+from quickreturn.cases.text.preamble import COMMENTS, MOST_LINES, Preamble, preamble
 
 #: Separator -> its name.
 SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks"}
 _UNIT_OF_HEADING: Final = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
+_EMPTY: Final = " \t;,\x1a"  # separators, and the end of a file of DOS
+_OPEN: Final = re.compile(r'(?:^|[;,\t])\s*"[^"]*$')  # a quoted cell that goes on in the next line
 #: A clock time in place of a unit, such as hh:mm:ss.fff.
 _CLOCK_FORM: Final = re.compile(r"h+:m+:s+([.,]\w+)?", re.IGNORECASE)
 
@@ -86,7 +88,7 @@ class _Head(NamedTuple):
 def dialect_of(source: str, text: str, decimal: str | None = None) -> Dialect:
     """How a table is written; `decimal`: its decimal sign, if it is known. CaseError: it is empty, or ambiguous."""
     text, grouped = as_typed(text)
-    above = preamble(source, text.splitlines())
+    above = preamble(source, _lines(text))
     bare = is_row(above.lines[above.at])
     separator = above.separator or _separator(above, bare)
     head = _in_comment(above, separator) if bare else _above_rows(source, above, separator)
@@ -97,6 +99,18 @@ def dialect_of(source: str, text: str, decimal: str | None = None) -> Dialect:
     if any("=" not in line for _, line in head.comments):
         told.append(f"{len(head.comments)} comment line{'s' * (len(head.comments) > 1)}")
     return Dialect(headings, head.place, above.lines, head.first, head.comments, tuple(told), separator, sign)
+
+
+def _lines(text: str) -> list[str]:
+    """The lines of a text, those of separators alone as blank ones; a heading of several lines in quotes is one line.
+
+    Excel writes such headings, and such lines for empty rows. A blank line stands for each that was joined, so that numbers of lines stay.
+    """
+    lines = ["" if not line.strip(_EMPTY) else line for line in text.splitlines()]
+    for at in range(min(len(lines), MOST_LINES) - 1):
+        if _OPEN.search(lines[at]) and not lines[at].startswith(COMMENTS):
+            lines[at : at + 2] = ["", f"{lines[at]} {lines[at + 1]}"]
+    return lines
 
 
 def cells_of(line: str, separator: str, decimal: str) -> list[str]:

@@ -14,7 +14,7 @@ from quickreturn.reference_model.columns import COLUMNS
 COMMENTS: Final = ("#", "%", "!")
 _EXCEL: Final = re.compile(r'"?sep=(.?)"?')
 #: Largest number of lines above the numbers in which headings are searched.
-_MOST_LINES: Final = 200
+MOST_LINES: Final = 200
 _LABVIEW: Final = "***End_of_Header***"
 _LABVIEW_TIME: Final = "X_Value"
 _TIMED: Final = "time from X0 and Delta_X"
@@ -43,7 +43,7 @@ class Preamble:
 
 def preamble(source: str, lines: list[str]) -> Preamble:
     """The preamble of a table. CaseError: there is nothing but a preamble, or LabVIEW's blocks hold more than one table."""
-    if any(line.startswith(_LABVIEW) for line in lines[:_MOST_LINES]):
+    if any(line.startswith(_LABVIEW) for line in lines[:MOST_LINES]):
         return _labview(source, lines)
     at, comments, separator = 0, list[tuple[int, str]](), ""
     while at < len(lines) and ((excel := _EXCEL.fullmatch(lines[at])) or not lines[at].strip() or _is_comment(lines[at])):
@@ -77,7 +77,7 @@ def _heading(lines: Sequence[str], at: int) -> int:
 
     It is the first line `at` where no line has as many, so that the message on the rows below names the difference.
     """
-    numbers = next((number for number in range(at, min(len(lines), at + _MOST_LINES)) if is_row(lines[number])), at)
+    numbers = next((number for number in range(at, min(len(lines), at + MOST_LINES)) if is_row(lines[number])), at)
     fitting = [number for number in range(at, numbers) if _fits(lines[number], lines[numbers])]
     named = [number for number in fitting if any(_names(cell) for cell in split(lines[number], separator_of(lines[number], "")))]
     return next(iter(named or fitting), at)

@@ -65,6 +65,14 @@ FORMS: dict[str, tuple[bytes, str]] = {
     ),
     "Swiss": (b"time [ms];crank_angle [deg];tip_x [um]\n0;180;1'234.5\n0.5;181.25;2\n", "semicolons, thousands in groups"),
     "blanks in groups": (b"time [ms];crank_angle [deg];tip_x [um]\n0;180;1 234,5\n0,5;181,25;2\n", "semicolons, decimal comma"),
+    "Excel's headings of two lines, and empty rows": (
+        b'"time\n[ms]";"crank_angle\n[deg]";"tip_x\n[um]"\r\n0;180;1234,5\r\n0,5;181,25;2\r\n;;\r\n;;\r\n',
+        "semicolons, decimal comma",
+    ),
+    "inches in a comment, and the end of a file of DOS": (
+        b'# beam of 25" and 1"\n# beam of 25"\ntime [ms],crank_angle [deg],tip_x [um]\n0,180,1234.5\n0.5,181.25,2\n\x1a',
+        "2 comment lines",
+    ),
     "clock": (
         b"time [hh:mm:ss.fff],crank_angle [deg],tip_x [um]\n00:00:00.000,180,1234.5\n00:00:00.0005,181.25,2\n",
         "durations",
