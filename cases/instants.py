@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 #: Columns that do not jump at an event.
 _PLACES: Final = ("crank_angle", "follower_angle", "slider_position", "tip_x", "tip_y", "tip_deflection")
 #: Rounding, as a part of a column's largest magnitude: numbers of a table are assumed to have five digits.
-_ROUNDING: Final = 1e-5
+ROUNDING: Final = 1e-5
 #: Largest part of the rows that stand at the time of another row and differ from it: where there are more, the time has too few digits.
 _MOST_EVENTS: Final = 0.1
 #: Least ratio of a gap to the usual step ...
@@ -40,7 +40,7 @@ def single_instants(columns: Mapping[str, Array], refusal: Callable[[int, str], 
     doubled = np.flatnonzero(np.diff(columns["time"]) == 0.0)  # the earlier row of each pair
     if not doubled.size:
         return dict(columns), ()
-    differs = {name: np.abs(values[doubled + 1] - values[doubled]) > _ROUNDING * np.max(np.abs(values)) for name, values in columns.items()}
+    differs = {name: np.abs(values[doubled + 1] - values[doubled]) > ROUNDING * np.max(np.abs(values)) for name, values in columns.items()}
     moved = np.any([differs[name] for name in _PLACES if name in differs] or [np.zeros(doubled.size, bool)], axis=0)
     jumps = np.any([*differs.values()], axis=0)
     if np.any(moved) or np.count_nonzero(jumps) > _MOST_EVENTS * len(columns["time"]):

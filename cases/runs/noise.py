@@ -6,6 +6,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.instants import ROUNDING
+
 Array = NDArray[np.float64]
 
 #: Least number of rows for a spectrum that can show noise.
@@ -17,8 +19,6 @@ _LARGEST_RATIO: Final = 1.5
 _ERRORS: Final = 3.0
 
 
-#: Rounding, as a part of a column's largest magnitude: numbers of a table are assumed to have five digits.
-ROUNDING: Final = 1e-5
 #: Uncertainty of an extreme, in standard deviations of a row's noise: one row in 15,000 departs further.
 DEVIATIONS: Final = 4.0
 
