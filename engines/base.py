@@ -119,6 +119,8 @@ class Comparison:
             `factor`: if the differences fall more slowly than both factors say, the factor that they show counts
             (`engines.error_parts.shown_factor`). None: `factor` is taken on trust.
         instead: the comparison to make if a run of this one breaks down, for example with finer runs. None: the error is then unknown.
+        besides: another pair that shows the same part, because this one's two runs may by accident have the same error. The larger of the
+            two counts.
         alike: `before` is not run, and `factor` is taken on trust, if the relative difference between `run` and `other` is in no
             estimated column more than this many times that in the tip deflection. 0: `before` is always run.
         of: what the part of the error comes from, in a word: "time", "space", "modes", "spring". Comparisons may share one.
@@ -129,6 +131,7 @@ class Comparison:
     factor: float
     before: "Comparison | None" = None
     instead: "Comparison | None" = None
+    besides: "Comparison | None" = None
     alike: float = 0.0
     of: str = "resolution"
 

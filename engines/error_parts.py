@@ -100,9 +100,17 @@ class Compared(Generic[R]):
     unchecked: str = ""
     of: str = ""  # what the part of the error comes from, see `ErrorPart`
     settings: tuple[dict[str, Any], ...] = ({}, {}, {})  # of `run`, `other` and `before`, as `ErrorPart` has them
+    besides: "Compared[R] | None" = None  # another pair that shows the same part
 
     def part(self, difference: Callable[[R, R], float]) -> ErrorPart:
-        """The part of the error that the runs show; `difference` gives the size of the difference of two results."""
+        """The part of the error that the runs show, the larger of two if another pair shows it as well.
+
+        `difference` gives the size of the difference of two results.
+        """
+        own = self._part(difference)
+        return own if self.besides is None else max(own, self.besides.part(difference), key=lambda part: part.error)
+
+    def _part(self, difference: Callable[[R, R], float]) -> ErrorPart:
         shown, factor, (run, other, before) = difference(self.run, self.other), self.factor, self.settings
         if self.unchecked:
             factor = least_favourable(factor)
@@ -116,7 +124,13 @@ class Compared(Generic[R]):
     def mapped(self, compute: Callable[[R], Q]) -> "Compared[Q]":
         """The comparison of what `compute` makes of each result."""
         before = None if self.before is None else (compute(self.before[0]), self.before[1])
-        return Compared(compute(self.run), compute(self.other), self.factor, before, self.unchecked, self.of, self.settings)
+        besides = self.besides and self.besides.mapped(compute)
+        return Compared(compute(self.run), compute(self.other), self.factor, before, self.unchecked, self.of, self.settings, besides)
+
+    @property
+    def pairs(self) -> tuple[tuple[R, R], ...]:
+        """The results that are compared with each other, without that of `before`."""
+        return ((self.run, self.other), *(self.besides.pairs if self.besides else ()))
 
 
 def comparison_by(pairs: Sequence[Comparison], of: str) -> Comparison:
@@ -140,6 +154,8 @@ def compared(pair: Comparison, delivered: Settings, run: Callable[[Settings], R]
     Raises:
         EngineFailure: a run broke down, and there is no `instead`.
     """
+    if pair.besides is not None:
+        return replace(compared(replace(pair, besides=None), delivered, run), besides=compared(pair.besides, delivered, run))
     try:
         first, second = run(pair.run), run(pair.other)
     except EngineFailure:
@@ -186,7 +202,7 @@ def all_compared(
     if any(pair.run == pair.other for pair in pairs):
         raise NoEstimate("these settings leave no others to compare with")
     found = [compared(pair, delivered, run) for pair in pairs]
-    if bends and any(same_motion(signals(runs.run), signals(runs.other)) for runs in found):
+    if bends and any(same_motion(signals(one), signals(other)) for runs in found for one, other in runs.pairs):
         raise NoEstimate("the run to compare with is the same to the last digit")
     return found
 

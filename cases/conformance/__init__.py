@@ -162,7 +162,8 @@ def _expected(bench: Bench, group: Group) -> int:
     plain, estimated = group.runs
     settings = bench.settings(bench.mild.scene)
     pairs = bench.engine.comparisons(settings, bench.mild.scene, bench.mild.output_step) if bench.claims else ()
-    others = {run for pair in pairs for run in (pair.run, pair.other, pair.before and pair.before.other)} - {None, settings}
+    every = [pair for one in pairs for pair in (one, one.before, one.besides) if pair is not None]
+    others = {run for pair in every for run in (pair.run, pair.other)} - {settings}
     return plain + estimated * len(others)
 
 

@@ -201,7 +201,7 @@ def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name:
         number: float | None = getattr(run.measures.measures[place], name)
         return number
 
-    if not compared or value is None or any(of(run) is None for runs in compared for run in (runs.run, runs.other)):
+    if not compared or value is None or any(of(run) is None for runs in compared for pair in runs.pairs for run in pair):
         return ()
 
     def part(runs: Compared[MeasuredCycle]) -> ErrorPart:

@@ -96,7 +96,8 @@ class ExudynEngine(Engine[ExudynSettings]):
             return in_time, ladder.in_space(settings, in_time)
         if scene.follower.is_rigid:
             return (in_time,)
-        return in_time, ladder.in_space(settings, in_time), ladder.in_stretch(settings, in_time), ladder.in_passing(settings, in_time)
+        in_space, *in_passing = ladder.in_elements(settings, in_time)
+        return in_time, in_space, ladder.in_stretch(settings, in_time), *in_passing
 
     def finer(self, settings: ExudynSettings, excess: Mapping[str, float], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""

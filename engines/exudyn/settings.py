@@ -62,6 +62,9 @@ LADDER: Final = Ladder(
 _NEWTON: Final = ((3e-3, 1e-4), (1e-3, 1e-5), (0.0, 1e-6))
 SLOW: Final = 10.0
 
+#: Accuracy from which on an arm that moves much begins with so many elements: the slider shakes fewer by 2e-3 to 5e-3 as it passes them.
+SHAKEN: Final = (3e-3, 14)
+
 #: Energy that steps leave in the balance, over the largest bending energy and the square of step times lowest natural frequency (rad/s): in
 #: a plain table and in an extrapolated one.
 LEFT_BY_STEPS: Final = (0.8, 0.045)
@@ -123,8 +126,11 @@ def rung_for(accuracy: float, gain: float, moves_much: bool) -> ExudynSettings:
         gain: see `Ladder.pick`.
         moves_much: whether the follower does, as in run 24.
     """
-    newton = next(tolerance for least, tolerance in _NEWTON if accuracy >= least)
-    return LADDER.pick(accuracy, gain).replaced(newton_tolerance=newton if moves_much else min(newton, 1e-5))
+    newton, rung = next(tolerance for least, tolerance in _NEWTON if accuracy >= least), LADDER.pick(accuracy, gain)
+    if not moves_much:
+        return rung.replaced(newton_tolerance=min(newton, 1e-5))
+    coarsest, fewest = SHAKEN
+    return rung.replaced(newton_tolerance=newton, elements=max(rung.elements, fewest if accuracy <= coarsest else 0))
 
 
 def balanced(own: ExudynSettings, accuracy: float, frequency: float) -> ExudynSettings:
@@ -191,6 +197,15 @@ def in_passing(own: ExudynSettings, time: Comparison) -> Comparison:
     other, factor = (fewer * own.elements, factor) if own.elements >= FEWEST_WITH_ORDER else (more * own.elements, 1.0 / factor)
     runs = _steps_compared(own, time)
     return _first_to_run([Comparison(run, run.replaced(elements=math.ceil(other)), factor, of="passing") for run in runs])
+
+
+def in_elements(own: ExudynSettings, time: Comparison) -> tuple[Comparison, ...]:
+    """The pairs in space and for the passing; one whose larger difference counts where both are with more elements.
+
+    More elements show the whole error of few ones, that of the passing among it, and two such pairs would count it twice.
+    """
+    space, passing = in_space(own, time), in_passing(own, time)
+    return (space, passing) if own.elements >= FEWEST_WITH_ORDER else (replace(space, besides=passing),)
 
 
 def in_stretch(own: ExudynSettings, time: Comparison) -> Comparison:
