@@ -124,7 +124,7 @@ class Compared(Generic[R]):
     def mapped(self, compute: Callable[[R], Q]) -> "Compared[Q]":
         """The comparison of what `compute` makes of each result."""
         before = None if self.before is None else (compute(self.before[0]), self.before[1])
-        besides = self.besides and self.besides.mapped(compute)
+        besides: Compared[Q] | None = None if self.besides is None else self.besides.mapped(compute)
         return Compared(compute(self.run), compute(self.other), self.factor, before, self.unchecked, self.of, self.settings, besides)
 
     @property

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.engines.base import Comparison, Engine
+from quickreturn.engines.base import Comparison, Engine, EngineFailure
+from quickreturn.engines.error_parts import Compared, compared
 from quickreturn.engines.own import fixed_shapes, multiplier, nodal_load, stiff_spring
 from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
 from quickreturn.engines.own.multiplier import MultiplierSettings
@@ -85,3 +86,29 @@ def test_tolerances_are_compared_a_decade_apart(tolerance: float) -> None:
     assert max(decade, 1.0 / decade) > 9.999
     assert max(error, 1.0 / error) == THESIS_ERROR_PER_DECADE
     assert (decade > 1.0) == (error > 1.0)
+
+
+@pytest.mark.parametrize(("first", "second"), [(1.0, 3.0), (3.0, 1.0)])
+def test_of_two_pairs_that_show_the_same_part_the_larger_counts(first: float, second: float) -> None:
+    besides = Compared(0.0, second, 3.0, of="the other")
+    runs = Compared(0.0, first, 3.0, of="the one", besides=besides).mapped(lambda value: 2.0 * value)
+    part = runs.part(lambda one, other: abs(one - other))
+    assert (part.of, part.error) == ("the one" if first > second else "the other", 3.0)  # 6 / (3 - 1)
+    assert runs.pairs == ((0.0, 2.0 * first), (0.0, 2.0 * second))
+
+
+def test_the_other_pair_is_run_and_its_failure_is_one_of_the_estimate() -> None:
+    own = ShapeSettings(shapes=4)
+    pair = Comparison(own, own.replaced(shapes=6), 0.5, besides=Comparison(own, own.replaced(shapes=5), 0.8, of="passing"))
+
+    def run(settings: Settings) -> int:
+        assert isinstance(settings, ShapeSettings)
+        if settings.shapes == broken:
+            raise EngineFailure(0.0, "breaks down", "")
+        return settings.shapes
+
+    broken = 0
+    assert compared(pair, own, run).pairs == ((4, 6), (4, 5))
+    broken = 5
+    with pytest.raises(EngineFailure):
+        compared(pair, own, run)

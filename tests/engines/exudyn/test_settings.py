@@ -147,3 +147,19 @@ def test_runs_compared_differ_on_any_output_grid(output_step, elements, extrapol
             if pair.of == "passing":  # hardly any order
                 in_space = 1.0 / ladder.PASSING[2]
             assert pair.factor == pytest.approx(in_time * in_space / stiffer)
+
+
+def test_what_both_pairs_with_more_elements_show_counts_once():
+    """Half as many again and five quarters show the same error; with half and three quarters of many elements each counts."""
+    few, many = (ENGINE.comparisons(ExudynSettings(elements=elements), run_24(), 1e-3) for elements in (12, 24))
+    assert [pair.of for pair in few] == ["time", "space", "stretch"]
+    assert [pair.of for pair in many] == ["time", "space", "stretch", "passing"]
+    besides = few[1].besides
+    assert besides is not None
+    assert (few[1].other.elements, besides.other.elements) == (18, 15)
+    assert all(pair.besides is None for pair in (few[0], few[2], *many))
+
+
+def test_an_arm_that_moves_much_begins_with_enough_elements_for_the_passing():
+    assert [ladder.rung_for(accuracy, 0.28, moves_much=True).elements for accuracy in (1e-2, 3e-3, 1e-3)] == [8, 14, 16]
+    assert ladder.rung_for(3e-3, 0.1, moves_much=False).elements == 9
