@@ -120,8 +120,8 @@ class System:
 
     def amplitudes(self, name: str, count: int, unit: str, size: float = 1.0) -> ca.SX:
         """Coordinates NAME_1 to NAME_count as a column."""
-        if not (isinstance(count, int) and count > 0):
-            raise DescriptionError(f"{count} amplitudes {name!r} of {self.name!r} cannot be; give a whole number above zero")
+        if not (isinstance(count, int) and count >= 0):
+            raise DescriptionError(f"{count} amplitudes {name!r} of {self.name!r} cannot be; give a whole number, 0 for none")
         return column(*(self.coordinate(f"{name}_{k}", unit, size=size) for k in range(1, count + 1)))
 
     def rate(self, expression: ca.SX) -> ca.SX:

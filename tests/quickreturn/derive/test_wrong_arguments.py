@@ -39,7 +39,7 @@ WRONG: dict[str, Callable[[System, Any, Any], Any]] = {
     "constant 'height' of 'pendulum' is ('3', 'm')": lambda s, p, a: s.constants(height=("3", "m")),  # type: ignore[arg-type]
     "needs a size above zero and a finite guess, not 0 and 0.0": lambda s, p, a: s.coordinate("x", "m", size=0),
     "needs a size above zero and a finite guess, not 1.0 and nan": lambda s, p, a: s.coordinate("x", "m", guess=np.nan),
-    "0 amplitudes 'x' of 'pendulum' cannot be": lambda s, p, a: s.amplitudes("x", 0, "m"),
+    "-1 amplitudes 'x' of 'pendulum' cannot be": lambda s, p, a: s.amplitudes("x", -1, "m"),
     "body 'rod' of 'pendulum' has mass but no place, so that it would not count": lambda s, p, a: s.body("rod", p.mass),
     "body 'rod' of 'pendulum' has inertia but no angle": lambda s, p, a: s.body("rod", p.mass, turned(a, p.length), p.mass * p.length**2),
     "the place of 'rod' of 'pendulum' has 1 component; it needs 2 components": lambda s, p, a: s.body("rod", p.mass, p.length),

@@ -81,9 +81,10 @@ class DerivedThesis:
         if inboard is not None:
             results["normal_force_at_slider"] = (ca.dot(tangent, beyond(inboard)), "N")
         for name, (value, unit) in results.items():
-            system.output(f"thesis {name}", value, unit)
+            for k, component in enumerate(ca.vertsplit(ca.SX(value))):
+                system.output(f"thesis {name} {k}", component, unit)
         e = Equations(system)
-        shown = (e.outputs[f"thesis {name}"][0] for name in results)
+        shown = (column(*(e.outputs[f"thesis {name} {k}"][0] for k in range(ca.SX(value).numel()))) for name, (value, _) in results.items())
         self.parameters, self.results = list(p), [*results]
         names = [each.name for each in system.coordinates]
         self.given = [names.index("follower_angle"), names.index("slider_position")]
@@ -174,7 +175,11 @@ def of_shapes(shapes: ShapeSet, near: float, *, exact: bool) -> DerivedThesis:
             return sum((powers**power * ca.dot(ca.DM(row), eta) for power, row in enumerate(terms)), 0.0 * x)
 
         def along(order: int) -> Callable[[ca.SX], ca.SX]:
-            return lambda x: column(*(polynomial(part, k, order) for part, k in zip(ca.vertsplit(x, POINTS + 1), cells, strict=True)))
+            def values(x: ca.SX) -> ca.SX:
+                parts = ca.vertsplit(x, x.numel() // len(cells))
+                return column(*(polynomial(part, k, order) for part, k in zip(parts, cells, strict=True)))
+
+            return values
 
         kind = {"tangent": lambda x: ca.asin(along(1)(x))} if exact else {"deflection": along(0)}
         beam = Beam(system, "follower", edges=edges, points=POINTS, bending_stiffness=p.bending_stiffness, **kind, **common)
