@@ -27,7 +27,7 @@ from quickreturn.cases.mistakes.diagnosis import share_of
 from quickreturn.cases.mistakes.explanation import Hypothesis, explain
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.scene import check_scene
-from quickreturn.engines.settings import Settings
+from quickreturn.engines.settings import Settings, as_texts
 from quickreturn.reference_model.mechanism import Base, FollowerAlone, SpinUp
 from quickreturn.reference_model.scene_values import changed
 
@@ -143,8 +143,12 @@ def _levels(bench: Bench) -> list[Level]:
 
 
 def _level(bench: Bench, settings: Settings, accuracy: float) -> Level:
-    def record(scene: FollowerAlone) -> Ring:
-        run = bench.run(Motion(scene, _DURATION, OUTPUT_STEP), settings)
+    def record(scene: FollowerAlone, damping: str = "no damping") -> Ring:
+        try:
+            run = bench.run(Motion(scene, _DURATION, OUTPUT_STEP), settings)
+        except EngineFailure as failure:
+            told = ", ".join(f"{name}={text}" for name, text in as_texts(settings.as_dict()).items())
+            raise replace(failure, cause=f"{failure.cause}, with {told} and {damping}") from failure
         found = ring(run["tip_deflection"], OUTPUT_STEP)
         if not len(found.frequencies):
             return replace(found, rest=float(np.mean(run["tip_deflection"][-len(run) // 4 :])))
@@ -165,7 +169,7 @@ def _level(bench: Bench, settings: Settings, accuracy: float) -> Level:
                 check_scene(bench.engine, scene)
         except Refusal:
             continue
-        damped[quantity] = tuple(record(scene) for scene in scenes)
+        damped[quantity] = tuple(record(scene, f"a damping ratio of {ratio:g}") for ratio, scene in zip(_RATIOS, scenes, strict=True))
     rate = float(free.rates[0]) if len(free.rates) else math.nan
     length = float(bench.run(Motion(SCENE, _DURATION, OUTPUT_STEP), settings)["tip_x"][0])
     return Level(settings, accuracy, Rod(free.rest, force, free.frequencies, length), rate, damped)
@@ -279,6 +283,8 @@ def _decay(bench: Bench, levels: list[Level], quantity: str, wrong: bool) -> str
         return "refused"
     rates, added = list[float](), list[float]()
     for level in levels:
+        if level.rod.weight == 0.0:
+            raise Unjudged("without damping no sag is seen, whatever it vibrates", _MEND)
         records = level.damped[quantity]
         for ratio, record in zip(_RATIOS, records, strict=True):
             softer = record.rest / level.rod.weight

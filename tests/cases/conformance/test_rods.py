@@ -11,16 +11,16 @@ from quickreturn.cases.conformance import GROUPS, conform
 from quickreturn.cases.conformance.bench import Bench
 from quickreturn.cases.conformance.checks import Check
 from quickreturn.cases.conformance.clamped import Mistake, right, ring
-from quickreturn.cases.conformance.rods import SCENE, motion_alone, rods
-from quickreturn.engines.base import AnyEngine, Refusal
+from quickreturn.cases.conformance.rods import _CRITICAL, SCENE, motion_alone, rods
+from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulation
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine
-from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.scene_values import changed
-from tests.cases.conformance.rod_engines import MUTANTS, LinearRod
+from tests.cases.conformance.rod_engines import MUTANTS, LinearRod, Links
 
 
 def tried(tested: AnyEngine) -> dict[str, Check]:
@@ -55,6 +55,38 @@ def test_a_chain_for_small_deflections_is_right_in_them_and_wrong_beyond() -> No
     assert len(found) == 7
     assert beyond.status == "failed"
     assert "small deflections are right" in beyond.advice
+
+
+class Breaks(LinearRod):
+    """It breaks down with the larger damping by its finest settings."""
+
+    def prepare(self, scene: FollowerAlone, start: Any, settings: Links, /) -> Simulation:
+        if settings.links == 20 and scene.follower.damping > 0.05 * _CRITICAL["follower.damping"]:
+            raise EngineFailure(0.0, "no number any more", "try smaller steps")
+        return super().prepare(scene, start, settings)
+
+
+class Level(LinearRod):
+    """It deflects nowhere without damping."""
+
+    def prepare(self, scene: FollowerAlone, start: Any, settings: Links, /) -> Simulation:
+        moves = super().prepare(scene, start, settings)
+        if scene.follower.damping == scene.follower.material_damping == 0.0:
+            moves.rest, moves.state = 0.0 * moves.rest, 0.0 * moves.state  # type: ignore[attr-defined]
+        return moves
+
+
+def test_a_run_that_breaks_down_is_told_with_its_settings_and_damping() -> None:
+    (check,) = tried(Breaks()).values()
+    assert check.status == "failed"
+    assert check.cause == "a run breaks down: no number any more, with links=20 and a damping ratio of 0.08"
+
+
+def test_a_rod_that_does_not_sag_is_no_error_of_the_check() -> None:
+    found = tried(Level())
+    assert found["rod: sag under its weight"].status == "failed"
+    assert found["rod: decay by follower.damping"].status == "not judged"
+    assert not any("ZeroDivision" in check.cause for check in found.values())
 
 
 def test_reference_as_a_rod_is_not_accused() -> None:
