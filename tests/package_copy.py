@@ -12,10 +12,11 @@ _WITHOUT_MACHINE_CODE = shutil.ignore_patterns("quickreturn-*", "*.nbi", "*.nbc"
 
 
 def copied_package(folder: Path, *inner: str) -> Path:
-    """The folder `quickreturn`, made inside `folder`: the public package's `__init__.py`, and the inner packages that are named."""
+    """The folder `quickreturn`, made inside `folder`: the public package's names, and the inner packages that are given."""
     package = folder / "quickreturn"
     package.mkdir(parents=True)
-    shutil.copy(ROOT / "quickreturn/__init__.py", package)
+    for public in ("__init__.py", "__init__.pyi"):
+        shutil.copy(ROOT / "quickreturn" / public, package)
     for name in inner:
         shutil.copytree(ROOT / name, package / name, ignore=_WITHOUT_MACHINE_CODE)
     return package
