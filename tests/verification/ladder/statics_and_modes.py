@@ -152,9 +152,7 @@ def _resting(mechanism: Mechanism, angle: float) -> Mechanism:
 def _at_rest(climber: Climber, mechanism: Mechanism, angle: float, exact: Sag) -> Trajectory:
     """Put where it should rest, it must stay there for ten times what the first mode takes to decay; the mean of the second half counts."""
     settings = climber.settings
-    if isinstance(settings, ChainSettings):  # the base block alone would follow the damping within 10 us
-        settings = settings.replaced(step=1e-5)
-    elif not isinstance(settings, ExudynSettings):  # relative to states of usual size, which a sag of 0.1 mm is not
+    if not isinstance(settings, (ChainSettings, ExudynSettings)):  # relative to states of usual size, which a sag of 0.1 mm is not
         settings = settings.with_texts({"tolerance": "1e-10"})
     return engine(climber.name).prepare(mechanism, Start(angle, STANDING, exact.shape), settings).advance(0.2, 5e-4)
 
