@@ -183,6 +183,13 @@ class Settling:
         """Whether the last cycle is settled."""
         return self.error_estimate < TOLERANCE
 
+    @property
+    def is_noise(self) -> bool:
+        """Whether the last changes are noise: they shrink by less than half as much as the known multiplier says."""
+        if self.cycles < FEWEST_CYCLES or self.multiplier is None or not self.multiplier < 1.0:
+            return False
+        return self.changes[-1] > self.changes[-3] * ((1.0 + self.multiplier) / 2.0) ** 2
+
     def keeps_changing(self, cycles: Sequence[Cycle], rattles: bool = False) -> bool:
         """Whether the changes of the given last cycles neither shrink nor grow nor add up to a drift.
 

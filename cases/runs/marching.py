@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import Final
 
@@ -64,24 +64,32 @@ def is_determined(mechanism: Mechanism) -> bool:
     return mechanism.follower.is_rigid and mechanism.slider.is_rigid and not mechanism.crank_is_free
 
 
-def settle(cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bool = False) -> tuple[tuple[Columns, ...], Settling]:
+def settle(
+    cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bool = False, halve_step: Callable[[], None] = lambda: None
+) -> tuple[tuple[Columns, ...], Settling]:
     """Take cycle after cycle until settled or hopeless, or until there are no more.
 
     Args:
         cycles: one after the other, with all columns of the trajectory.
         multiplier: largest Floquet multiplier of the steady state, if it is known.
         rattles: whether the slider's joint opens and closes, so that cycles may never repeat exactly.
+        halve_step: halves the step between the rows of the cycles to come. It is called once where the changes are noise although nothing
+            rattles: the rows of each cycle meet fast vibrations at other instants.
 
     Returns:
         The columns of the cycles to measure, and the settling. If the cycles settle, the last one is measured; if they keep changing, the
         last `AVERAGED`; otherwise the last one, or none if there is none.
     """
     settling, latest = Settling(multiplier=multiplier), deque[Columns](maxlen=AVERAGED)
+    halved = False
     for cycle in cycles:
         latest.append(columns_of(cycle))
         progress.tell(cycle=settling.cycles + 1, most=GREATEST_NUMBER)
         if settling.feed(channels_of(latest[-1])) or settling.cycles >= GREATEST_NUMBER:
             break
+        if settling.is_noise and not rattles and not halved:
+            halve_step()
+            halved = True
     if len(latest) == AVERAGED and settling.keeps_changing([channels_of(each) for each in latest], rattles):
         return tuple(latest), settling
     return tuple(latest)[-1:], settling
@@ -104,11 +112,16 @@ class March:
         """The present state as a start, see `Simulation.present_start`."""
         return self._simulation.present_start()
 
+    def halve_step(self) -> None:
+        """From the next cycle on, halve the step between rows."""
+        self._step /= 2.0
+
     def __iter__(self) -> Iterator[Cycle]:
         """Simulate on. EngineFailure: the run failed, or the crank is too slow or too fast for a measurement of cycles."""
-        simulation, speed, step, rows = self._simulation, self._crank_speed, self._step, self._begun
+        simulation, speed, rows = self._simulation, self._crank_speed, self._begun
         last_passage = simulation.time
         while True:
+            step = self._step
             if rows is not None:
                 cycles, speed = whole_cycles(rows), float(np.mean(rows["crank_speed"]))
                 yield from cycles

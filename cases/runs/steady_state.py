@@ -208,7 +208,7 @@ class _RunInProgress:
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
-            cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners)
+            cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners, march.halve_step)
         finally:
             self.note("computation", solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         self.note("approach", settled=settling.settled or len(cycles) > 1, cycles=settling.cycles, averaged_cycles=max(len(cycles), 1))
@@ -278,7 +278,8 @@ class _RunInProgress:
             if state is not None and (state.stable or self._neutral):
                 return (columns_of(periodic_cycle(state, self._step)[0]),)
         multiplier = 0.0 if is_determined(self._mechanism) else None
-        cycles, settling = settle(self._march(settings), multiplier, self._mechanism.slider.has_corners)
+        march = self._march(settings)
+        cycles, settling = settle(march, multiplier, self._mechanism.slider.has_corners, march.halve_step)
         if not settling.settled:
             raise EngineFailure(0.0, "neither settled nor found a periodic state", "try other settings")
         return cycles

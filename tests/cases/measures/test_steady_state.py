@@ -149,6 +149,21 @@ def fed(values: Iterable[float], settling: Settling) -> Settling:
     return settling
 
 
+@pytest.mark.parametrize(
+    ("values", "multiplier", "is_noise"),
+    [
+        ([0.9**n for n in range(8)], 0.9, False),  # as the multiplier says
+        ([0.3**n for n in range(8)], 0.9, False),
+        ([(-1.0) ** n for n in range(8)], 0.9, True),
+        ([(-1.0) ** n for n in range(8)], None, False),  # it may be slow
+        ([(-1.0) ** n for n in range(8)], 1.1, False),  # no steady state that attracts
+        ([1.0, -1.0, 1.0], 0.9, False),  # too few
+    ],
+)
+def test_changes_that_do_not_follow_the_multiplier_are_noise(values: list[float], multiplier: float | None, is_noise: bool) -> None:
+    assert fed(values, Settling(multiplier=multiplier)).is_noise is is_noise
+
+
 def test_a_slow_approach_says_how_many_cycles_it_would_take() -> None:
     settling = fed((0.95**n for n in range(60)), Settling())
     assert not settling.settled

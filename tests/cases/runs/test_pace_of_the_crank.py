@@ -82,3 +82,30 @@ def test_a_march_that_goes_on_from_a_run_is_the_same_march() -> None:
         np.testing.assert_allclose((one.time[0], one.time[-1]), (other.time[0], other.time[-1]), rtol=1e-12)
         np.testing.assert_allclose(one.crank_angle[-1], other.crank_angle[-1])
     assert on.simulated_seconds == begun.time
+
+
+class Trembling(Turning):
+    """A motion that repeats exactly, with a vibration for which the rows are few."""
+
+    def advance(self, duration: float, output_step: float) -> Trajectory:
+        trajectory = super().advance(duration, output_step)
+        trajectory.columns["tip_acceleration"] = np.cos(trajectory["crank_angle"]) + 0.03 * np.sin(400.0 * trajectory["crank_angle"])
+        return trajectory
+
+
+def test_rows_that_are_too_few_for_a_vibration_are_taken_closer() -> None:
+    """At 9 rad/s a turn is 1396.3 rows, 3.5 to a period of the vibration: each turn's rows meet it at other phases."""
+    march = March(Trembling(9.0, 9.0), 9.0, STEP)
+    (cycle,), settling = settle(march, multiplier=0.9, halve_step=march.halve_step)
+    assert settling.settled
+    assert settling.cycles < 15
+    assert len(cycle["time"]) == pytest.approx(2 * 1396, abs=4)
+    _, alone = settle(March(Trembling(9.0, 9.0), 9.0, STEP), multiplier=0.9)
+    assert not alone.settled
+
+
+@pytest.mark.parametrize(("multiplier", "rattles"), [(None, False), (0.9, True)])
+def test_rows_stay_as_they_are_where_noise_may_be_the_motion(multiplier: float | None, rattles: bool) -> None:
+    march = March(Trembling(9.0, 9.0), 9.0, STEP)
+    found, _ = settle(march, multiplier, rattles, march.halve_step)
+    assert len(found[-1]["time"]) == pytest.approx(1396, abs=3)
