@@ -7,8 +7,9 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <cstdio>
 #include <fstream>
+#include <locale>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -31,6 +32,7 @@ struct Verdict {
 
 inline std::string text(double value, int digits = 6) {
     std::ostringstream out;
+    out.imbue(std::locale::classic());
     out.precision(digits);
     out << value;
     return out.str();
@@ -42,11 +44,15 @@ inline std::string trimmed(const std::string& field) {
     return first == std::string::npos ? "" : field.substr(first, field.find_last_not_of(blanks) - first + 1);
 }
 
-// The number of a field, NaN for an empty one; `place` says where it stands.
+// The number of a field, NaN for an empty one; `place` says where it stands. The program's locale does not matter.
 inline double number(const std::string& field, const std::string& place) {
-    char* end = nullptr;
-    const double value = field.empty() ? NAN : std::strtod(field.c_str(), &end);
-    if (end && *end) throw BadInput(place + ": not a number: " + field);
+    static const std::regex no_number("|[+-]?nan", std::regex::icase), infinite("[+-]?inf(inity)?", std::regex::icase);
+    if (std::regex_match(field, no_number)) return NAN;
+    if (std::regex_match(field, infinite)) return field[0] == '-' ? -INFINITY : INFINITY;
+    double value = 0;
+    std::istringstream in(field);
+    in.imbue(std::locale::classic());
+    if (!(in >> value) || in.peek() != EOF) throw BadInput(place + ": not a number: " + field);
     return value;
 }
 
@@ -130,8 +136,8 @@ inline std::vector<Verdict> judged(const std::string& folder, const std::string&
     const std::regex entry("\"(\\w+)\": \\{\"bound\": ([^,]+), \"horizon\": ([^,]+), \"scale\": ([^,]+),");  // a line for each signal
     std::vector<Verdict> verdicts;
     for (std::sregex_iterator each(bounds.begin(), bounds.end(), entry), end; each != end; ++each) {
-        const double bound = std::stod((*each)[2]) + share * std::stod((*each)[4]);
-        verdicts.push_back(judged_signal((*each)[1], bound, std::stod((*each)[3]), right, table));
+        const auto value = [&](int place) { return number((*each)[place], problem + "/bounds.json"); };
+        verdicts.push_back(judged_signal((*each)[1], value(2) + share * value(4), value(3), right, table));
     }
     if (std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& each) { return each.status == "missing"; })) throw BadInput(file + ": has none of the signals of " + problem);
     return verdicts;

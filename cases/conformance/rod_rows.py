@@ -50,6 +50,8 @@ def acceleration(bench: Bench, motion: Motion) -> str:
     if abs(slope) > _OF_GRAVITY * gravity:
         lacks = "it lacks gravity, as an accelerometer does: add it" if abs(abs(slope) - gravity) < _NEAR * gravity else "look at its frame"
         raise Fault(f"tip_acceleration is {slope:.3g} m/s^2 too large on average", lacks)
+    if not np.any(velocity):
+        raise Fault("tip_deflection does not change", "it is the end's displacement along the base's normal, in m")
     times = float(integral @ velocity / (velocity @ velocity))
     if not _FACTOR[0] < times < _FACTOR[1]:
         cause = f"tip_acceleration is {times:.3g} times the second derivative of tip_deflection"

@@ -239,9 +239,11 @@ class System:
 
     def _has_rows(self, what: str, value: Any, rows: int) -> None:
         """Raise DescriptionError for a scalar in place of a vector, or the reverse: CasADi would take it for both components."""
+        shape = "one number" if rows == 1 else f"{rows} components, such as vector(x, y)"
+        if isinstance(value, (tuple, list)):
+            raise DescriptionError(f"the {what} of {self.name!r} is a {type(value).__name__}; it needs {shape}")
         given = ca.SX(value).numel()
         if given != rows:
-            shape = "one number" if rows == 1 else f"{rows} components, such as vector(x, y)"
             raise DescriptionError(f"the {what} of {self.name!r} has {given} component{'s' if given != 1 else ''}; it needs {shape}")
 
     def _index(self, coordinate: ca.SX) -> int:

@@ -1,6 +1,7 @@
 """The checkers of all languages that are installed: right tables, wrong ones, and input that is none."""
 
 import math
+import re
 import shutil
 import subprocess
 import sys
@@ -216,3 +217,30 @@ def test_a_program_in_cpp_finds_the_problems_from_any_folder(tmp_path: Path) -> 
     inside, above = tmp_path / "pack", tmp_path
     for command, folder in (("./check", inside), ("pack/check", above), (inside / "check", Path("/")), ("./away", above)):
         subprocess.run([command, "sag", tmp_path / "pack/sag/results.csv"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+
+#: A host program whose locale writes decimal commas.
+HOST = """
+#include <cstdio>
+#include "check.hpp"
+struct Commas : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+};
+int main(int, char** arguments) {
+    std::locale::global(std::locale(std::locale(), new Commas));
+    const auto verdicts = pack::judged(arguments[1], "decay", arguments[2]);
+    for (const auto& each : verdicts) std::printf("%s %s\\n", each.status.c_str(), each.told.c_str());
+}
+"""
+
+
+@pytest.mark.verify
+def test_the_locale_of_a_program_in_cpp_does_not_matter(tmp_path: Path) -> None:
+    if not (program := shutil.which("g++")):
+        pytest.skip("g++ is not installed")
+    (tmp_path / "host.cpp").write_text(HOST)
+    subprocess.run([program, "-std=c++17", f"-I{PACK}", "-o", tmp_path / "host", tmp_path / "host.cpp"], check=True)
+    told = subprocess.run([tmp_path / "host", PACK, PACK / "decay/results.csv"], check=True, capture_output=True, text=True).stdout
+    assert set(re.findall(r"^\w+", told, re.MULTILINE)) == {"within"}
+    assert "," not in re.sub(r", ", "", told)

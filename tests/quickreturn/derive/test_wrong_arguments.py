@@ -43,6 +43,9 @@ WRONG: dict[str, Callable[[System, Any, Any], Any]] = {
     "body 'rod' of 'pendulum' has mass but no place, so that it would not count": lambda s, p, a: s.body("rod", p.mass),
     "body 'rod' of 'pendulum' has inertia but no angle": lambda s, p, a: s.body("rod", p.mass, turned(a, p.length), p.mass * p.length**2),
     "the place of 'rod' of 'pendulum' has 1 component; it needs 2 components": lambda s, p, a: s.body("rod", p.mass, p.length),
+    "the place of 'rod' of 'pendulum' is a tuple; it needs 2 components, such as vector(x, y)": lambda s, p, a: s.body(
+        "rod", p.mass, (a, 0)
+    ),
     "the load 'wind' of 'pendulum' has 1 component": lambda s, p, a: s.load("wind", turned(a, p.length), p.force),
     "the energy of 'well' of 'pendulum' has 2 components; it needs one number": lambda s, p, a: s.energy("well", p.force * vector(1, 1)),
     "the output 'tip' of 'pendulum' has 2 components": lambda s, p, a: s.output("tip", turned(a, p.length), "m"),
