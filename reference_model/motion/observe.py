@@ -273,7 +273,7 @@ def _inboard_or_not(p: BeamParameters, s: float, inboard: complex, beyond: compl
 def _at_place(t: BeamTables, w: BeamWorkspace, field: Array, x: float) -> tuple[float, float]:
     """A field (moment or curvature) and the deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
     value = deflection = begin = 0.0
-    covered = -1.0  # end of the cells before, with room for rounding
+    covered = -math.inf  # end of the cells before, with room for rounding
     for cell in range(t.cells):
         # a cell beyond a slider that has left the follower has no length
         beyond = w.length[cell + 1] if cell < t.cells - 1 else 0.0

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import assume
 
 from quickreturn.engines.own import multiplier, stiff_spring
 from quickreturn.engines.own.multiplier import MultiplierSettings
@@ -129,12 +130,14 @@ def change(found: Trajectory, limit: Trajectory, unit: dict[str, float]) -> dict
     return {name: (found[name] - limit[name]) / size for name, size in unit.items()}
 
 
-def check_first_order_in_the_part(method: Method, part: str, scene: Scene, columns: tuple[str, ...], noise: float) -> None:
+def check_first_order_in_the_part(
+    method: Method, part: str, scene: Scene, columns: tuple[str, ...], noise: float, whole: float = LITTLE
+) -> None:
     """Half of the part, half the change; `noise` is what two runs of the same motion may differ by, in sizes."""
     lacking = with_part(scene, part, 0.0)
     without = method.run(lacking)
     unit = {name: size for name, size in sizes(lacking, without, method.half_waves).items() if name in columns}
-    little, half = (change(method.run(with_part(scene, part, each)), without, unit) for each in (LITTLE, 0.5 * LITTLE))
+    little, half = (change(method.run(with_part(scene, part, each)), without, unit) for each in (whole, 0.5 * whole))
     for name in unit:
         bound = NEXT_ORDER * np.max(np.abs(little[name])) + noise
         assert np.max(np.abs(little[name] - 2.0 * half[name])) <= bound, name
@@ -157,8 +160,15 @@ def test_little_friction_changes_little(part: str, scene: Scene) -> None:
 @pytest.mark.parametrize("method", [EXUDYN, MUJOCO], ids=str)
 @for_all(few=1, many=5, scene=scenes(drive="torque"))
 def test_little_of_a_part_changes_little_in_other_engines(method: Method, part: str, scene: Scene) -> None:
-    """Their steps do not depend on the motion; Exudyn leaves Newton's iteration at a residual of 1e-6, sooner or later by one."""
-    check_first_order_in_the_part(method, part, scene, PLACES, 1e-6 if method is EXUDYN else 1e-9)
+    """Their steps do not depend on the motion; Exudyn leaves Newton's iteration at a residual of 1e-6, sooner or later by one.
+
+    MuJoCo's steps are as long as the chain allows: where the part changes their number the error of the steps changes, too. They damp
+    nothing, so that the phase of the fastest vibration shows more of the next order.
+    """
+    noise, whole = (1e-6, LITTLE) if method is EXUDYN else (1e-9, 0.1 * LITTLE)
+    if method is MUJOCO:
+        assume(len({method.run(with_part(scene, part, share)).statistics["steps"] for share in (0.0, 0.5 * whole, whole)}) == 1)
+    check_first_order_in_the_part(method, part, scene, PLACES, noise, whole)
 
 
 #: Where the rigid limits are looked for. Strain, force and acceleration have none: what is stiffened vibrates the faster about

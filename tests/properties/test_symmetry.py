@@ -123,16 +123,27 @@ def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
     )
 
 
+def check_image(method: Method, scene: Scene) -> None:
+    """The image moves alike, or breaks down like the scene, such as in Newton's iteration of steps that are too large for it."""
+    try:
+        expected = method.run(scene)
+    except EngineFailure:
+        with pytest.raises(EngineFailure):
+            method.run(mirrored(scene))
+        return
+    assert_close(image(method.run(mirrored(scene)).columns), expected, scene, method, REPEATED[method.engine.name])
+
+
 @pytest.mark.parametrize("method", [*EXPLICIT, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
 @for_all(few=4, many=25, scene=scenes())
 def test_the_mirror_image_moves_like_the_mirror_image(method: Method, scene: Scene) -> None:
-    assert_close(image(method.run(mirrored(scene)).columns), method.run(scene), scene, method, REPEATED[method.engine.name])
+    check_image(method, scene)
 
 
 @pytest.mark.parametrize("method", [REFERENCE, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
 @for_all(few=4, many=25, scene=scenes(tool=True))
 def test_the_mirror_image_with_a_tool_and_a_spring(method: Method, scene: Scene) -> None:
-    assert_close(image(method.run(mirrored(scene)).columns), method.run(scene), scene, method, REPEATED[method.engine.name])
+    check_image(method, scene)
 
 
 @for_all(few=4, many=25, scene=scenes(compliant=True))

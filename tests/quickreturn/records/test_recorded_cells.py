@@ -113,8 +113,9 @@ def conformance(draw: Draw, workshop: Workshop) -> None:
     for recorded in draw(table("conformance", ConformanceRow)):
         chosen = engine(recorded.engine)
         if not chosen.unavailable():
-            again = ConformanceRow.of(conform(recorded.engine, workshop.executor, quiet=True), str(chosen.version()))
-            assert (again.verdict, again.failed) == (recorded.verdict, recorded.failed), again
+            judged = conform(recorded.engine, workshop.executor, quiet=True)
+            again = ConformanceRow.of(judged, str(chosen.version()))
+            assert (again.verdict, again.failed) == (recorded.verdict, recorded.failed), judged
 
 
 def classes(draw: Draw, workshop: Workshop) -> None:

@@ -233,5 +233,5 @@ def test_in_python_and_as_a_picture(place: Call) -> None:
     np.testing.assert_allclose(again.values, found.values, rtol=1e-9)
     left, right = scatter_figure(found).axes
     assert left.get_xlabel() == "work of the drive, and of a force on the tip [lbf in]"  # its file is in inches
-    assert [label.get_text() for label in right.get_yticklabels()] == ["base.damping"]
+    assert [label.get_text() for label in right.get_yticklabels()] == ["base damping"]
     assert [round(bar.get_width(), 6) for bar in right.patches] == [1.0, 1.0]
