@@ -106,12 +106,14 @@ class TableComparison(Displayed):
         """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is a table of another case.
 
         "scene" -> that no mistake explains it; "quantities" -> with which other values of one quantity or two the case would give it;
-        "construction" -> a hypothesis on how the machine was built in another program (docs/as-built.md), if there are no such quantities.
+        "construction" -> a hypothesis on how the machine was built in another program (docs/as-built.md), if such quantities
+        do not explain the whole difference.
         """
         told = next((explanations(self.run, other, self.result.case) for other in self._comparable), {})
         if (lead := self.result.leads.get(self.name)) is None:
             return told
-        return {key: sentence for key, sentence in told.items() if key != BUILT} | {QUANTITIES: lead}
+        sentence, whole = lead
+        return {key: other for key, other in told.items() if key != BUILT or not whole} | {QUANTITIES: sentence}
 
     @property
     def is_puzzling(self) -> bool:
@@ -192,7 +194,9 @@ def _led_on(case: Case, results: list[CaseResult], tables: Mapping[str, Recorded
     jobs = [Job(f"quantities of {name}", leads, (case, tables[name]), lasts=None) for name in names]
     outcomes = workshop.outcomes(jobs, "quantities that would explain a table")
     found = {
-        name: lead.told(case, tables[name].shown) for name, outcome in zip(names, outcomes, strict=True) for lead in outcome.value or ()
+        name: (lead.told(case, tables[name].shown), lead.whole)
+        for name, outcome in zip(names, outcomes, strict=True)
+        for lead in outcome.value or ()
     }
     return [replace(result, leads={name: found[name] for name in result.recorded if name in found}) for result in results]
 

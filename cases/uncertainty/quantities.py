@@ -58,13 +58,18 @@ class Lead:
     difference: float  # RMS of the columns' difference from the case, over their RMS
     left: float  # the same with the values, without the part that looks like noise
 
+    @property
+    def whole(self) -> bool:
+        """Whether the values explain the whole difference, not only most of it."""
+        return self.left <= EXPLAINED
+
     def told(self, case: Case, path: str) -> str:
         """A sentence, with the command that fits the quantities; `path`: of the table."""
         parts = []
         for key, given, value in zip(self.keys, self.given, self.values, strict=True):
             unit = case.units.of(Free.of_text(key, case).parameter.quantity.unit)
             parts.append(f"{key} of about {unit.text(value, '.3g')} in place of {unit.text(given, '.3g')}")
-        what = "the difference" if self.left <= EXPLAINED else "most of the difference"
+        what = "the difference" if self.whole else "most of the difference"
         size = f"it is {100.0 * self.difference:.2g} % of the columns and would be {100.0 * self.left:.1g} %"
         free = " ".join(f"--free {key}" for key in self.keys)
         return f"{' and '.join(parts)} would explain {what} ({size}): `quickreturn calibrate {case.name} {path} {free}` fits that"

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.runs.column_differences import BUILT
+from quickreturn.cases.runs.column_differences import BUILT, QUANTITIES
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "examples" / "as_built"
 
@@ -50,7 +50,10 @@ def test_a_soft_contact_shows_in_the_gap_and_a_low_frequency(told: Any) -> None:
 
 @pytest.mark.verify
 def test_friction_shows_in_a_slow_crank(told: Any) -> None:
-    assert told(friction=0.1).startswith("probably friction, or another drive: a turn of the crank takes ")
+    explanations = told(whole=True, friction=0.1)
+    assert explanations[BUILT].startswith("probably friction, or another drive: a turn of the crank takes ")
+    assert "crank.damping" in explanations[QUANTITIES]
+    assert "would explain most of the difference" in explanations[QUANTITIES]
 
 
 @pytest.mark.parametrize(("step", "added"), [pytest.param(1e-4, 0.0064, marks=pytest.mark.verify), (5e-4, 0.032)])
