@@ -1,11 +1,13 @@
 """Engines with the settings of these tests, and how far two trajectories may lie apart."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import Engine
+from quickreturn.engines.base import Engine, EngineFailure
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.engine import MujocoEngine
@@ -109,3 +111,14 @@ def assert_close(found: dict[str, Array], expected: Trajectory, scene: Scene, me
     """Every column agrees to `bound` of its size."""
     beyond = {name: distance for name, distance in apart(found, expected, scene, method).items() if not distance <= bound}
     assert not beyond, f"{method}: {', '.join(f'{name} {distance:.2g}' for name, distance in beyond.items())} beyond {bound:.2g}"
+
+
+def both(one: Callable[[], Trajectory], other: Callable[[], Trajectory]) -> tuple[Trajectory, Trajectory] | None:
+    """Two runs that should be alike; None where both break down, such as in iterations of steps that are too large for the scene."""
+    try:
+        first = one()
+    except EngineFailure:
+        with pytest.raises(EngineFailure):
+            other()
+        return None
+    return first, other()

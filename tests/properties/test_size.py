@@ -17,7 +17,19 @@ from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.engines.scenes import run_24
 from tests.properties.law import for_all
-from tests.properties.runs import COMPLIANT, EXUDYN, FIXED_SHAPES, MUJOCO, REFERENCE, STEPS_ADD_UP, THESIS, TOLERANCE, Method, assert_close
+from tests.properties.runs import (
+    COMPLIANT,
+    EXUDYN,
+    FIXED_SHAPES,
+    MUJOCO,
+    REFERENCE,
+    STEPS_ADD_UP,
+    THESIS,
+    TOLERANCE,
+    Method,
+    assert_close,
+    both,
+)
 from tests.properties.sizes import Size
 from tests.strategies import Scene, scenes
 
@@ -46,12 +58,14 @@ def within(method: Method) -> float:
 
 #: A blow's force is what the joint's stiffness, some thousand times the follower's, makes of the error of the gap.
 BLOWS = 10.0
+#: Blows also multiply what steps in other numbers leave: 8.6e-6 with a tolerance of 1e-9, 1.2e-7 with 1e-10, 1.8e-8 with this one.
+RATTLING = replace(COMPLIANT, settings=COMPLIANT.settings.replaced(tolerance=1e-2 * TOLERANCE))
 
 
 def check_motion(method: Method, scene: Scene, size: Size, times: float = 1.0) -> None:
-    other = size.random_scene(scene)
-    found = replace(method, settings=size.settings(method.settings)).run(other)
-    assert_close(size.back(found.columns), method.run(scene), scene, method, times * within(method))
+    sized = replace(method, settings=size.settings(method.settings))
+    if runs := both(lambda: method.run(scene), lambda: sized.run(size.random_scene(scene))):
+        assert_close(size.back(runs[1].columns), runs[0], scene, method, times * within(method))
 
 
 @pytest.mark.parametrize("method", [REFERENCE, THESIS, MUJOCO], ids=str)
@@ -67,7 +81,7 @@ def test_a_machine_of_another_size_moves_alike_in_slower_engines(method: Method,
     check_motion(method, scene, size)
 
 
-@pytest.mark.parametrize("method", [COMPLIANT, MUJOCO], ids=str)
+@pytest.mark.parametrize("method", [RATTLING, MUJOCO], ids=str)
 @for_all(few=2, many=12, scene=scenes(rollers=True), size=SIZES)
 def test_a_machine_of_another_size_rattles_and_rubs_alike(method: Method, scene: Scene, size: Size) -> None:
     check_motion(method, scene, size, BLOWS)

@@ -35,7 +35,7 @@ def test_second_order_in_step_and_elements():
     assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5
     in_time, in_space, in_stretch, in_passing = ENGINE.comparisons(ExudynSettings(elements=32, step=2.5e-4), run_24(), 1e-3)
     assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=5e-4), 2.0**ladder.SAFE_IN_TIME)
-    assert in_time.before == Comparison(in_time.other, ExudynSettings(elements=32, step=1e-3), in_time.factor)
+    assert in_time.before == Comparison(in_time.other, ExudynSettings(elements=32, step=1e-3), in_time.factor, of="time")
     assert (in_space.run, in_space.other) == (in_time.before.other, ExudynSettings(elements=16, step=1e-3))
     assert in_space.factor == 2.0**ladder.SAFE_IN_SPACE
     assert (in_stretch.run, in_stretch.factor) == (in_space.other, 4.0)
