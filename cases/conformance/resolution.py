@@ -32,10 +32,12 @@ from quickreturn.reference_model.mechanism import Mechanism
 _MOST_RUNGS: Final = 200
 #: Accuracy of coarse settings, or the engine's default if that is coarser.
 _COARSE: Final = 0.05
-#: Number of rungs that are run, of further ones while none of them is better, and solve time (s) of a run after which no finer one is run.
+#: Number of rungs that are run, and solve time (s) of a run after which no finer one is run.
 _RUN: Final = 3
-_FURTHER: Final = 2
 _SLOW: Final = 5.0
+#: The same for further rungs, which are run while none is better: they decide whether the check fails, so that they may take longer.
+_FURTHER: Final = 2
+_SLOW_FURTHER: Final = 30.0
 #: Largest ratio of an error to its estimate in the mild scene, by what the estimate covers: errors of an integration with adaptive steps
 #: scatter.
 _MISSED: Final = {"total": 1.5, "integration": 2.5}
@@ -71,12 +73,12 @@ def resolution(bench: Bench) -> Iterator[Check]:
     yield check_by("ladder: ends", _ends, bench, coarse)
     try:
         wrong, right = mistakes_in_mild_scene(bench), _truth(bench)
-        errors, above = _climb(bench, right, coarse, _RUN, _FURTHER), _climb(bench, right, default, 2)
+        (errors, ended), (above, _) = _climb(bench, right, coarse, _RUN, _FURTHER), _climb(bench, right, default, 2)
         finer = _error(bench, bench.engine.settings_for(min(_COARSE, bench.engine.default_accuracy), bench.scene), right)
     except EngineFailure as failure:
         yield Check("ladder: gets finer", "failed", f"a rung breaks down in the mild scene: {failure.cause}", failure.advice)
         return
-    yield check_by("ladder: gets finer", _gets_finer, errors, above, wrong)
+    yield check_by("ladder: gets finer", _gets_finer, errors, above, wrong, ended)
     yield check_by("ladder: a smaller accuracy is finer", _smaller_accuracy, bench, errors[0], finer)
     for words, chosen in {"coarse settings": coarse, "default settings": default}.items():
         if words == "default settings" or chosen != default:
@@ -115,19 +117,22 @@ def _error(bench: Bench, settings: Settings, right: Truth) -> float:
     return rms(bench.run(bench.mild, settings)["tip_deflection"] - deflection) / (rms(deflection) or 1.0)
 
 
-def _climb(bench: Bench, right: Truth, settings: Settings, most: int, further: int = 0) -> list[float]:
-    """Errors of the tip deflection from rung to rung, of at most `most` rungs; it stops after a rung that takes long.
+def _climb(bench: Bench, right: Truth, settings: Settings, most: int, further: int = 0) -> tuple[list[float], bool]:
+    """Errors of the tip deflection from rung to rung, of at most `most` rungs, and whether a rung that takes long ended it.
 
     Where the last of them is no better than the first, up to `further` more are run: two neighbouring rungs may be equally good by chance.
     """
     errors = [_error(bench, settings, right)]
-    while len(errors) < most + (0 if _better(errors) else further) and bench.run(bench.mild, settings).solve_seconds <= _SLOW:
+    while len(errors) < most + (0 if _better(errors) else further):
         finer = bench.finer(bench.scene, settings)
         if finer is None:
             break
+        decides = further > 0 and len(errors) > 1 and not _better(errors)
+        if bench.run(bench.mild, settings).solve_seconds > (_SLOW_FURTHER if decides else _SLOW):
+            return errors, True
         settings = finer
         errors.append(_error(bench, settings, right))
-    return errors
+    return errors, False
 
 
 def _better(errors: list[float]) -> bool:
@@ -135,8 +140,8 @@ def _better(errors: list[float]) -> bool:
     return errors[-1] <= _BETTER * errors[0] or errors[0] <= _NOISE
 
 
-def _gets_finer(errors: list[float], above: list[float], wrong: MistakesInMildScene) -> str:
-    """Check that errors fall from the coarsest rung on, and above the default."""
+def _gets_finer(errors: list[float], above: list[float], wrong: MistakesInMildScene, ended: bool) -> str:
+    """Check that errors fall from the coarsest rung on, and above the default; `ended`: the next rung from the coarsest one takes long."""
     for rungs in (errors, above):
         if any(after > max(_WORSE * before, 0.3 * errors[0], _NOISE) for before, after in itertools.pairwise(rungs)):
             cause = f"`finer` makes it coarser: errors of the tip deflection from rung to rung are {_listed(rungs)}"
@@ -147,6 +152,8 @@ def _gets_finer(errors: list[float], above: list[float], wrong: MistakesInMildSc
         cause = f"finer rungs are no better: errors of the tip deflection are {_listed(errors)}"
         if wrong.motion or "tip_deflection" in wrong.columns:
             raise Unjudged(f"{cause}, and it is wrong already", "mend that first")
+        if ended:
+            raise Unjudged(f"{cause}, and the next one takes long")
         raise Fault(cause, "the error is not that of the resolution; compare a fine run with reference")
     return f"errors {_listed(errors)}"
 
