@@ -114,6 +114,6 @@ def test_long_tests_are_entered_and_their_status_is_told(tmp_path: Path) -> None
         environment = os.environ | {VARIABLE: str(tmp_path)}
         return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout
 
-    assert "tests/test_slices.py: 1 never ran\n0 of 1 long tests" in told("--ledger-status")
+    assert "tests/test_slices.py: 2 never ran\n0 of 2 long tests" in told("--ledger-status")
     told()
-    assert "1 of 1 long tests passed with the code as it is" in told("--ledger-status")
+    assert "2 of 2 long tests passed with the code as it is" in told("--ledger-status")
