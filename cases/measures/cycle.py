@@ -118,29 +118,50 @@ def measure_cycle(
         ValueError: fewer than 16 samples, unequal lengths, values that are not finite, a time that does not increase, a crank that
             turns back, or ends that are not the farthest place.
     """
-    _check(time, crank_angle, channels)
-    boundaries = _boundaries(time, crank_angle)
+    return measure_cycles(scale, [(time, crank_angle, channels)], measured)[0]
+
+
+def measure_cycles(
+    scale: TimeScale | None, cycles: Sequence[tuple[Array, Array, Mapping[str, Array]]], measured: bool = False
+) -> list[CycleMeasures]:
+    """Measures several cycles side by side, which takes less time; each as by `measure_cycle`, whose arguments and errors are the same."""
+    halves: list[Mapping[str, ChannelHalf]] = []
+    ends: list[Mapping[str, Sequence[tuple[Number, Number]]]] = []
+    for time, crank_angle, channels in cycles:
+        _check(time, crank_angle, channels)
+        boundaries = _boundaries(time, crank_angle)
+        filtered = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
+        ends.append({name: extremes(time, values, boundaries) for name, values in filtered.items()})
+        halves += _channel_halves(scale, time, crank_angle, channels, boundaries)
+    vibrations = _vibrations(halves)
+    return [_of_cycle(of_channels, vibrations[2 * at : 2 * at + 2]) for at, of_channels in enumerate(ends)]
+
+
+def _channel_halves(
+    scale: TimeScale | None, time: Array, crank_angle: Array, channels: Mapping[str, Array], boundaries: Array
+) -> list[dict[str, ChannelHalf]]:
+    """The channels that vibrate, in each half."""
+    if scale is None:
+        return [{}, {}]
     angle = CubicSpline(time, crank_angle)
-    signals = {name: CubicSpline(time, values) for name, values in channels.items()}
-    filtered = {name: low_pass(time, values) if measured else values for name, values in channels.items()}
-    ends = {name: extremes(time, values, boundaries) for name, values in filtered.items()}
-    vibrating = [name for name in channels if scale is not None and name in scale.channels]
+    signals = {name: CubicSpline(time, values) for name, values in channels.items() if name in scale.channels}
+    halves = [half_cycle(scale, start, end, angle) for start, end in itertools.pairwise(boundaries)]
+    return [{name: channel_half(scale, half, name, signal) for name, signal in signals.items()} for half in halves]
+
+
+def _of_cycle(
+    ends: Mapping[str, Sequence[tuple[Number, Number]]], vibrations: Sequence[Mapping[str, tuple[FirstMode, float | None]]]
+) -> CycleMeasures:
+    """The measures of a cycle from its channels' extremes and vibrations in each half."""
     measures: list[ChannelMeasures] = []
-    consensuses: list[Consensus] = []
-    spans = list(itertools.pairwise(boundaries))
-    halves = [half_cycle(scale, start, end, angle) for start, end in spans] if scale else []
-    vibrations = _vibrations(
-        [{name: channel_half(scale, half, name, signals[name]) for name in vibrating} for half in halves] if scale else []
-    )
-    for at, (half, fitted) in enumerate(zip(HALVES, vibrations or ({}, {}), strict=True)):
-        for name in channels:
+    for at, (half, fitted) in enumerate(zip(HALVES, vibrations, strict=True)):
+        for name, of_halves in ends.items():
             first, second = fitted.get(name, NO_VIBRATION)
-            low, high = ends[name][at]
+            low, high = of_halves[at]
             vibration = first.frequency, first.frequency_uncertainty, first.amplitude, first.amplitude_uncertainty
             found = low.value, low.uncertainty, high.value, high.uncertainty
             measures.append(ChannelMeasures(half, name, *vibration, second, *found, first.reason))
-        consensuses.append(consensus_of(half, [measure for measure in measures if measure.half == half]))
-    return CycleMeasures(tuple(measures), tuple(consensuses))
+    return CycleMeasures(tuple(measures), tuple(consensus_of(half, [each for each in measures if each.half == half]) for half in HALVES))
 
 
 def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: bool = False) -> dict[str, tuple[Number, Number]]:

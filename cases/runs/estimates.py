@@ -15,6 +15,7 @@ largest difference in the half cycle, and this bound is the estimate for an extr
 For cycles that repeat in statistics only, means are compared: of the measures, of the extremes, and of the signals at each crank angle.
 """
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -24,10 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.measures.consensus import Consensus
-from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures
+from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures, measure_cycles
+from quickreturn.cases.measures.mean_cycle import mean_measures
 from quickreturn.cases.measures.of_turn import OF_TURN, OfTurn, rms_over_time
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
-from quickreturn.cases.measures.time_scale import CHANNELS
+from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.engines.error_parts import Compared, ErrorPart, total
 from quickreturn.engines.trajectory import Columns
@@ -68,6 +70,17 @@ class MeasuredCycle:
         given = [each for each in OF_TURN if all({*each.columns} <= cycle.keys() for cycle in cycles)]
         numbers = {each.name: float(np.mean([each.of(cycle) for cycle in cycles])) for each in given}
         return cls(measures, signals, rms, change, numbers)
+
+
+def measured_cycles(scale: TimeScale | None, runs: Sequence[tuple[Columns, ...]]) -> list[MeasuredCycle]:
+    """The measured cycles of several runs of a mechanism, each with one or more; `scale`: see `measure_cycle`."""
+    measures: list[list[CycleMeasures]] = [[] for _ in runs]
+    for numbered in itertools.zip_longest(*runs):  # all first cycles, then all second ones: all of them at once need much memory
+        present = [(of_run, cycle) for of_run, cycle in zip(measures, numbered, strict=True) if cycle is not None]
+        parts = [(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS}) for _, cycle in present]
+        for (of_run, _), found in zip(present, measure_cycles(scale, parts), strict=True):
+            of_run.append(found)
+    return [MeasuredCycle.of(cycles, mean_measures(of_run)) for cycles, of_run in zip(runs, measures, strict=True)]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,12 +25,10 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.cases.measures.balances import Balances
-from quickreturn.cases.measures.cycle import measure_cycle
-from quickreturn.cases.measures.mean_cycle import mean_measures
 from quickreturn.cases.measures.steady_state import Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import MeasuredCycle, MeasuredNumbers
+from quickreturn.cases.runs.estimates import MeasuredNumbers, measured_cycles
 from quickreturn.cases.runs.marching import March, columns_of, is_determined, output_step, periodic_cycle, settle
 from quickreturn.cases.runs.orbit import UNKNOWN_ERROR, Orbit, compared_orbits, settled_pairs
 from quickreturn.cases.runs.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, Computation, PeriodicOrbit, Run, RunRequest
@@ -155,16 +153,12 @@ class _RunInProgress:
         """Measure the settled cycle, with error estimates from the compared runs."""
         if not self.run.usable:
             return
-        scale, by_identity = time_scale(self._mechanism), dict[int, MeasuredCycle]()
-
-        def measured(cycles: tuple[Columns, ...]) -> MeasuredCycle:
-            if id(cycles) not in by_identity:  # a run may be compared with several
-                measures = (measure_cycle(scale, one["time"], one["crank_angle"], {name: one[name] for name in CHANNELS}) for one in cycles)
-                by_identity[id(cycles)] = MeasuredCycle.of(cycles, mean_measures(list(measures)))
-            return by_identity[id(cycles)]
-
-        others = [runs.mapped(measured) for runs in self._compared]
-        self.note(measured=MeasuredNumbers.of(measured(self._cycles).measures, others, self.run.measured.unestimated))
+        of_runs = {id(self._cycles): self._cycles}  # a run may be compared with several
+        for runs in self._compared:
+            runs.mapped(lambda cycles: of_runs.setdefault(id(cycles), cycles))
+        measured = dict(zip(of_runs, measured_cycles(time_scale(self._mechanism), list(of_runs.values())), strict=True))
+        others = [runs.mapped(lambda cycles: measured[id(cycles)]) for runs in self._compared]
+        self.note(measured=MeasuredNumbers.of(measured[id(self._cycles)].measures, others, self.run.measured.unestimated))
 
     def _choose_settings(self, refines: bool) -> None:
         """Find the settings that reach the accuracy from the run's start, with their error estimate and all runs for it.
