@@ -1,11 +1,11 @@
 """The follower alone in Exudyn: a cable clamped to a base body whose angle is a prescribed function of time."""
 
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.construction import add_base, add_cable, add_nodes, add_tip
 from quickreturn.engines.exudyn.flexible import CableModel
+from quickreturn.engines.exudyn.library import items
 from quickreturn.engines.exudyn.record import Record, accumulated, index
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start_state import at_rest

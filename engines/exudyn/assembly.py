@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from typing import Any
 
-import exudyn as exu
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 
 from quickreturn.engines.base import ModelDescription
+from quickreturn.engines.exudyn.library import exu, items
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.joint import joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive

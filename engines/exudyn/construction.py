@@ -4,10 +4,10 @@ import itertools
 from typing import Any, Final
 
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable
+from quickreturn.engines.exudyn.library import items
 from quickreturn.engines.start_state import FollowerState, StartState
 from quickreturn.reference_model.follower import Follower
 

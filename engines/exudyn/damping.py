@@ -10,10 +10,10 @@ error that other points leave (LADDERS.md, section 3) would not show with a fine
 from typing import Any, Final
 
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
+from quickreturn.engines.exudyn.library import items
 from quickreturn.engines.exudyn.record import index
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.rigid import crank_pace

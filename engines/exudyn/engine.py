@@ -107,7 +107,8 @@ class ExudynEngine(Engine[ExudynSettings]):
         """Build the system in the state `start`; see `Engine.prepare`."""
         self._check(scene, settings)
         from quickreturn.engines.exudyn.models import model_of
-        from quickreturn.engines.exudyn.simulation import ExtrapolatedSimulation, ExudynSimulation
+        from quickreturn.engines.exudyn.simulation import ExudynSimulation
+        from quickreturn.engines.exudyn.table import ExtrapolatedSimulation, PassingSimulation
 
         units = Units.of(scene)
         if settings.joint == ladder.SLIDING:
@@ -119,7 +120,8 @@ class ExudynEngine(Engine[ExudynSettings]):
             return ExudynSimulation(model, settings, steps_in, units, began)
 
         fine = simulation(settings.steps_in)
-        return ExtrapolatedSimulation(fine, simulation(settings.fewer_steps_in)) if settings.extrapolated else fine
+        stepped = ExtrapolatedSimulation(fine, simulation(settings.fewer_steps_in)) if settings.extrapolated else fine
+        return PassingSimulation(stepped, settings.rows_in_step) if settings.rows > 1 else stepped
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""

@@ -3,7 +3,6 @@
 from typing import Any, Final
 
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
@@ -11,6 +10,7 @@ from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
 from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of, marker_at
 from quickreturn.engines.exudyn.damping import Dampers
 from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.library import items
 from quickreturn.engines.exudyn.record import (
     Hold,
     Kinematics,

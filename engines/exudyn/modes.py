@@ -10,12 +10,12 @@ import math
 from typing import Any
 
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable
 from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, cable_of
+from quickreturn.engines.exudyn.library import items
 from quickreturn.engines.exudyn.rigid import follower_inertia
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState, reconstruct

@@ -3,13 +3,12 @@
 import math
 from typing import Any
 
-import exudyn as exu
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.library import exu, items
 from quickreturn.engines.exudyn.record import (
     Hold,
     Model,

@@ -17,6 +17,7 @@ LIGHT: Final = 2.0**-30
 FEWEST_ELEMENTS: Final = 4
 LARGEST_STEP: Final = 5e-2  # s
 LEAST_STEP: Final = 1e-7  # s
+MOST_ROWS: Final = 8
 SOFTEST: Final = 0.25
 STIFFEST: Final = 100.0
 
@@ -27,6 +28,7 @@ class ExudynSettings(Settings):
 
     elements: int = setting(16, "ANCF cable elements along the follower", low=FEWEST_ELEMENTS, high=96)
     step: float = setting(2.5e-4, "largest time step; the output step is divided evenly", unit="s", low=LEAST_STEP, high=LARGEST_STEP)
+    rows: int = setting(1, "most output steps in a time step; rows within one are interpolated", low=1, high=MOST_ROWS)
     extrapolated: bool = setting(False, "the table is extrapolated from these steps and steps of about twice their size")
     joint: str = setting("ale", "Exudyn's joint of the slider: along ALE cables, or its sliding joint", choices=JOINTS)
     spectral_radius: float = setting(0.9, "generalized-alpha: damping of the highest frequencies, 1 is none", low=0.5, high=0.95)
@@ -36,6 +38,14 @@ class ExudynSettings(Settings):
     def steps_in(self, output_step: float) -> int:
         """Steps from one output to the next, `output_step` (s) later."""
         return max(1, math.ceil(output_step / self.step - 1e-9))
+
+    def rows_in_step(self, output_step: float) -> int:
+        """Output steps in a time step where it passes some, otherwise 1."""
+        return min(self.rows, max(1, math.floor(self.step / output_step + 1e-9)))
+
+    def step_taken(self, output_step: float) -> float:
+        """The time step (s) by which `output_step` or a multiple of it is divided."""
+        return self.rows_in_step(output_step) * output_step / self.steps_in(output_step)
 
     def fewer_steps_in(self, output_step: float) -> int:
         """Steps of the coarser of two runs that are extrapolated; it takes a single one to two rows, where the finer run has one a row."""
@@ -82,12 +92,12 @@ ORDER_IN_SPACE: Final = 3.0
 SAFE_IN_TIME: Final = 1.6
 SAFE_IN_SPACE: Final = 1.6
 
+#: The order that it counts on where a run of four times the step shows how fast the differences fall.
+CHECKED_IN_TIME: Final = 2.0
+
 #: The orders that it counts on where it compares with a finer run: two runs that do not converge differ by more than the error of either.
 FINER_IN_TIME: Final = 2.0
 FINER_IN_SPACE: Final = 2.5
-#: Elements from which on a plain table is compared with larger steps; extrapolated ones and those of fewer elements, whose finer runs are
-#: cheap, are compared with smaller steps, which shows the error more sharply.
-FEWEST_WITH_LARGER_STEPS: Final = 12
 
 #: The order in time that it counts on where rollers touch and part: a blow of run 24 lasts a few steps, and errors then fall irregularly.
 SAFE_WITH_BLOWS: Final = 1.0
@@ -151,26 +161,41 @@ def balanced(own: ExudynSettings, accuracy: float, frequency: float) -> ExudynSe
 
 
 def in_time(own: ExudynSettings, output_step: float, blows: bool = False) -> Comparison:
-    """Half as many steps between two outputs, and half of those; or twice as many, see `FEWEST_WITH_LARGER_STEPS`.
+    """Twice the step and four times the step, which is cheap; of an extrapolated table half the step, which shows more.
 
-    The other way round where the run to compare with breaks down. In the thesis' 24 runs, most of them estimated by half as many steps
-    alone, six columns of the settled cycle differ from `reference` by 0.9 of the estimate at most.
+    The other way round where the run to compare with breaks down.
     """
-    steps, fewest = own.steps_in(output_step), math.ceil(output_step / LARGEST_STEP - 1e-9)
-    half = (steps + 1) // 2
 
-    def pair(run: int, other: int, before: Comparison | None = None, instead: Comparison | None = None) -> Comparison:
-        compared, with_this = (own if count == steps else own.replaced(step=output_step / count) for count in (run, other))
-        order = SAFE_WITH_BLOWS if blows else SAFE_IN_TIME if run > other else FINER_IN_TIME
-        return Comparison(compared, with_this, (run / other) ** order, before, instead, of="time")
+    def pair(run: ExudynSettings, other: ExudynSettings, order: float, before: Comparison | None = None) -> Comparison:
+        ratio = other.step_taken(output_step) / run.step_taken(output_step)
+        return Comparison(run, other, ratio ** (SAFE_WITH_BLOWS if blows else order), before, of="time")
 
-    smaller = pair(steps, 2 * steps) if output_step / (2 * steps) >= LEAST_STEP else None
-    if half == steps and smaller is not None:
+    half, twice = _smaller_step(own, output_step), _larger_step(own, output_step, blows)
+    smaller = pair(own, half or own, FINER_IN_TIME)
+    if twice is None:
         return smaller
-    larger = pair(steps, half, pair(half, max((half + 1) // 2, fewest)) if half > fewest else None)
-    if smaller is None or not (own.extrapolated or own.elements < FEWEST_WITH_LARGER_STEPS):
-        return replace(larger, instead=smaller)
-    return replace(smaller, instead=larger)
+    fourfold = _larger_step(twice, output_step, blows)
+    order = CHECKED_IN_TIME if fourfold else SAFE_IN_TIME
+    larger = pair(own, twice, order, pair(twice, fourfold, order) if fourfold else None)
+    if half is None:
+        return larger
+    return replace(smaller, instead=larger) if own.extrapolated else replace(larger, instead=smaller)
+
+
+def _smaller_step(own: ExudynSettings, output_step: float) -> ExudynSettings | None:
+    """About half the step; None if that is below the least."""
+    rows, steps = own.rows_in_step(output_step), own.steps_in(output_step)
+    step = (rows // 2) * output_step if rows > 1 else output_step / (2 * steps)
+    return own.replaced(step=step) if step >= LEAST_STEP else None
+
+
+def _larger_step(own: ExudynSettings, output_step: float, blows: bool) -> ExudynSettings | None:
+    """Twice or three times the step; None if that is above the largest, or passes too many rows: none where there are blows."""
+    rows, steps = own.rows_in_step(output_step), own.steps_in(output_step)
+    if steps == 1:
+        rows *= 2
+    step = rows * output_step / max(1, steps // 2)
+    return None if step > LARGEST_STEP or rows > (1 if blows else MOST_ROWS) else own.replaced(step=step, rows=max(own.rows, rows))
 
 
 def in_space(own: ExudynSettings, time: Comparison) -> Comparison:

@@ -6,15 +6,15 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.exudyn.damping import longest_stretch
+from quickreturn.engines.exudyn.library import exu
 from quickreturn.engines.exudyn.record import Model, Record
 from quickreturn.engines.exudyn.settings import ExudynSettings
-from quickreturn.engines.trajectory import Trajectory, join, trajectory_type
+from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
 
 Array = NDArray[np.float64]
@@ -28,54 +28,6 @@ LEAST_CHANGE: Final = 1e-12
 MOST_FOR_DENSE: Final = 12
 
 _ACCUMULATED = ("dissipated_energy", "drive_work")
-
-
-class ExtrapolatedSimulation(Simulation):
-    """Two simulations of a scene, one with about twice the steps of the other, and the table that their tables lead to (Richardson).
-
-    The errors fall with the square of the step: a + (a - b) / (r^2 - 1) has none of second order, r being the ratio of the steps. Where
-    the finer run takes one step to a row, the coarser one passes every other row, and a - b is interpolated there.
-    """
-
-    def __init__(self, fine: "ExudynSimulation", coarse: "ExudynSimulation") -> None:
-        self._fine, self._coarse = fine, coarse
-        self.time, self.setup_seconds = 0.0, fine.setup_seconds + coarse.setup_seconds
-
-    def advance(self, duration: float, output_step: float) -> Trajectory:
-        """See `Simulation.advance`; where one of the two fails, the table is extrapolated as far as both go."""
-        fine, failure = _as_far_as_it_goes(self._fine, duration, output_step)
-        steps, rows = self._fine.steps_in(output_step), len(fine) - 1
-        stride = 2 if steps == 1 else 1
-        at, pieces = np.r_[: rows - rows % stride + 1 : stride, rows - rows % stride + 1 : rows + 1], []
-        for intervals, number in ((stride, rows // stride), (1, rows % stride)):  # a row may be left, to which the last step is shorter
-            if number:
-                piece, other = _as_far_as_it_goes(self._coarse, number * intervals * output_step, intervals * output_step)
-                pieces.append(piece)
-                failure = failure or other
-                if other:
-                    break
-        coarse = join(pieces) if pieces else fine
-        at = at[: len(coarse)]
-        squared, shown = (steps * stride / self._coarse.steps_in(stride * output_step)) ** 2, slice(int(at[-1]) + 1)
-        columns = {name: values[shown] for name, values in fine.columns.items()}
-        for name in columns.keys() - {"time", "constraint_gap"}:
-            error = (columns[name][at] - coarse[name]) / (squared - 1.0)
-            columns[name] = columns[name] + np.interp(np.arange(len(columns[name])), at, error)
-        statistics = {name: number + coarse.statistics.get(name, 0.0) for name, number in fine.statistics.items()}
-        trajectory = type(fine)(columns, fine.solve_seconds + coarse.solve_seconds, statistics)
-        self.time = float(trajectory["time"][-1])
-        if failure is not None:
-            raise EngineFailure(self.time, failure.cause, failure.advice, trajectory)
-        return trajectory
-
-
-def _as_far_as_it_goes(simulation: Simulation, duration: float, output_step: float) -> tuple[Trajectory, EngineFailure | None]:
-    try:
-        return simulation.advance(duration, output_step), None
-    except EngineFailure as failure:
-        if failure.partial is None:
-            raise
-        return failure.partial, failure
 
 
 class ExudynSimulation(Simulation):

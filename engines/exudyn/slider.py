@@ -12,13 +12,12 @@ moves along the tangent relative to the carriage, and a damper in all directions
 import math
 from typing import Any, Final
 
-import exudyn as exu
 import numpy as np
-from exudyn import itemInterface as items  # noqa: N813
 
 from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from quickreturn.engines.exudyn.cable import Cable
 from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.library import exu, items
 from quickreturn.engines.exudyn.record import index
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState

@@ -1,4 +1,4 @@
-"""Tables extrapolated from two runs: their order, their rows where a step passes an output, and where one of the runs ends."""
+"""Tables of two runs or with rows between steps: their order, their rows where a step passes an output, and where a run ends."""
 
 import numpy as np
 import pytest
@@ -52,12 +52,37 @@ def test_pieces_equal_one_run_also_where_a_step_passes_an_output(pieces):
         assert relative_error(found[name], whole[name]) < (1e-9 if pieces[0] == 0.05 else 2e-3), name
 
 
-def test_a_table_ends_where_one_of_its_runs_does():
+@pytest.mark.parametrize("rows", [{}, {"rows": 4, "step": 2e-3}])
+def test_a_table_ends_where_one_of_its_runs_does(rows):
     gauges = (5.5 * INCH, 11.0 * INCH, 16.5 * INCH)
     soft = {"length": 22.001 * INCH, "strain_gauges": gauges, "bending_stiffness": 0.1 * run_24().follower.bending_stiffness}
     with pytest.raises(EngineFailure, match="left the follower") as failure:
-        simulate(run_24(follower=soft), 2.0, elements=8, step=5e-4, extrapolated=True)
+        simulate(run_24(follower=soft), 2.0, output_step=5e-4, **{"elements": 8, "step": 5e-4, "extrapolated": True, **rows})
     partial = failure.value.partial
     assert partial is not None
     assert partial["time"][-1] == failure.value.time < 2.0
     assert partial["slider_position"].max() <= 22.01 * INCH
+
+
+@pytest.mark.parametrize("extrapolated", [False, True])
+def test_rows_that_a_step_passes_are_interpolated(fine, extrapolated):
+    """Every fourth row is that of a table with these rows alone, the last one too; those between are hardly farther from a fine run."""
+    scene, settings = run_24(), {"elements": 12, "step": 2e-3, "extrapolated": extrapolated}
+    found = simulate(scene, 0.3, output_step=5e-4, rows=4, **settings)
+    stepped = simulate(scene, 0.3, output_step=2e-3, **settings)
+    assert found["time"] == pytest.approx(5e-4 * np.arange(601))
+    for name, values in stepped.columns.items():
+        assert found[name][::4] == pytest.approx(values, rel=1e-9, abs=1e-12), name
+    for name in ("tip_deflection", "tip_acceleration", "slider_force"):
+        error, between = (relative_error(found[name][at::4], fine[name][at // 2 :: 2]) for at in (0, 2))
+        assert between < 1.1 * error + 1e-4, name
+
+
+def test_rows_that_are_left_are_a_step_of_their_own():
+    scene, settings = run_24(), {"elements": 8, "step": 2e-3, "rows": 4}
+    whole = simulate(scene, 0.1, output_step=5e-4, **settings)
+    simulation = ENGINE.prepare(scene, standard_start(scene), ENGINE.settings_type(newton_tolerance=1e-5, **settings))
+    found = join([simulation.advance(piece, 5e-4) for piece in (0.0005, 0.0515, 0.048)])
+    assert simulation.time == pytest.approx(0.1)
+    assert found["time"] == pytest.approx(whole["time"])
+    assert relative_error(found["tip_deflection"], whole["tip_deflection"]) < 2e-2  # three steps are shorter

@@ -1,7 +1,6 @@
 """Which settings are compared, and which ones cure what is too large: orders measured, and what they promise."""
 
 import dataclasses
-import math
 
 import pytest
 from hypothesis import example, given
@@ -34,7 +33,7 @@ def test_second_order_in_step_and_elements():
     # second order: 4.2 to 5 against a reference that is itself only a fourth of the step (third of the elements) finer
     assert 3.5 < errors[32, 1e-3] / errors[32, 5e-4] < 5.5
     in_time, in_space, in_stretch, in_passing = ENGINE.comparisons(ExudynSettings(elements=32, step=2.5e-4), run_24(), 1e-3)
-    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=5e-4), 2.0**ladder.SAFE_IN_TIME)
+    assert (in_time.other, in_time.factor) == (ExudynSettings(elements=32, step=5e-4), 2.0**ladder.CHECKED_IN_TIME)
     assert in_time.before == Comparison(in_time.other, ExudynSettings(elements=32, step=1e-3), in_time.factor, of="time")
     assert (in_space.run, in_space.other) == (in_time.before.other, ExudynSettings(elements=16, step=1e-3))
     assert in_space.factor == 2.0**ladder.SAFE_IN_SPACE
@@ -134,19 +133,42 @@ def test_climbing_takes_what_the_orders_leave_to_within_reach(excess, elements, 
 @pytest.mark.parametrize("output_step", [1e-2, 1e-3, 5e-4, 2.5e-4, 1e-5])
 @pytest.mark.parametrize(("elements", "extrapolated"), [(8, False), (12, False), (12, True)])
 def test_runs_compared_differ_on_any_output_grid(output_step, elements, extrapolated):
-    """A step cannot pass an output: settings that differ may be the same run."""
+    """A step covers whole parts of an output step or whole output steps: settings that differ may be the same run."""
     for step in (5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4):
         own = ExudynSettings(elements=elements, step=step, extrapolated=extrapolated)
-        for pair in ENGINE.comparisons(own, run_24(), output_step):
-            fine, coarse = (math.ceil(output_step / settings.step - 1e-9) for settings in (pair.run, pair.other))
-            stiffer = pair.other.axial_factor / pair.run.axial_factor
-            assert fine != coarse or pair.run.elements != pair.other.elements or stiffer != 1.0
-            more = pair.run.elements / pair.other.elements
-            in_time = (fine / coarse) ** (ladder.SAFE_IN_TIME if fine > coarse else ladder.FINER_IN_TIME)
+        in_time, *others = ENGINE.comparisons(own, run_24(), output_step)
+        for pair in (in_time, in_time.before, *others):
+            if pair is None:
+                continue
+            longer = pair.other.step_taken(output_step) / pair.run.step_taken(output_step)
+            more, stiffer = pair.run.elements / pair.other.elements, pair.other.axial_factor / pair.run.axial_factor
+            assert (longer, more, stiffer) != (1.0, 1.0, 1.0)
+            order = ladder.FINER_IN_TIME if longer < 1.0 else ladder.CHECKED_IN_TIME if in_time.before else ladder.SAFE_IN_TIME
             in_space = more ** (ladder.SAFE_IN_SPACE if more > 1.0 else ladder.FINER_IN_SPACE)
             if pair.of == "passing":  # hardly any order
                 in_space = 1.0 / ladder.PASSING[2]
-            assert pair.factor == pytest.approx(in_time * in_space / stiffer)
+            assert pair.factor == pytest.approx(longer**order * in_space / stiffer)
+
+
+@pytest.mark.parametrize(("step", "steps"), [(5e-4, (5e-4, 1e-3, 2e-3)), (2.5e-4, (2.5e-4, 5e-4, 1e-3)), (1.6e-4, (1.25e-4, 2.5e-4, 5e-4))])
+def test_longer_steps_pass_rows_of_the_output(step, steps):
+    """By two where a step is one output step; where there are blows none is passed, and smaller steps are compared with."""
+    own = ExudynSettings(elements=12, step=step)
+    pair = ladder.in_time(own, 5e-4)
+    assert pair.before is not None
+    assert [each.step_taken(5e-4) for each in (pair.run, pair.other, pair.before.other)] == pytest.approx(steps)
+    assert ladder.in_time(own, 5e-4, blows=True).other.rows == 1
+    assert own.step_taken(5e-4) <= step
+
+
+@given(st.integers(1, 40), st.floats(1e-6, 4e-2), st.integers(1, ladder.MOST_ROWS))
+def test_a_step_is_not_longer_than_it_may_be(parts, output_step, rows):
+    """But for a single output step, which is what one step passes at most unless `rows` allows more."""
+    for step in (output_step / parts, output_step * parts / 7.0):
+        if ladder.LEAST_STEP <= step <= ladder.LARGEST_STEP:
+            taken = ExudynSettings(step=step, rows=rows).step_taken(output_step)
+            assert taken <= step * (1.0 + 1e-6)
+            assert taken > 0.5 * min(step, rows * output_step) * (1.0 - 1e-6)
 
 
 def test_what_both_pairs_with_more_elements_show_counts_once():
