@@ -87,8 +87,8 @@ class BeamModes:
 
     @property
     def tip_displacement(self) -> Array:
-        """Deflection of each mode at the flexible end x = L, shape (count,), kg^(-1/2)."""
-        return self.deflection(np.array([self.length]))[:, 0]
+        """Deflection of each mode at the flexible end x = L, shape (count,), kg^(-1/2): the weights of the one shape that moves it."""
+        return self.coefficients[-1][2]
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,7 @@ class Cable:
         bent = np.einsum("prs,prsc->prc", _quintic_second_derivative(xi, h), of_smooth)
         for kink in kinks:
             bent += np.maximum(0.0, kink.place - places)[:, :, None] * kink.jump
-        return _cross(slope, bent) / np.sum(slope**2, axis=2)
+        return _cross(slope, bent) / dot(slope, slope)
 
     def _second_derivatives(self, q: Array) -> Array:
         """Second derivative r'' at all nodes, 1/m, shape (rows, nodes, 2)."""
@@ -231,7 +231,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 def direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tuple[Array, Array, Array]:
     """Unit vector along `slope` (rows, 2), its angular rate and angular acceleration (rows,)."""
-    squared = np.sum(slope**2, axis=1)
+    squared = dot(slope, slope)
     rate = dot(turned(slope), slope_rate) / squared
     acceleration = dot(turned(slope), slope_acceleration) / squared - 2.0 * rate * dot(slope, slope_rate) / squared
     return slope / np.sqrt(squared)[:, None], rate, acceleration
@@ -239,9 +239,11 @@ def direction(slope: Array, slope_rate: Array, slope_acceleration: Array) -> tup
 
 def turned(a: Array) -> Array:
     """Vectors (..., 2) turned by a quarter turn, counter-clockwise."""
-    return np.stack([-a[..., 1], a[..., 0]], axis=-1)
+    result = np.empty_like(a)
+    result[..., 0], result[..., 1] = -a[..., 1], a[..., 0]
+    return result
 
 
 def dot(a: Array, b: Array) -> Array:
-    """Scalar products along the last axis."""
-    return np.sum(a * b, axis=-1)
+    """Scalar products of vectors (..., 2)."""
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])

@@ -130,7 +130,7 @@ class CableModel(Model):
         """Bending moment at the base, N m, (rows,), by Euler's law for the base body, to which the follower's damping is a reaction."""
         base, (_, turn, turn_rate) = self.assembly.scene.base, frame
         radius, relative = self._relative(line, frame)
-        damped = np.sum(turned(radius) * relative, axis=2) @ self._damper_weights
+        damped = dot(turned(radius), relative) @ self._damper_weights
         return np.asarray(base.inertia * turn_rate + base.damping * turn - held - damped)
 
     def _moment_at_tip(self, line: Kinematics) -> Array:
@@ -152,9 +152,10 @@ class CableModel(Model):
         """The columns of normal forces, N, (rows,): loads outboard along the tangent, by the tangents alone like `_momentum_rate`."""
         scene, cable, tip, gravity = self.assembly.scene, self._cable, self.assembly.scene.tip_body, np.array(self.assembly.scene.gravity)
         turning, h, rows = self._turning(line), cable.element_length, np.arange(len(line[0]))
-        swing = np.einsum("kn,rnc->rkc", cable.to_nodes, turning)
+        to_nodes = cable.to_nodes
+        swing = to_nodes @ turning
         load = cable.mass_per_length * (gravity - swing) - scene.follower.damping * self._relative(line, frame)[1]
-        inboard = np.einsum("kn,rnc->rkc", cable.to_nodes, load)
+        inboard = to_nodes @ load
         hung = kinks[1].place if len(kinks) > 1 else np.zeros(len(rows))
         end = tool - tip.mass * (swing[:, -1] + tip.center_of_mass * turning[:, -1] - gravity)
         end = end + np.where(hung[:, None] < cable.length, 0.0, spring)
@@ -228,9 +229,9 @@ class CableModel(Model):
         radius, relative = self._relative(line, frame)
         across, across_rate = turned(radius), turned(rates[:, :, :2])
         relative_rate = accelerations[:, :, :2] - turn_rate[:, None, None] * across - turn[:, None, None] * across_rate
-        power = crank + damping * turn**2 + np.sum(relative**2, axis=2) @ self._damper_weights
+        power = crank + damping * turn**2 + dot(relative, relative) @ self._damper_weights
         change = 2.0 * (crank_change + damping * turn * turn_rate)
-        change = change + 2.0 * np.sum(relative * relative_rate, axis=2) @ self._damper_weights
+        change = change + 2.0 * dot(relative, relative_rate) @ self._damper_weights
         if self._cable.bending_damping > 0.0:
             before, now, after = (self._cable.bending_loss(q + t * rates, rates + t * accelerations) for t in (-_SHORT, 0.0, _SHORT))
             power, change = power + now, change + (after - before) / (2.0 * _SHORT)

@@ -207,6 +207,7 @@ def _solver_settings(settings: ExudynSettings) -> exu.SimulationSettings:
     integration.newton.absoluteTolerance = LEAST_CHANGE
     few = settings.elements <= MOST_FOR_DENSE
     result.linearSolver.solverType = exu.LinearSolverType.EigenDense if few else exu.LinearSolverType.EigenSparse
+    result.linearSolver.reuseAnalyzedPattern = True
     result.solution.file.write = False
     result.solution.sensors.active = False
     return result
