@@ -228,10 +228,14 @@ def does_something(bench: Bench, field: "dataclasses.Field[Any]") -> str:
     tried = list[Any]()
     for scene, settings in _where_it_may_act(bench, field):
         motion = Motion(scene, _DURATION)
+        try:
+            plain = bench.run(motion, settings)
+        except (SettingError, EngineFailure):
+            continue  # that is due to the other setting
         for value in _others(field, getattr(settings, field.name)):
             try:
                 changed = settings.replaced(**{field.name: value})
-                plain, other = bench.run(motion, settings), bench.run(motion, changed)
+                other = bench.run(motion, changed)
             except (SettingError, EngineFailure):
                 return ""  # if it fails or is refused, the engine reads the setting
             tried.append(value)
@@ -253,11 +257,13 @@ def _where_it_may_act(bench: Bench, field: "dataclasses.Field[Any]") -> Iterator
         yield scene, bench.settings(scene)
     yield bench.scene, bench.engine.ladder(bench.scene)[-1]
     settings = bench.settings(bench.scene)
-    for other in dataclasses.fields(settings):  # where another setting is larger: an inertia of the higher modes needs some
-        if other.name != field.name and isinstance(present := getattr(settings, other.name), int) and not isinstance(present, bool):
-            for value in _others(other, present):
-                with contextlib.suppress(SettingError):
-                    yield bench.scene, settings.replaced(**{other.name: value})
+    numbers = {name: value for name, value in settings.as_dict().items() if isinstance(value, (int, float)) and not isinstance(value, bool)}
+    fields = [other for other in dataclasses.fields(settings) if other.name in numbers and other.name != field.name]
+    # where another number differs, whole ones first: an inertia of the higher modes needs some, rows within a step need a long one
+    for other in sorted(fields, key=lambda other: isinstance(numbers[other.name], float)):
+        for value in _others(other, numbers[other.name]):
+            with contextlib.suppress(SettingError):
+                yield bench.scene, settings.replaced(**{other.name: value})
 
 
 def _costs_otherwise(bench: Bench, motion: Motion, settings: tuple[Settings, Settings]) -> bool:
