@@ -44,7 +44,7 @@ from quickreturn.reference_model.motion.spring import hang
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.lane_records import LaneRecord, record_at
 from quickreturn.reference_model.native.memory import LANES
-from quickreturn.reference_model.native.pointers import matrix_at
+from quickreturn.reference_model.native.pointers import matrix_at, numbers_at
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
@@ -227,7 +227,7 @@ def observe_states(parameters: int, workspace: int, states: int, count: int, siz
     p, w = parameters_at(parameters), workspace_in_lanes_at(workspace)
     rate, row = scratch + 8 * LANES * size, scratch + 16 * LANES * size
     given, together = matrix_at(states, count, size), matrix_at(scratch, size, LANES)
-    observed, columns = matrix_at(row, NUMBERS, LANES), matrix_at(table, NUMBERS, count)
+    observed = matrix_at(row, NUMBERS, LANES)
     y, y_rate = state_in_lanes_at(scratch, p.n, p.speeds), state_in_lanes_at(rate, p.n, p.speeds)
     done, most = 0, LANES
     while done < count:
@@ -237,8 +237,9 @@ def observe_states(parameters: int, workspace: int, states: int, count: int, siz
                 together[i, lane] = given[done + min(lane, here - 1), i]
         if evaluate(p, p.tables, w, y, y_rate, True) and observe(p, p.tables, w, y, row_at(row)):
             for i in range(NUMBERS):
+                column = numbers_at(table + 8 * (count * i + done), here)
                 for lane in range(here):
-                    columns[i, done + lane] = observed[i, lane]
+                    column[lane] = observed[i, lane]
             done, most = done + here, LANES
         elif here == 1:
             break

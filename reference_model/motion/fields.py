@@ -113,6 +113,21 @@ def cumulate(t: BeamTables, length: Array, f: Array, out: Array) -> None:
         _cumulate(t, length, f, out, t.gauss_points, t.cell_size)
 
 
+@inner
+def cumulate_real(t: BeamTables, length: Array, f: Array, out: Array) -> None:
+    """`cumulate` for a real function, in rows of N numbers."""
+    G, S = t.gauss_points, t.cell_size
+    before = 0.0
+    for cell in range(t.cells):
+        first = cell * S
+        for p in range(0, S, 4):
+            sums = spread(0.0)
+            for j in range(G):
+                sums = plus(sums, f[first + j], load(t.to_points, j * S + p))
+            store(out, first + p, plus(spread(before), length[cell], sums))
+        before = out[first + G]
+
+
 @inlined
 def turned(rate: Array, e: Array, f: Array) -> None:
     """To `f`: i rate e, for N real rates and N complex e."""

@@ -236,12 +236,12 @@ class BeamWorkspace(NamedTuple):
     response: Vector  # (m,) accelerations per unit of the slider's force
     acceleration: Vector  # (m,)
     load: Vector  # (2 N,) force on the beam per length, N/m
-    load_moment: Vector  # (2 N,) its moment about P per length, N, and zeros
+    load_moment: Vector  # (N,) its moment about P per length, N
     inboard_force: Vector  # (2 N,) N
-    inboard_moment: Vector  # (2 N,) N m, and zeros
+    inboard_moment: Vector  # (N,) N m
     moment: Vector  # (N,) bending moment, N m
     curvature: Vector  # (N,) recovered, 1/m
-    recovered_angle: Vector  # (2 N,) and zeros
+    recovered_angle: Vector  # (N,)
     recovered_e: Vector  # (2 N,)
     recovered_place: Vector  # (2 N,) m
     watched: Vector  # (2,) read by the integrator: s, m; highest angular frequency, rad/s, 0 if unknown
@@ -254,9 +254,8 @@ def workspace(p: BeamParameters, lanes: tuple[int, ...] = ()) -> BeamWorkspace:
     M = 2 * N + BODIES
     row = on_lines((*p.tables.coefficients.shape[2:], *lanes))
     sizes = (
-        ("psi psi_s gamma turn curvature_rate bending_load at_spring moment curvature", (N,)),
-        ("e z Y integrand relative dx A load load_moment inboard_force inboard_moment", (2 * N,)),
-        ("recovered_angle recovered_e recovered_place", (2 * N,)),
+        ("psi psi_s gamma turn curvature_rate bending_load at_spring load_moment inboard_moment moment curvature recovered_angle", (N,)),
+        ("e z Y integrand relative dx A load inboard_force recovered_e recovered_place", (2 * N,)),
         ("mass bias a force weighted", (M,)),
         ("tangent_rate c sigma row_of_gap spread Q response acceleration", (m,)),
         ("U", (n, 2 * N)),

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
-from quickreturn.reference_model.motion.fields import cumulate, directions
+from quickreturn.reference_model.motion.fields import cumulate, cumulate_real, directions
 from quickreturn.reference_model.motion.layout import BASE_TURN, TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
-from quickreturn.reference_model.motion.plane import angle_of, cross, direction, dot, point
-from quickreturn.reference_model.motion.spring import at_spring, spring_energy
+from quickreturn.reference_model.motion.plane import angle_of, cross, dot, point
+from quickreturn.reference_model.motion.spring import at_spring, number_at_spring, spring_energy
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.lanes import where_within
 from quickreturn.reference_model.native.simd import load, plus_product, spread, total
@@ -83,7 +83,7 @@ def _energies(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slid
     moment = p.tip_mass * (tip + f.tip_arm)
     for j in range(N):
         moment += w.mass[j] * point(w.z, j, N)
-    crank = p.crank_moment * direction(y.q[0])
+    crank = p.crank_moment * f.frame * f.arm
     gravity = -dot(complex(p.gravity_1, p.gravity_2), (p.rhoA * p.L + p.tip_mass) * p.d + f.frame * moment + crank)
     row.kinetic_energy, row.strain_energy, row.gravity_energy = kinetic, strain, gravity
 
@@ -118,10 +118,8 @@ def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_p
         force[j] = -p.rhoA * w.a[j] - p.beam_damping * w.relative[j]
     for j in range(N):
         moment[j] = w.z[j] * force[N + j] - w.z[N + j] * force[j]
-    for j in range(N):
-        moment[N + j] = 0.0
     cumulate(t, w.length, force, w.inboard_force)
-    cumulate(t, w.length, moment, w.inboard_moment)
+    cumulate_real(t, w.length, moment, w.inboard_moment)
     # force and moment about P of all loads on the follower but the slider's: tip body, tool and beam
     tip, of_body = point(w.z, end, N), -p.tip_mass * complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
     outboard = of_body + f.tip_force + point(w.inboard_force, end, N)
@@ -175,7 +173,7 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
             return False
         _read(p, t, w, row)
         place, tangent = point(w.recovered_place, slider_point, N), point(w.recovered_e, slider_point, N)
-        angle, joint = at_spring(w, w.recovered_angle, N).real, at_spring(w, w.recovered_place, N)
+        angle, joint = number_at_spring(w, w.recovered_angle), at_spring(w, w.recovered_place, N)
         for j in range(N):
             w.moment[j] -= _moment_of_spring(t, w, j)
         if not _bend(p, t, w, angle, joint, True):
@@ -192,16 +190,17 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
     if p.constraint == BASE:
         row.follower_angle = motion_of_base(p, y.q[0])[0]
     else:
-        # the crank tip lies off the line, by the gap along its normal
+        # the crank's tip lies off the line, by the gap along its normal
         hinge = place + 1j * f.gap * tangent
-        crank = p.LA * direction(y.q[0]) - p.d
-        ds = 0.5 * (dot(crank, crank) - dot(hinge, hinge)) / dot(hinge, tangent)
-        # exp(i q2) has the direction of crank / hinge; both -crank and hinge point forwards
-        frame = crank * (hinge + ds * tangent).conjugate()
+        crank = frame * f.arm
+        crank_tip = p.LA * crank - p.d
+        ds = 0.5 * (dot(crank_tip, crank_tip) - dot(hinge, hinge)) / dot(hinge, tangent)
+        # exp(i q2) has the direction of crank_tip / hinge; both -crank_tip and hinge point forwards
+        frame = crank_tip * (hinge + ds * tangent).conjugate()
         frame *= 1.0 / math.sqrt(dot(frame, frame))
         # continuous, as in equation 9.1: a follower that turns fully stays near the crank's angle
         if p.d < p.LA:
-            row.follower_angle = y.q[0] + angle_of(frame * direction(y.q[0]).conjugate())
+            row.follower_angle = y.q[0] + angle_of(frame * crank.conjugate())
         else:
             row.follower_angle = math.pi + angle_of(-frame)
     deflected = point(w.recovered_place, end, N)
@@ -222,11 +221,9 @@ def _bend(p: BeamParameters, t: BeamTables, w: BeamWorkspace, angle: float, plac
     if p.bending_damping > 0.0:
         for j in range(N):
             w.curvature[j] -= p.bending_damping * w.curvature_rate[j]
-    for j in range(N):
-        w.integrand[j], w.integrand[N + j] = w.curvature[j], 0.0
-    cumulate(t, w.length, w.integrand, w.recovered_angle)
+    cumulate_real(t, w.length, w.curvature, w.recovered_angle)
     if goes_on:
-        turned = angle - at_spring(w, w.recovered_angle, N).real
+        turned = angle - number_at_spring(w, w.recovered_angle)
         for j in range(N):
             w.recovered_angle[j] += turned
     if not directions(w.recovered_angle, w.recovered_e):

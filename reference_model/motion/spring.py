@@ -64,11 +64,16 @@ def _weigh(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> None:
 @inner
 def at_spring(w: BeamWorkspace, row: Array, N: int) -> complex:
     """A row of vectors at the spring's place."""
-    real = imaginary = 0.0
-    for j in range(N):
-        real += w.at_spring[j] * row[j]
-        imaginary += w.at_spring[j] * row[N + j]
-    return complex(real, imaginary)
+    return complex(number_at_spring(w, row[:N]), number_at_spring(w, row[N : 2 * N]))
+
+
+@inner
+def number_at_spring(w: BeamWorkspace, row: Array) -> float:
+    """A row of numbers at the spring's place."""
+    number = 0.0
+    for j in range(len(row)):
+        number += w.at_spring[j] * row[j]
+    return number
 
 
 @inner
