@@ -14,6 +14,7 @@ matrix diagonal and converge exponentially; the kink of the bending moment at th
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from itertools import pairwise
@@ -65,13 +66,17 @@ class BeamModes:
         Returns:
             Shape (count, n), kg^(-1/2) m^(-derivative).
         """
-        x = np.asarray(arc_lengths, dtype=float)
-        values = np.empty((len(self), x.size))
-        span_of = np.searchsorted([start for start, _ in self.spans[1:]], x, side="right")
-        for number in set(span_of.tolist()):
-            here, weights = span_of == number, self.coefficients[number]
-            values[:, here] = weights.T @ _shapes(x[here], self.spans[number], len(weights) - 4, derivative)
-        return values
+        return deflections((self,), arc_lengths, derivative)[0]
+
+    def first_moments(self) -> Array:
+        """Integral of each mode's deflection times x over the length, shape (count,), kg^(-1/2) m^2."""
+        moments = np.zeros(len(self))
+        for (start, end), weights in zip(self.spans, self.coefficients, strict=True):
+            interior, h = len(weights) - 4, end - start
+            # of Legendre's polynomials all but the first two are orthogonal to x
+            of_shapes = _legendre_series(interior, 0)[:, :2] @ np.array([start + end, h / 3.0])
+            moments += 0.5 * h * (_slope_scaling(interior, h) * of_shapes) @ weights
+        return moments
 
     def slope_series(self) -> tuple[Array, ...]:
         """Slope of each mode as a Legendre series over each span mapped to -1..1; shape (degree + 1, count) per span."""
@@ -100,6 +105,32 @@ class FrozenModes(BeamModes):
     """
 
     slider_position: float
+
+
+def deflections(modes: Sequence[BeamModes], arc_lengths: Array, derivative: int = 0) -> Array:
+    """`BeamModes.deflection` of several sets of as many modes each, at the same or at different arc lengths.
+
+    Args:
+        modes: the sets.
+        arc_lengths: m, shape (n,) or (sets, n).
+        derivative: as there.
+
+    Returns:
+        Shape (sets, count, n).
+    """
+    spans = max(len(each.spans) for each in modes)
+    edges = np.full((len(modes), spans + 1), math.inf)
+    shapes, count = modes[0].coefficients[0].shape
+    coefficients = np.zeros((len(modes), spans, shapes, count))
+    for number, each in enumerate(modes):
+        edges[number, : len(each.spans)], edges[number, len(each.spans)] = [start for start, _ in each.spans], each.length
+        coefficients[number, : len(each.spans)] = each.coefficients
+    x = np.broadcast_to(np.asarray(arc_lengths, dtype=float), (len(modes), np.shape(arc_lengths)[-1]))
+    last = np.array([len(each.spans) - 1 for each in modes])[:, None]
+    span_of = np.minimum(np.sum(x[:, :, None] >= edges[:, None, 1:], axis=2), last)
+    start, end = (np.take_along_axis(edges, span_of + further, axis=1) for further in (0, 1))
+    values = _shapes(x, start, end, shapes - 4, derivative)
+    return np.asarray(np.einsum("ajs,ajsc->acj", values, coefficients[np.arange(len(modes))[:, None], span_of]))
 
 
 def clamped_modes(scene: FollowerAlone, count: int) -> BeamModes:
@@ -321,17 +352,16 @@ def _legendre_series(interior: int, derivative: int) -> Array:
     return np.asarray(legendre.legder(series, derivative, axis=1) if derivative else series, dtype=np.float64)
 
 
-def _slope_scaling(interior: int, h: float) -> Array:
-    """Factors that make the slope shapes have unit slope on an element of length h (m)."""
-    scale = np.ones(4 + interior)
-    scale[[1, 3]] = h / 2.0
+def _slope_scaling(interior: int, h: float | Array) -> Array:
+    """Factors that make the slope shapes have unit slope on elements of length h (m, shape (...)), shape (..., 4 + interior)."""
+    scale = np.ones((*np.shape(h), 4 + interior))
+    scale[..., [1, 3]] = np.asarray(h)[..., None] / 2.0
     return scale
 
 
-def _shapes(x: Array, span: tuple[float, float], interior: int, derivative: int) -> Array:
-    """The shapes of a span at arc lengths x (m, shape (n,)), or a derivative, shape (4 + interior, n)."""
-    h = span[1] - span[0]
-    xi = (2.0 * x - span[0] - span[1]) / h
+def _shapes(x: Array, start: Array, end: Array, interior: int, derivative: int) -> Array:
+    """The shapes at arc lengths x (m) of spans from `start` to `end` (m), all of shape (...), or a derivative, (..., 4 + interior)."""
+    h = end - start
     series = _legendre_series(interior, derivative)
-    values = series @ legendre.legvander(xi, series.shape[1] - 1).T
-    return _slope_scaling(interior, h)[:, None] * values * (2.0 / h) ** derivative
+    values = legendre.legvander((2.0 * x - start - end) / h, series.shape[1] - 1) @ series.T
+    return _slope_scaling(interior, h) * values * ((2.0 / h) ** derivative)[..., None]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.measures.drifting_fit import Bounds, Fit, Problem, Waves, orthonormal, refined, without
-from quickreturn.cases.measures.half_cycle import ChannelHalf
+from quickreturn.cases.measures.half_cycle import ChannelHalf, polynomials
 
 Array = NDArray[np.float64]
 
@@ -95,17 +95,16 @@ def _estimates(channels: Sequence[ChannelHalf]) -> list[_Estimate]:
     """The estimate of each channel: from the best fit, one with free drift, and three with other slow parts."""
     if not channels:
         return []
-    slow = [orthonormal(channel.half.polynomials(DEGREE)) for channel in channels]
+    slow, less, more = (orthonormal(polynomials(degree)) for degree in (DEGREE, DEGREE - 1, DEGREE + 1))
     best = _best(channels, slow)
     variants = []
-    for channel, columns, main in zip(channels, slow, best, strict=True):
-        less, more = (channel.half.polynomials(degree) for degree in (DEGREE - 1, DEGREE + 1))
-        other_slow_parts = (less, more, np.column_stack([less, channel.slow_shape]))
-        variants.append(Problem(channel, columns, main.parameters, FREE_DRIFT))
-        variants += [Problem(channel, orthonormal(others), main.parameters, MAIN) for others in other_slow_parts]
+    for channel, main in zip(channels, best, strict=True):
+        other_slow_parts = (less, more, orthonormal(np.column_stack([less, channel.slow_shape])))
+        variants.append(Problem(channel, slow, main.parameters, FREE_DRIFT))
+        variants += [Problem(channel, others, main.parameters, MAIN) for others in other_slow_parts]
     fits = refined(variants)
     fits_of_channels = (fits[at : at + 4] for at in range(0, len(fits), 4))
-    return [_estimate(*of_channel) for of_channel in zip(channels, slow, best, fits_of_channels, strict=True)]
+    return [_estimate(channel, slow, main, others) for channel, main, others in zip(channels, best, fits_of_channels, strict=True)]
 
 
 def _estimate(channel: ChannelHalf, slow: Array, main: Fit, others: Sequence[Fit]) -> _Estimate:
@@ -148,15 +147,15 @@ def _resolved(channel: ChannelHalf, estimate: _Estimate, uncertainty: float) -> 
     return FirstMode("; ".join(reasons), estimate.fit, **numbers)
 
 
-def _best(channels: Sequence[ChannelHalf], slow: Sequence[Array]) -> list[Fit]:
+def _best(channels: Sequence[ChannelHalf], slow: Array) -> list[Fit]:
     """The better of two fits of each channel, which begin at the two best frequencies of the scan."""
     problems = []
-    for channel, columns in zip(channels, slow, strict=True):
-        costs = _scan(channel, columns)
+    for channel in channels:
+        costs = _scan(channel, slow)
         best = int(np.argmin(costs))
         apart = np.abs(SCAN - SCAN[best]) >= SEPARATION - 1e-9
         second = int(np.argmin(np.where(apart, costs, np.inf)))
-        problems += [Problem(channel, columns, np.array([SCAN[at], 0.0, 0.0, 0.0, 1.0]), MAIN) for at in (best, second)]
+        problems += [Problem(channel, slow, np.array([SCAN[at], 0.0, 0.0, 0.0, 1.0]), MAIN) for at in (best, second)]
     fits = refined(problems)
     return [min(pair, key=lambda fit: fit.cost) for pair in zip(fits[::2], fits[1::2], strict=True)]
 

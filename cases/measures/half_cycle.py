@@ -1,6 +1,7 @@
 """A half cycle on the mechanism's own time scale: 240 instants, the modes' phases by the mechanism, and the channel's templates."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -13,6 +14,7 @@ from quickreturn.cases.measures.time_scale import TimeScale
 Array = NDArray[np.float64]
 
 SAMPLES = 240
+PROGRESS = np.linspace(-1.0, 1.0, SAMPLES)  # time scaled to [-1, 1]
 ROUND_OFF = 1e-12  # a signal that varies less than this, relative to its size, is constant
 
 
@@ -23,15 +25,10 @@ class HalfCycle:
     time: Array  # s, uniform
     crank_angle: Array  # rad
     crank_speed: Array  # rad/s
-    progress: Array  # time scaled to [-1, 1]
     mean_frequencies: Array  # time means of f1, f2, f3 over the half, Hz, shape (3,)
     phases: Array  # theta_i = 2 pi times the integral of f_i, zero at the middle of their ranges, rad, shape (3, 240)
     drift: Array  # theta_1 less a phase of constant rate, zero at both ends, rad
     places: Array  # sigma_i = theta_i scaled to [-1, 1], shape (3, 240)
-
-    def polynomials(self, degree: int) -> Array:
-        """Legendre polynomials of time, degrees 0 to `degree`, shape (240, degree + 1)."""
-        return np.asarray(legendre.legvander(self.progress, degree), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -46,6 +43,12 @@ class ChannelHalf:
     slow_shape: Array  # quasi-static response to the crank's motion, shape (240,)
 
 
+@cache
+def polynomials(degree: int) -> Array:
+    """Legendre polynomials of `PROGRESS`, degrees 0 to `degree`, shape (240, degree + 1)."""
+    return np.asarray(legendre.legvander(PROGRESS, degree), dtype=np.float64)
+
+
 def half_cycle(scale: TimeScale, start: float, end: float, crank_angle: CubicSpline) -> HalfCycle:
     """The half cycle from `start` to `end` (s); `crank_angle` gives rad over time."""
     instants = np.linspace(start, end, SAMPLES)
@@ -54,15 +57,13 @@ def half_cycle(scale: TimeScale, start: float, end: float, crank_angle: CubicSpl
     phases = 2.0 * np.pi * cumulative_simpson(scale.running_frequencies(angles, speeds).T, x=instants, initial=0.0)
     span = phases[:, -1:]
     phases = phases - span / 2.0
-    progress = np.linspace(-1.0, 1.0, SAMPLES)
     return HalfCycle(
         time=instants,
         crank_angle=angles,
         crank_speed=speeds,
-        progress=progress,
         mean_frequencies=span[:, 0] / (2.0 * np.pi * (end - start)),
         phases=phases,
-        drift=phases[0] - span[0] / 2.0 * progress,
+        drift=phases[0] - span[0] / 2.0 * PROGRESS,
         places=phases / (span / 2.0),
     )
 

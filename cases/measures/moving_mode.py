@@ -25,16 +25,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.natural_modes import FrozenModes
+from quickreturn.reference_model.natural_modes import FrozenModes, deflections
 
 Array = NDArray[np.float64]
 
-POINTS, WEIGHTS = legendre.leggauss(12)  # per span: exact for the shapes of four modes times x
 LARGEST = 0.1  # largest change for which perturbation holds; a crank as light as the follower yields completely
 TINY = np.finfo(np.float64).tiny
 
@@ -65,8 +63,9 @@ def moving_mode(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes
     omega = 2.0 * np.pi * np.array([mode.frequencies for mode in modes])
     first, apart = omega[:, 0], omega[:, 1:] ** 2 - omega[:, :1] ** 2
 
-    forces = -(omega**2) * np.array([_moments_of_momentum(mechanism, mode) for mode in modes]) / s[:, None]
-    slopes = np.array([mode.deflection(np.array([mode.slider_position]), 1)[:, 0] for mode in modes])
+    places = np.array([[0.0, mode.slider_position, mechanism.follower.length] for mode in modes])
+    at_base, slopes, at_tip = np.moveaxis(deflections(modes, places, 1), 2, 0)
+    forces = -(omega**2) * _moments_of_momentum(mechanism, modes, at_base, slopes, at_tip) / s[:, None]
     # differentiating the eigenproblem, the modes' orthogonality and the support's condition by s gives G from one place alone
     coupling = (forces[:, :1] * slopes[:, 1:] + forces[:, 1:] * slopes[:, :1]) / apart
     dragged = 2.0 * coupling * (along * first)[:, None] / apart
@@ -92,17 +91,16 @@ def periodic(angles: Array, values: Array, sign: float = 1.0) -> CubicSpline:
     return CubicSpline(angles, np.concatenate([values[:-1], values[:1]]), bc_type="periodic")
 
 
-def _moments_of_momentum(mechanism: Mechanism, modes: FrozenModes) -> Array:
-    """Moment of momentum about P of each mode at unit rate, kg^(1/2) m, shape (count,); the support's force balances its change."""
-    follower, tip = mechanism.follower, mechanism.tip_body
-    moments = np.zeros(len(modes))
-    for start, end in modes.spans:
-        x = 0.5 * (start + end) + 0.5 * (end - start) * POINTS
-        moments += modes.deflection(x) @ (0.5 * (end - start) * WEIGHTS * x) * follower.mass_per_length
-    slopes = modes.deflection(np.array([0.0, modes.slider_position, follower.length]), 1)
-    moments += slopes @ np.array([mechanism.base.inertia, mechanism.slider.inertia, tip.inertia])
-    at_center = modes.tip_displacement + tip.center_of_mass * slopes[:, 2]
-    return np.asarray(moments + tip.mass * (follower.length + tip.center_of_mass) * at_center)
+def _moments_of_momentum(mechanism: Mechanism, modes: Sequence[FrozenModes], at_base: Array, at_slider: Array, at_tip: Array) -> Array:
+    """Moment of momentum about P of each mode at unit rate, kg^(1/2) m; the support's force balances its change.
+
+    Slopes and result have the shape (angles, modes).
+    """
+    tip = mechanism.tip_body
+    moments = mechanism.follower.mass_per_length * np.array([mode.first_moments() for mode in modes])
+    moments += mechanism.base.inertia * at_base + mechanism.slider.inertia * at_slider + tip.inertia * at_tip
+    at_center = np.array([mode.tip_displacement for mode in modes]) + tip.center_of_mass * at_tip
+    return np.asarray(moments + tip.mass * (mechanism.follower.length + tip.center_of_mass) * at_center)
 
 
 def _changing_shape(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenModes], signs: Array) -> tuple[Array, Array]:
@@ -112,8 +110,7 @@ def _changing_shape(mechanism: Mechanism, angles: Array, modes: Sequence[FrozenM
     x = np.linspace(0.0, length, 61)
     weights = np.full(x.size, x[1])
     weights[[0, -1]] *= 0.5
-    shape = signs[:, None] * np.array([mode.deflection(x)[0] for mode in modes])
-    slope = signs[:, None] * np.array([mode.deflection(x, 1)[0] for mode in modes])
+    shape, slope = (signs[:, None] * deflections(modes, x, derivative)[:, 0] for derivative in (0, 1))
 
     def carried(deflection: Array, end_slope: Array) -> Array:
         return np.asarray(density * deflection**2 @ weights + tip.mass * (deflection[:, -1] + tip.center_of_mass * end_slope) ** 2)

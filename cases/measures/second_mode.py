@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.measures.drifting_fit import Fit, Waves, orthonormal, without
-from quickreturn.cases.measures.half_cycle import ChannelHalf
+from quickreturn.cases.measures.half_cycle import ChannelHalf, polynomials
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def second_mode_frequency(channel: ChannelHalf, first_mode: Fit) -> float | None
     sigma = waves.sigma[:, None]
     alpha, beta, kappa, _, _ = first_mode.parameters
     oscillation = waves.first_mode(alpha, beta, kappa)
-    basis = orthonormal(np.hstack([channel.half.polynomials(DEGREE), oscillation, oscillation * sigma, oscillation * sigma**2]))
+    basis = orthonormal(np.hstack([polynomials(DEGREE), oscillation, oscillation * sigma, oscillation * sigma**2]))
     signal = without(basis, channel.signal[:, None])
     columns = orthonormal(without(basis, waves.second_mode(SCAN)))
     residuals = np.sum(without(columns, signal) ** 2, axis=(1, 2))

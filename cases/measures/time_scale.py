@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.measures.moving_mode import moving_mode, periodic
 from quickreturn.cases.measures.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.natural_modes import FrozenModes, frozen_crank_modes, turn_angles
+from quickreturn.reference_model.natural_modes import FrozenModes, deflections, frozen_crank_modes, turn_angles
 from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]
@@ -90,7 +90,7 @@ def _tabulated(mechanism: Mechanism) -> TimeScale:
     responses = {"tip_acceleration": (signs[:, :MODES] * omega**1.5 * tip[:, :MODES], of_tip)}
     slow_shapes = {"tip_acceleration": _slow_shape(quasi_static_tip_acceleration(mechanism, TURN))}
     gauges = mechanism.follower.strain_gauges
-    curvatures = np.array([mode.curvature(np.array([mode.slider_position, *gauges])) for mode in modes])
+    curvatures = deflections(modes, np.array([[mode.slider_position, *gauges] for mode in modes]), 2)
     at_slider = curvatures[:, 0, 0]
     for number, (name, gauge) in enumerate(zip(CHANNELS[1:], gauges, strict=True), 1):
         curvature = curvatures[:, :, number]
@@ -112,7 +112,7 @@ def _continuous_signs(modes: list[FrozenModes], mechanism: Mechanism) -> Array:
     x = np.linspace(0.0, mechanism.follower.length, 41)
     weight = np.full(x.size, mechanism.follower.mass_per_length * x[1])
     weight[-1] += mechanism.tip_body.mass
-    shapes = np.array([mode.deflection(x) for mode in modes])
+    shapes = deflections(modes, x)
     overlaps = np.einsum("amx,amx,x->am", shapes[1:], shapes[:-1], weight)
     return np.cumprod(np.vstack([np.ones(shapes.shape[1]), np.where(overlaps < 0.0, -1.0, 1.0)]), axis=0)
 

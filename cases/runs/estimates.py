@@ -49,11 +49,30 @@ MOTION: Final = "tip_deflection"
 
 
 @dataclass(frozen=True)
+class HalfSignal:
+    """A column in one half of one or more cycles, in its unit: means of the cycles."""
+
+    values: Array  # at even crank angles, shape (GRID / 2,)
+    least: float
+    greatest: float
+
+    @classmethod
+    def of(cls, cycles: Array) -> "HalfSignal":
+        """The means of cycles, shape (cycles, GRID / 2)."""
+        return cls(cycles.mean(axis=0), float(cycles.min(axis=1).mean()), float(cycles.max(axis=1).mean()))
+
+    def apart(self, other: "HalfSignal") -> float:
+        """Largest difference of the values at one crank angle, or of the extremes."""
+        values = float(np.abs(self.values - other.values).max())
+        return max(values, abs(self.least - other.least), abs(self.greatest - other.greatest))
+
+
+@dataclass(frozen=True)
 class MeasuredCycle:
     """One or more cycles, each from the slider's farthest place to the next."""
 
     measures: CycleMeasures  # their means
-    signals: Mapping[tuple[str, str], Array]  # half, column -> values at even crank angles, shape (cycles, GRID / 2)
+    signals: Mapping[tuple[str, str], HalfSignal]  # by half and column
     rms: Mapping[str, float]  # column -> root mean square over time, mean of the cycles
     change: Mapping[str, float]  # column, `TIME` among them -> change in a cycle, mean of the cycles
     numbers: Mapping[str, float]  # measure of `OF_TURN` whose columns are there -> number, mean of the cycles
@@ -64,7 +83,7 @@ class MeasuredCycle:
         grids = [on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")])) for cycle in cycles]
         columns = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
         halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
-        signals = {(half, name): values[:, part] for half, part in halves.items() for name, values in columns.items()}
+        signals = {(half, name): HalfSignal.of(values[:, part]) for half, part in halves.items() for name, values in columns.items()}
         rms = {name: float(np.mean([rms_over_time(cycle["time"], cycle[name]) for cycle in cycles])) for name in columns}
         change = {name: float(np.mean([cycle[name][-1] - cycle[name][0] for cycle in cycles])) for name in (TIME, *columns)}
         given = [each for each in OF_TURN if all({*each.columns} <= cycle.keys() for cycle in cycles)]
@@ -182,7 +201,7 @@ def _apart(of: str, name: str, one: MeasuredCycle, other: MeasuredCycle) -> floa
 
 def _rms_apart(name: str, one: MeasuredCycle, other: MeasuredCycle) -> float:
     """RMS difference of a column at equal crank angles."""
-    halves = [one.signals[half, name].mean(axis=0) - other.signals[half, name].mean(axis=0) for half in ("pre", "post")]
+    halves = [one.signals[half, name].values - other.signals[half, name].values for half in ("pre", "post")]
     return float(np.sqrt(np.mean(np.concatenate(halves) ** 2)))
 
 
@@ -195,16 +214,7 @@ def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, 
 
 
 def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> tuple[ErrorPart, ...]:
-    def largest_difference(one: MeasuredCycle, other: MeasuredCycle) -> float:
-        signals, other_signals = (each.signals[half, name] for each in (one, other))
-        apart = np.abs(signals.mean(axis=0) - other_signals.mean(axis=0)).max()
-        extremes = (
-            np.mean(signals.max(axis=1)) - np.mean(other_signals.max(axis=1)),
-            np.mean(signals.min(axis=1)) - np.mean(other_signals.min(axis=1)),
-        )
-        return float(max(apart, *map(abs, extremes)))
-
-    return tuple(runs.part(largest_difference) for runs in compared)
+    return tuple(runs.part(lambda one, other: one.signals[half, name].apart(other.signals[half, name])) for runs in compared)
 
 
 def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name: str, value: float | None) -> tuple[ErrorPart, ...]:

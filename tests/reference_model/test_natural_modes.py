@@ -5,10 +5,11 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
 from scipy.optimize import brentq
 
 from quickreturn.reference_model.mechanism import Base, Mechanism
-from quickreturn.reference_model.natural_modes import frozen_crank_modes, supported_modes
+from quickreturn.reference_model.natural_modes import deflections, frozen_crank_modes, supported_modes
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import INCH, run_24
 from tests.verification.ladder.overhung_beam import determinant
@@ -80,7 +81,7 @@ def test_modes_are_orthonormal_with_respect_to_all_masses_and_rest_at_the_slider
     modes = supported_modes(mechanism, 0.4, 4)
     gram = np.zeros((4, 4))
     for start, end in ((0.0, 0.4), (0.4, modes.length)):
-        points, weights = np.polynomial.legendre.leggauss(30)
+        points, weights = legendre.leggauss(30)
         x = start + (end - start) * (points + 1) / 2
         w = modes.deflection(x)
         gram += mechanism.follower.mass_per_length * (w * weights) @ w.T * (end - start) / 2
@@ -91,6 +92,34 @@ def test_modes_are_orthonormal_with_respect_to_all_masses_and_rest_at_the_slider
     gram += mechanism.base.inertia * np.outer(base_slope, base_slope)
     assert gram == pytest.approx(np.eye(4), abs=1e-11)  # round-off of 30 shapes
     assert modes.deflection(np.array([0.0, 0.4])) == pytest.approx(np.zeros((4, 2)), abs=1e-12)
+
+
+def test_first_moments_are_integrals_of_the_deflection_times_x() -> None:
+    modes = supported_modes(with_tip(0.5 * INCH), 0.4, 4)
+    expected = np.zeros(4)
+    for start, end in modes.spans:
+        points, weights = legendre.leggauss(30)
+        x = start + (end - start) * (points + 1) / 2
+        expected += modes.deflection(x) @ (weights * x) * (end - start) / 2
+    assert modes.first_moments() == pytest.approx(expected, rel=1e-12)
+
+
+def test_modes_on_two_spans_and_on_one_are_evaluated_together() -> None:
+    """The slider inside, and at the end, beyond which there is no second span; each set at places of its own; by the slopes' series."""
+    length = RUN_24.follower.length
+    sets = [supported_modes(RUN_24, s, 3) for s in (0.4, length, 0.3)]
+    x = np.array([[0.0, 0.4, length], [0.1, 0.45, length], [0.1, 0.3, 0.45]])
+    found = [deflections(sets, x, derivative) for derivative in range(3)]
+    for number, modes in enumerate(sets):
+        for at, place in enumerate(x[number]):
+            span = sum(start <= place for start, _ in modes.spans) - 1
+            (start, end), slope = modes.spans[span], modes.slope_series()[span]
+            h, xi = end - start, (2.0 * place - start - end) / (end - start)
+            # both spans begin where the deflection is zero
+            series = legendre.legint(slope, lbnd=-1) * h / 2.0, slope, legendre.legder(slope) * 2.0 / h
+            for derivative, each in enumerate(series):
+                largest = np.abs(found[derivative]).max()
+                assert found[derivative][number, :, at] == pytest.approx(legendre.legval(xi, each), abs=1e-10 * largest)
 
 
 def test_curvature_is_that_of_the_exact_shape() -> None:

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.drifting_fit import PRIOR_SCALES, PRIOR_STRENGTH, Fit, Problem, Waves, orthonormal, refined
 from quickreturn.cases.measures.first_mode import DEGREE, FREE_DRIFT, MAIN
-from quickreturn.cases.measures.half_cycle import channel_half, half_cycle
+from quickreturn.cases.measures.half_cycle import channel_half, half_cycle, polynomials
 from quickreturn.cases.measures.time_scale import time_scale
 from quickreturn.cases.runs.marching import output_step, periodic_cycle
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
@@ -32,7 +32,7 @@ def problems() -> list[Problem]:
         ends = CubicSpline(cycle.crank_angle, cycle.time)(cycle.crank_angle[0] + np.pi * np.arange(3))
         for span, channel, alpha, bounds in itertools.product(itertools.pairwise(ends), scale.channels, (0.9, 1.1), (MAIN, FREE_DRIFT)):
             of_half = channel_half(scale, half_cycle(scale, *span, angle), channel, CubicSpline(cycle.time, cycle.channels[channel]))
-            slow = orthonormal(of_half.half.polynomials(DEGREE))
+            slow = orthonormal(polynomials(DEGREE))
             found.append(Problem(of_half, slow, np.array([alpha, 0.0, 0.0, 0.0, 1.0]), bounds))
     return found
 

@@ -6,7 +6,7 @@ import pytest
 from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import ChannelMeasures, CycleMeasures
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.estimates import MeasuredCycle, mean_estimate, turn_estimates, with_estimates
+from quickreturn.cases.runs.estimates import HalfSignal, MeasuredCycle, mean_estimate, turn_estimates, with_estimates
 from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
 
 GRID = 360  # crank angles in a half
@@ -40,7 +40,7 @@ def measures(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS) -> CycleM
 def cycle(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS, tilt: float = 0.0) -> MeasuredCycle:
     """A cycle whose signals are higher by `tilt` at the end of each half and lower by as much at its beginning."""
     signal = np.sin(np.linspace(0.0, np.pi, GRID)) + np.linspace(-tilt, tilt, GRID)
-    signals = {(half, channel): signal[None] for half in ("pre", "post") for channel in CHANNELS}
+    signals = {(half, channel): HalfSignal.of(signal[None]) for half in ("pre", "post") for channel in CHANNELS}
     return MeasuredCycle(measures(error, resolved), signals, rms={}, change={}, numbers={})
 
 
@@ -127,5 +127,5 @@ def test_signals_are_compared_by_crank_angle_in_each_half() -> None:
     uneven = 2.0 * np.pi * (np.linspace(0.0, 1.0, 3001) ** 1.1)
     one, other = (MeasuredCycle.of([columns(*of)], measures()) for of in ((ANGLES, 0.0), (uneven, 0.02)))
     for channel in CHANNELS:
-        assert one.signals["pre", channel] == pytest.approx(other.signals["pre", channel], abs=1e-4)
-        assert one.signals["post", channel][:, 5:] + 0.02 == pytest.approx(other.signals["post", channel][:, 5:], abs=1e-4)
+        assert one.signals["pre", channel].values == pytest.approx(other.signals["pre", channel].values, abs=1e-4)
+        assert one.signals["post", channel].values[5:] + 0.02 == pytest.approx(other.signals["post", channel].values[5:], abs=1e-4)

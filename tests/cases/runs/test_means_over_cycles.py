@@ -11,7 +11,7 @@ from quickreturn.cases.measures.mean_cycle import AVERAGED
 from quickreturn.cases.measures.steady_state import GREATEST_NUMBER, Cycle
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import MeasuredCycle, extreme_estimates
+from quickreturn.cases.runs.estimates import HalfSignal, MeasuredCycle, extreme_estimates
 from quickreturn.cases.runs.marching import channels_of, settle
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
@@ -60,7 +60,8 @@ def test_estimates_compare_the_mean_extremes_and_the_mean_signals() -> None:
     peaks = signals + 10.0 * np.eye(AVERAGED, 360)
 
     def estimate(other: np.ndarray) -> float:
-        one, two = (MeasuredCycle(measures(), {("pre", "strain_1"): values}, rms={}, change={}, numbers={}) for values in (signals, other))
+        halves = (HalfSignal.of(values) for values in (signals, other))
+        one, two = (MeasuredCycle(measures(), {("pre", "strain_1"): half}, rms={}, change={}, numbers={}) for half in halves)
         return extreme_estimates([Compared(one, two, 2.0)])["strain_1"]["pre"]
 
     assert estimate(signals[::-1]) == pytest.approx(0.0, abs=1e-14)
