@@ -145,6 +145,12 @@ def without(basis: Array, columns: Array) -> Array:
     return np.asarray(columns - basis @ (np.swapaxes(basis, -1, -2) @ columns))
 
 
+def left_by(columns: Array, signal: Array) -> Array:
+    """Sums of squares that fits of a signal (240,) by each of several sets of columns (m, 240, k) leave, shape (m,)."""
+    gram, right = np.swapaxes(columns, 1, 2) @ columns, np.swapaxes(columns, 1, 2) @ signal
+    return np.asarray(signal @ signal - np.sum(right * np.linalg.solve(gram, right[..., None])[..., 0], axis=1))
+
+
 @dataclass(frozen=True)
 class Problem:
     """The problem of one fit.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures.drifting_fit import Bounds, Fit, Problem, Waves, orthonormal, refined, without
+from quickreturn.cases.measures.drifting_fit import Bounds, Fit, Problem, Waves, left_by, orthonormal, refined, without
 from quickreturn.cases.measures.half_cycle import ChannelHalf, polynomials
 
 Array = NDArray[np.float64]
@@ -165,10 +165,7 @@ def _scan(channel: ChannelHalf, slow: Array) -> Array:
     waves = Waves.of(channel)
     basis = np.hstack([slow, orthonormal(without(slow, waves.second_mode(1.0)))])
     signal = _signal_without(basis, channel)
-    columns = without(basis, waves.first_mode(SCAN))
-    gram = np.swapaxes(columns, 1, 2) @ columns
-    right = np.swapaxes(columns, 1, 2) @ signal
-    return np.asarray(signal @ signal - np.sum(right * np.linalg.solve(gram, right[..., None])[..., 0], axis=1))
+    return left_by(without(basis, waves.first_mode(SCAN)), signal)
 
 
 def _signal_without(basis: Array, channel: ChannelHalf) -> Array:

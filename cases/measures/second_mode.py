@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures.drifting_fit import Fit, Waves, orthonormal, without
+from quickreturn.cases.measures.drifting_fit import Fit, Waves, left_by, orthonormal, without
 from quickreturn.cases.measures.half_cycle import ChannelHalf, polynomials
 
 Array = NDArray[np.float64]
@@ -26,9 +26,8 @@ def second_mode_frequency(channel: ChannelHalf, first_mode: Fit) -> float | None
     alpha, beta, kappa, _, _ = first_mode.parameters
     oscillation = waves.first_mode(alpha, beta, kappa)
     basis = orthonormal(np.hstack([polynomials(DEGREE), oscillation, oscillation * sigma, oscillation * sigma**2]))
-    signal = without(basis, channel.signal[:, None])
-    columns = orthonormal(without(basis, waves.second_mode(SCAN)))
-    residuals = np.sum(without(columns, signal) ** 2, axis=(1, 2))
+    signal = without(basis, channel.signal[:, None])[:, 0]
+    residuals = left_by(without(basis, waves.second_mode(SCAN)), signal)
 
     best = int(np.argmin(residuals))
     if best in (0, SCAN.size - 1) or not np.sum(signal**2) > NEEDED_FALL * residuals[best]:
