@@ -67,17 +67,17 @@ def _typed(kind: Any, item: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
             return float(place)
         if name in (_ARRAY, _BYTES):
             return arrays[place] if name == _ARRAY else arrays[place].tobytes()
-    arguments = [each for each in get_args(kind) if each is not NoneType]
-    if get_origin(kind) in (Union, UnionType):
+    origin, arguments, fields = _parts_of(kind)
+    if origin in (Union, UnionType):
         return None if item is None else _first(arguments, item, arrays)
-    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
-        return kind(**{name: _typed(each, item[name], arrays) for name, each in _fields(kind).items()})
+    if fields is not None:
+        return kind(**{name: _typed(each, item[name], arrays) for name, each in fields.items()})
     if isinstance(item, dict):
         return {name: _typed(arguments[1] if arguments else Any, part, arrays) for name, part in item.items()}
-    if get_origin(kind) is tuple and arguments[-1] is not Ellipsis:
+    if origin is tuple and arguments[-1] is not Ellipsis:
         return tuple(_typed(each, part, arrays) for each, part in zip(arguments, item, strict=True))
     if isinstance(item, list):
-        return (get_origin(kind) or list)(_typed(arguments[0] if arguments else Any, part, arrays) for part in item)
+        return (origin or list)(_typed(arguments[0] if arguments else Any, part, arrays) for part in item)
     return item
 
 
@@ -90,7 +90,10 @@ def _first(kinds: Sequence[Any], item: Any, arrays: Mapping[str, NDArray[Any]]) 
 
 
 @cache
-def _fields(kind: type) -> dict[str, Any]:
-    """Types of a dataclass' fields by name."""
+def _parts_of(kind: Any) -> tuple[Any, tuple[Any, ...], dict[str, Any] | None]:
+    """Origin of a type such as `tuple[float, ...]`, its arguments but for None, and the fields of a dataclass with their types."""
+    arguments = tuple(each for each in get_args(kind) if each is not NoneType)
+    if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
+        return get_origin(kind), arguments, None
     hints = get_type_hints(kind)
-    return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
+    return get_origin(kind), arguments, {field.name: hints[field.name] for field in dataclasses.fields(kind)}
