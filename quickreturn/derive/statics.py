@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 AWAY: Final = 0.1
 #: Rounding of forces that cancel, over their sizes.
 ROUNDING: Final = 1e-9
+#: Largest number of Newton's steps, and so the farthest rest from a start, in sizes of a coordinate.
+STEPS: Final = 1000
 
 
 class Linear(NamedTuple):
@@ -64,7 +66,7 @@ class Statics:
     def equilibrium(self, start: Values) -> Rest:
         """Coordinates and outputs at rest under the forces, found from a start by Newton's method.
 
-        A warning says when the rest is unstable.
+        No step moves a coordinate by more than its declared size. A warning says when the rest is unstable.
 
         Raises:
             DescriptionError: no equilibrium is found.
@@ -72,17 +74,21 @@ class Statics:
         system, moving = self._model.system, self._moving
         q = self._model.start(start, self._parameters)[: len(self._names)]
         force = np.zeros(self._model.equations.gap.numel())
-        for _ in range(100):
+        sizes = np.array([system.coordinates[k].size for k in moving])
+        for _ in range(STEPS):
             balance, gap, G, C, _, _, K = self._at(q, force)
             J = np.block([[-K[np.ix_(moving, moving)], C[:, moving].T], [G[:, moving], np.zeros((len(gap), len(gap)))]])
             lacking = np.concatenate([balance[moving], gap])
             step = np.linalg.lstsq(J, -lacking, rcond=None)[0]
-            if np.linalg.norm(J @ step + lacking) > 1e-6 * np.linalg.norm(lacking) + 1e-12 * np.linalg.norm(J):
+            terms = np.abs(J) @ np.concatenate([sizes, np.abs(force)])
+            if np.linalg.norm(J @ step + lacking) > 1e-6 * np.linalg.norm(lacking) + 1e-12 * np.linalg.norm(terms):
                 break  # no displacement balances the forces
+            longest = np.max(np.abs(step[: len(moving)]) / sizes, initial=0.0)
+            step /= max(1.0, longest)  # full steps wander, and rounding decides where they end
             q[moving] += step[: len(moving)]
             force += step[len(moving) :]
             rounding = 1e-14 * np.abs(J) @ np.abs(np.concatenate([q[moving], force]))
-            if np.all(np.abs(step) < 1e-12) or np.all(np.abs(lacking) <= rounding):
+            if longest < 1e-12 or np.all(np.abs(lacking) <= rounding):
                 self._tell_if_unstable(G, K)
                 rest = Rest({c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates)})
                 values, stated = np.array(self._outputs(self._inputs(q, force))).ravel(), self._model.equations.stated

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import legendre
 from scipy.integrate import solve_ivp
-from scipy.special import ellipj, ellipk
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc
 
 from quickreturn.derive import Beam, System, turned, vector
 
@@ -323,6 +324,18 @@ def elastica(load: float) -> System:
     system.output("drawn_in", u.m - beam.end()[0], "m")
     system.output("slope", -beam.end_slope(), "rad")
     return system
+
+
+def elastica_by_integrals(load: float) -> dict[str, float]:
+    """Bisshopp and Drucker's closed form: the equation K(m) - F(first, m) = sqrt(load) gives m, and m the slope of the end."""
+
+    def first(m: float) -> float:
+        return float(np.arcsin(1 / np.sqrt(2 * m)))
+
+    root = np.sqrt(load)
+    m = brentq(lambda m: ellipk(m) - ellipkinc(first(m), m) - root, 0.5 + 1e-9, 1 - 1e-12)
+    slope, drop = np.arcsin(2 * m - 1), 1 - 2 / root * (ellipe(m) - ellipeinc(first(m), m))
+    return {"drop": drop, "drawn_in": 1 - np.sqrt(2 * np.sin(slope)) / root, "slope": slope}
 
 
 def landau() -> System:

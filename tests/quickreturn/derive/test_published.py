@@ -46,6 +46,7 @@ def test_it_moves_as_published(mechanism: Callable[[], of.Published], form: Form
         (of.porter_governor(150.0), {"radius": 250 * np.sqrt(1 - (4 * 9.81 / (5 * np.pi) ** 2 / 0.25) ** 2)}, 1e-7),
         (of.elastica(1.0), {"drop": 0.30172, "drawn_in": 0.05643, "slope": 0.46135}, 6e-6),  # five decimals
         (of.elastica(10.0), {"drop": 0.81061, "drawn_in": 0.55500, "slope": 1.43029}, 6e-6),
+        (of.elastica(30.0), of.elastica_by_integrals(30.0), 6e-6),  # full Newton steps find one load or another, by the processor
     ],
     ids=lambda each: each.name if isinstance(each, System) else "",
 )

@@ -43,16 +43,19 @@ def by_hand(model: BeamModel, w: BeamWorkspace, rate: Array, shown: Mapping[str,
 def sizes(state: State) -> dict[str, float]:
     """What a difference is relative to.
 
-    Biases are sums of larger parts that cancel, centripetal ones; so are normal forces, of what the pivot bears. Places are measured by the
-    follower's length, moments and strains by the largest ones, small powers and forces by a thousandth of a watt and newton.
+    Rates are sums over the free speeds, and biases of centripetal parts, which cancel; so do normal forces, of what the pivot bears. Places
+    are measured by the follower's length, moments and strains by the largest ones, small powers and forces by a thousandth of a watt and
+    newton.
     """
-    expected, scene = state.expected, state.witness.scene
+    expected, scene, speeds = state.expected, state.witness.scene, np.abs(state.v[state.witness.free])
     square = float(np.max(np.abs(state.v))) ** 2
     largest = {name: float(np.max(np.abs(value))) for name, value in expected.items()}
     strains = [f"strain_{k}" for k in (1, 2, 3)]
     groups = BENDING, BEARINGS[:2], BEARINGS[2:], (*AXIAL, *BEARINGS[:2]), strains
     for names in ([name for name in group if name in expected] for group in groups):
         largest |= dict.fromkeys(names, max((largest[name] for name in names), default=0.0))
+    of_rates = [name for name in ("base", "slider", "gap") if f"{name} rate" in expected]
+    largest |= {f"{name} rate": float(np.abs(expected[f"{name} partial rates"]) @ speeds) for name in of_rates}
     largest |= {name: scene.follower.length for name in PLACES if name in expected}
     largest["constraint_gap"] = scene.follower.length
     return {name: max(size, square if "bias" in name else 1e-9 if name in strains else 1e-3) for name, size in largest.items()}
