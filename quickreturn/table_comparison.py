@@ -19,7 +19,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.recorded import RecordedTable, read_table, table_of
 from quickreturn.cases.runs.campaign import hold_against_engines
-from quickreturn.cases.runs.column_differences import BUILT, QUANTITIES, column_differences, explanations, is_puzzling
+from quickreturn.cases.runs.column_differences import QUANTITIES, UNEXPLAINED_COLUMNS, Causes, causes, column_differences, places, unexplained
 from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.uncertainty.quantities import leads
@@ -102,23 +102,29 @@ class TableComparison(Displayed):
         return {other.engine: column_differences(self.run, other) for other in self._comparable}
 
     @cached_property
-    def explanations(self) -> dict[str, str]:
-        """Column -> the mistake that explains its difference, or noise, and what to do; "case" -> why it is a table of another case.
+    def places(self) -> dict[str, dict[str, float]]:
+        """Engine -> column -> crank angle, deg, at which the table differs most from the engine."""
+        return {other.engine: places(self.run, other) for other in self._comparable}
 
-        "scene" -> that no mistake explains it; "quantities" -> with which other values of one quantity or two the case would give it;
-        "construction" -> a hypothesis on how the machine was built in another program (docs/as-built.md), if such quantities
-        do not explain the whole difference.
-        """
-        told = next((explanations(self.run, other, self.result.case) for other in self._comparable), {})
-        if (lead := self.result.leads.get(self.name)) is None:
-            return told
-        sentence, whole = lead
-        return {key: other for key, other in told.items() if key != BUILT or not whole} | {QUANTITIES: sentence}
+    @cached_property
+    def causes(self) -> Causes | None:
+        """Causes of the differences from the first engine; None if there is none to compare with."""
+        return next((causes(self.run, other, self.result.case) for other in self._comparable), None)
 
     @property
-    def is_puzzling(self) -> bool:
-        """Whether most of the columns that vibrate differ and have no explanation."""
-        return any(is_puzzling(self.run, other, self.explanations) for other in self._comparable[:1])
+    def explanations(self) -> dict[str, str]:
+        """Column -> the mistake that explains its difference, or noise, and what to do; "crank_angle" -> how late all columns are.
+
+        "quantities" -> with which other value of a quantity of the scene, or of two, the case would give the table; "unexplained" -> the
+        columns for whose difference no cause is known.
+        """
+        if self.causes is None:
+            return {}
+        if (lead := self.result.leads.get(self.name)) is not None:
+            return {**self.causes.sure, QUANTITIES: lead}
+        told = {**self.causes.sure, **self.causes.fitted}
+        left = {name: off for name, off in self.causes.differing.items() if name not in told}
+        return told | ({UNEXPLAINED_COLUMNS: unexplained(self.result.case.name, left)} if left else {})
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -189,14 +195,14 @@ def compared(
 
 
 def _led_on(case: Case, results: list[CaseResult], tables: Mapping[str, RecordedTable], workshop: Workshop) -> list[CaseResult]:
-    """The results with the quantities that would explain tables, for those that nothing explains."""
-    names = [table.name for result in results for table in tables_in(result) if table.is_puzzling]
+    """The results with the quantities of the scene that would explain tables."""
+    names = [table.name for result in results for table in tables_in(result) if table.causes is not None and table.causes.open]
     jobs = [Job(f"quantities of {name}", leads, (case, tables[name]), lasts=None) for name in names]
     outcomes = workshop.outcomes(jobs, "quantities that would explain a table")
     found = {
-        name: (lead.told(case, tables[name].shown), lead.whole)
+        name: "; or ".join(lead.told(case, tables[name].shown) for lead in outcome.value)
         for name, outcome in zip(names, outcomes, strict=True)
-        for lead in outcome.value or ()
+        if outcome.value
     }
     return [replace(result, leads={name: found[name] for name in result.recorded if name in found}) for result in results]
 
@@ -212,8 +218,10 @@ def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> li
     differences = {(table, engine): shares for table in tables for engine, shares in table.differences.items()}
     if columns := dict.fromkeys(column for shares in differences.values() for column in shares):
         heads = [engine if len(tables) == 1 else f"{table.name} - {engine}" for table, engine in differences]
-        rows = [[f"  {column}", *(f"{each[column]:.1e}" if column in each else "-" for each in differences.values())] for column in columns]
-        parts += ["  RMS difference in this turn, over the engine's RMS:", Rows(rows, ("", *heads))]
+        at = [table.places[engine] for table, engine in differences]
+        cells = [[f"{each[name]:.1e} {at[k][name]:.0f}°" if name in each else "-" for k, each in enumerate(differences.values())] for name in columns]
+        rows = [[f"  {name}", *row] for name, row in zip(columns, cells, strict=True)]
+        parts += ["  RMS difference in this turn, over the engine's RMS, and the crank angle at which it is largest:", Rows(rows, ("", *heads))]
     return [*parts, *(f"  {table.name}: {sentence}" for table in tables for sentence in table.explanations.values())]
 
 

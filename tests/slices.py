@@ -51,7 +51,6 @@ LONGEST = (
     "test_slices",  # starts pytest
     "test_recorded",
     "test_fork_server",  # waits, too
-    "test_other_case",
     "test_limits",
     "test_symmetry",
     "test_fmu",

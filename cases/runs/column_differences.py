@@ -1,22 +1,20 @@
-"""Differences of two runs, column by column, and their explanation: a mistake, noise, or another case."""
+"""Differences of a table from an engine, column by column: their size, their place and their cause, where one explains them."""
 
 import math
-from collections.abc import Collection, Mapping
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from threadpoolctl import threadpool_limits
+from scipy.optimize import minimize_scalar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
-from quickreturn.cases.mistakes.construction import built_otherwise
 from quickreturn.cases.mistakes.diagnosis import diagnose, share_of
-from quickreturn.cases.mistakes.explanation import Hypothesis
+from quickreturn.cases.mistakes.explanation import UNEXPLAINED, Hypothesis
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.noise import white_noise
-from quickreturn.cases.runs.other_case import OtherCases, other_cases
 from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import relative_error, rms
@@ -24,28 +22,31 @@ from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 
-#: Least relative RMS difference of a column that is explained.
+#: Least relative RMS difference of a column that needs an explanation.
 LEAST_DIFFERENCE: Final = 0.02
 #: What to do about a column that is late.
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
-#: Key of an explanation of the whole table, in place of a column: it looks like one of another case.
-WHOLE: Final = "case"
-#: Key of a sentence on a table that does not fit its case, for which neither a mistake nor another case is known.
-UNFIT: Final = "scene"
-#: Key of a lead to other values of quantities.
+#: Key of the sentence on a quantity of the scene, and of the sentence that nothing explains the difference.
 QUANTITIES: Final = "quantities"
-#: Key of a hypothesis on how another program's machine was built.
-BUILT: Final = "construction"
-#: A table does not fit its case if at least `FEWEST_COLUMNS` vibrate, all of them differ by more than `LARGE_DIFFERENCE` of their RMS, and
-#: fewer than half of them are explained by a mistake that leaves at most the part `LARGEST_REMAINDER` of the column: a factor that is
-#: fitted to the column of another case leaves half of it.
-FEWEST_COLUMNS: Final = 3
-LARGE_DIFFERENCE: Final = 0.1
-LARGEST_REMAINDER: Final = 0.3
-#: Least relative RMS difference of a column that is told without an explanation: half of its size.
-LEAST_UNEXPLAINED: Final = 0.5
+UNEXPLAINED_COLUMNS: Final = "unexplained"
 #: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
 LEAST_REST: Final = 0.5
+
+
+class Causes(NamedTuple):
+    """Causes of the differences of a table's columns.
+
+    Attributes:
+        sure: column -> a sentence on its noise, or on a mistake without a fitted number; "crank_angle" -> that all columns are late.
+        fitted: column -> a sentence on a mistake with a fitted number, which a quantity of the scene may explain better.
+        differing: column -> its relative difference, where it needs an explanation and `sure` has none.
+        open: whether a quantity of the scene may be the cause: most of the columns that vibrate differ, and are not all late alike.
+    """
+
+    sure: Mapping[str, str]
+    fitted: Mapping[str, str]
+    differing: Mapping[str, float]
+    open: bool
 
 
 def column_differences(run: Run, other: Run) -> dict[str, float]:
@@ -53,77 +54,46 @@ def column_differences(run: Run, other: Run) -> dict[str, float]:
     return {name: relative_error(recorded, expected) for name, (recorded, expected) in _on_grid(run, other).items()}
 
 
-def explanations(run: Run, other: Run, case: Case) -> dict[str, str]:
-    """Explanations of the differences of a table from an engine: column -> a sentence that names the mistake and says what to do.
+def places(run: Run, other: Run) -> dict[str, float]:
+    """Column -> crank angle, deg from 0 to 360, at which a table differs most from an engine."""
+    ends = other.cycle["crank_angle"][[0, -1]]
+    angles = np.degrees(np.linspace(*ends, GRID, endpoint=False)) % 360.0
+    return {name: float(angles[np.argmax(np.abs(recorded - expected))]) for name, (recorded, expected) in _on_grid(run, other).items()}
 
-    If all vibrating columns are equally late, the crank angle is wrong. A table of another case is reported under `WHOLE`, and none of its
-    columns is explained; under `UNFIT` stands that nothing explains it, and under `BUILT` a hypothesis on how another program's machine was
-    built. `run` is that of the table, `other` that of the engine on the case, in the same turn or state.
+
+def causes(run: Run, other: Run, case: Case) -> Causes:
+    """The causes of the differences of a table, whose run is `run`, from an engine on the case, in the same turn or state.
+
+    If all columns that vibrate are late alike, the other mistakes are those that are left when the lateness is taken off.
     """
-    with threadpool_limits(limits=1, user_api="blas"):  # hundreds of small eigenproblems
-        others = other_cases(run, other, case)
-    if others.names and others.sure:
-        return {WHOLE: _of_another(others)}
     grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))
-    sentences, remainders, late, puzzling = dict[str, str](), dict[str, float](), dict[str, int](), dict[str, float]()
+    noises = {name: noise for name in grids if (noise := _noise_of(name, run, other))}
+    vibrating = [name for name in grids if name in VIBRATING and name not in noises]
+    off_by = {name: relative_error(*grids[name]) for name in grids}
+    lag, left = _common_lag([grids[name] for name in vibrating])
+    sure, fitted = dict(noises), dict[str, str]()
+    if lag:
+        grids = {name: (_late(recorded, -lag), expected) for name, (recorded, expected) in grids.items()}
+        sure["crank_angle"] = _told_lag(lag, left, run)
     for name, (recorded, expected) in grids.items():
-        if noise := _noise_of(name, run, other):
-            sentences[name], remainders[name] = noise, 0.0
+        if name in noises or (lag and name == "crank_angle"):
             continue
-        lag = _lag(recorded, expected)
-        shifted = Hypothesis(f"is about {_degrees(abs(lag)):.3g} deg of the crank {_when(lag)}", _SHIFTED, np.roll(expected, lag), fitted=1)
-        finding = diagnose(name, recorded, expected, LEAST_DIFFERENCE * max(rms(expected), rms(recorded)), right, case.mechanism, [shifted])
-        if finding is not None and finding.remainder is not None:
-            sentences[name], remainders[name] = f"{finding.cause}; {finding.advice}", finding.remainder
-            if finding.advice == _SHIFTED:
-                late[name] = lag
-        elif finding is not None:
-            puzzling[name] = relative_error(recorded, expected)
-    vibrating = [name for name in grids if name in VIBRATING]
-    if len(vibrating) > 1 and late.keys() >= set(vibrating) and max(late.values()) - min(late.values()) <= 1:
-        lag = late[vibrating[0]]
-        off = f"{_degrees(abs(lag)):.3g} deg too {'large' if lag > 0 else 'small'}"
-        ahead = f"crank_angle is about {off}, or all columns are {_when(lag)}"
-        return {"crank_angle": ahead} | {name: sentence for name, sentence in sentences.items() if name not in late}
-    off_by = {name: relative_error(*grids[name]) for name in vibrating}
-    specific = {
-        name: told for name, told in sentences.items() if name in off_by and remainders[name] <= LARGEST_REMAINDER * rms(grids[name][0])
-    }
-    construction = "" if "tip_deflection" in sentences else _construction(run, other, case, off_by.get("tip_deflection", 0.0))
-    hint = {BUILT: construction} if construction else {}
-    if len(off_by) >= FEWEST_COLUMNS and min(off_by.values()) > LARGE_DIFFERENCE and 2 * len(specific) < len(off_by):
-        if others.names:
-            return {WHOLE: _of_another(others)} | specific
-        return {UNFIT: _fits_not(case.name, off_by, others.told)} | specific | hint
-    for name, share in puzzling.items():
-        if share > LEAST_UNEXPLAINED and not hint:
-            sentences[name] = f"{name} is off by {share_of(share)}, and no single mistake explains that"
-    return sentences | hint
+        alone = _lag([(recorded, expected)])
+        told = f"is about {_degrees(alone):.3g} deg of the crank {_when(alone)}"
+        late = Hypothesis(told, _SHIFTED, _late(expected, alone), fitted=1)
+        finding = diagnose(name, recorded, expected, LEAST_DIFFERENCE * max(rms(expected), rms(recorded)), right, case.mechanism, [late])
+        if finding is not None and finding.explained:
+            (fitted if finding.fitted else sure)[name] = f"{finding.cause}; {finding.advice}"
+    differing = {} if lag else {name: off for name, off in off_by.items() if off > LEAST_DIFFERENCE and name not in sure}
+    return Causes(sure, fitted, differing, 2 * len(differing.keys() & {*vibrating}) > len(vibrating))
 
 
-def _construction(run: Run, other: Run, case: Case, off: float) -> str:
-    """A hypothesis on how another program's machine was built, whose tip deflection is `off`, relative; "" where there is none."""
-    if off <= LEAST_DIFFERENCE or run.recording is None or run.recording.filtered:
-        return ""
-    return built_otherwise(run.cycle, other.cycle, run.recording.gap, case.mechanism, case.units)
-
-
-def _of_another(others: OtherCases) -> str:
-    return f"this looks like a table of {' or '.join(others.names)}: {others.told}; compare it with that case"
-
-
-def _fits_not(case: str, off_by: Mapping[str, float], told: str) -> str:
-    """A sentence on a table whose columns do not fit; `told`: further evidence, a clause or ""."""
-    off = f"off by {100.0 * min(off_by.values()):.0f} to {100.0 * max(off_by.values()):.0f} %{told and '; '}{told}"
-    question = "is it a table of another case, is a quantity of the scene another one, or is the model coarse?"
-    return f"none of its {len(off_by)} columns that vibrate fits {case} ({off}), and no single mistake explains that: {question}"
-
-
-def is_puzzling(run: Run, other: Run, sentences: Collection[str]) -> bool:
-    """Whether most of the columns that vibrate differ and have no explanation; `sentences`: keys of `explanations`."""
-    off_by = {name: share for name, share in column_differences(run, other).items() if name in VIBRATING}
-    puzzling = [name for name, share in off_by.items() if share > LEAST_DIFFERENCE and name not in sentences]
-    return WHOLE not in sentences and 2 * len(puzzling) > len(off_by)
+def unexplained(case: str, columns: Mapping[str, float]) -> str:
+    """The sentence on columns whose differences nothing explains; `columns`: their relative differences."""
+    least, most = (share_of(share) for share in (min(columns.values()), max(columns.values())))
+    off = most if least == most else f"{least} to {most}"
+    tried = f"lateness, another value of one quantity of {case} or two, mistakes in a column"
+    return f"none of these explains the difference of {', '.join(columns)} (off by {off}): {tried}"
 
 
 def _noise_of(name: str, run: Run, other: Run) -> str:
@@ -141,17 +111,68 @@ def _noise_of(name: str, run: Run, other: Run) -> str:
     return f"the differences of {name} look like noise of {white}{more}"
 
 
-def _lag(recorded: Array, expected: Array) -> int:
-    """Lateness of a column in points of the grid, at most half a turn; negative if it is early."""
-    lag = int(np.argmax(np.fft.irfft(np.fft.rfft(recorded) * np.conj(np.fft.rfft(expected)), GRID)))
-    return lag if lag <= GRID // 2 else lag - GRID
+def _common_lag(pairs: Sequence[tuple[Array, Array]]) -> tuple[float, float]:
+    """Lateness (rad of the crank) of all columns alike that explains their differences, and the part of these that it leaves; 0: none.
+
+    Offsets and factors of single columns do not count. `pairs`: recorded and expected values of two columns at least.
+    """
+    if len(pairs) < 2:
+        return 0.0, 1.0
+    lag = _lag(pairs)
+    apart, left = (math.sqrt(max(1.0 - _alike(pairs, each), 0.0)) for each in (0.0, lag))
+    if apart < LEAST_DIFFERENCE or left > UNEXPLAINED * apart:
+        return 0.0, 1.0
+    return lag, left / apart
 
 
-def _degrees(places: int) -> float:
-    return 360.0 * places / GRID
+def _lag(pairs: Sequence[tuple[Array, Array]]) -> float:
+    """Lateness of columns, rad of the crank from -pi to pi, negative if early: that with which they are most alike."""
+    step = 2.0 * math.pi / GRID
+    nearest = max(range(-GRID // 2, GRID // 2), key=_correlations(pairs).__getitem__) * step
+    return float(minimize_scalar(lambda lag: -_alike(pairs, lag), bounds=(nearest - step, nearest + step), method="bounded").x)
 
 
-def _when(lag: int) -> str:
+def _correlations(pairs: Sequence[tuple[Array, Array]]) -> Array:
+    """Mean squared correlation of columns for each lateness in points of the grid; those at the end are negative."""
+    total = np.zeros(GRID)
+    for recorded, expected in pairs:
+        product = np.fft.irfft(np.fft.rfft(_about_mean(recorded)) * np.conj(np.fft.rfft(_about_mean(expected))), GRID)
+        total += product**2
+    return total / len(pairs)
+
+
+def _alike(pairs: Sequence[tuple[Array, Array]], lag: float) -> float:
+    """Mean squared correlation of columns when the expected ones are late; 1: alike but for factors and offsets."""
+    return float(np.mean([(_about_mean(recorded) @ _about_mean(_late(expected, lag))) ** 2 for recorded, expected in pairs]))
+
+
+def _about_mean(values: Array) -> Array:
+    """A column less its mean, of length 1; zeros if it is constant."""
+    apart = values - np.mean(values)
+    return np.asarray(apart / (float(np.linalg.norm(apart)) or 1.0))
+
+
+def _late(values: Array, lag: float) -> Array:
+    """A column that repeats, on the grid, late by an angle of the crank, rad."""
+    turned = 2.0 * math.pi * np.arange(GRID + 1) / GRID
+    return np.asarray(CubicSpline(turned, np.append(values, values[0]))(np.mod(turned[:-1] - lag, 2.0 * math.pi)))
+
+
+def _told_lag(lag: float, left: float, run: Run) -> str:
+    time, (first, last) = run.cycle["time"], run.cycle["crank_angle"][[0, -1]]
+    turning, ms = math.copysign(1.0, last - first), 1e3 * float(time[-1] - time[0]) * abs(lag) / (2.0 * math.pi)
+    off = turning * math.degrees(lag)
+    zero = f"crank_angle is about {abs(off):.3g} deg too {'large' if off > 0.0 else 'small'}"
+    mend = f'"HEADING = crank_angle [deg] {"+" if off > 0.0 else "-"} {abs(off):.3g}"'
+    explained = f"that explains all but {share_of(left)} of the difference"
+    return f"{zero}, or all other columns are {ms:.2g} ms {_when(lag)}: {explained}; --column {mend} takes it off"
+
+
+def _degrees(lag: float) -> float:
+    return math.degrees(abs(lag))
+
+
+def _when(lag: float) -> str:
     return "late" if lag > 0 else "early"
 
 

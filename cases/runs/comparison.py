@@ -127,8 +127,7 @@ class CaseResult:
     checks: tuple[Difference, ...] = field(default=())  # engines against each other
     recorded: Mapping[str, Run] = field(default_factory=dict)  # by name of the recorded table
     table_checks: tuple[Difference, ...] = field(default=())  # tables against engines
-    # by name of the table: which quantities would explain it, a sentence, and whether they explain the whole difference
-    leads: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
+    leads: Mapping[str, str] = field(default_factory=dict)  # by name of the table: a sentence on the quantities that would explain it
 
     def __repr__(self) -> str:
         runs = ", ".join(f"{name} {run.status}" for name, run in self.with_tables.runs.items())

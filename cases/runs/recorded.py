@@ -29,7 +29,6 @@ from quickreturn.cases.runs.estimates import MeasuredNumbers
 from quickreturn.cases.runs.first_row import first_row
 from quickreturn.cases.runs.marching import columns_of
 from quickreturn.cases.runs.noise import noise_of, scatter
-from quickreturn.cases.runs.other_case import cases_of_pace
 from quickreturn.cases.runs.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
@@ -104,8 +103,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     last = columns_of(cycles[-1])
     turn = _turn_number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
     gap = float(np.max(np.diff(last["time"])))
-    largest = float(np.max(np.abs(columns["constraint_gap"]))) if "constraint_gap" in columns else None
-    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, largest, late, table.told)
+    recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, late, table.told)
     counted = columns["time"] >= cycles[0].time[0] if missing else slice(None)
     angle_noise = scatter(columns["time"][counted], columns["crank_angle"][counted])
     errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
@@ -166,13 +164,7 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
         if 1.0 / OFF <= ratio * angles[units[1]] / times[units[0]] <= OFF:
             meant = " and ".join(f'"{name} [{unit}]"' for name, unit in zip(("time", "crank_angle"), units, strict=True) if unit)
             raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {meant}")
-    accepted = "check their units, or compare it with the case that it is of"
-    if "crank_angle" in table.columns and ratio > 0.0:
-        slider = columns.get("slider_position")
-        places = None if slider is None else (float(np.min(slider)), float(np.max(slider)))
-        if others := cases_of_pace(2.0 * math.pi / (ratio * pace), places):
-            accepted = f"this looks like a table of {' or '.join(others)}; {accepted}"
-    raise CaseError(table.shown, "time, crank_angle", None, told, accepted)
+    raise CaseError(table.shown, "time, crank_angle", None, told, "check their units, or give the case the drive of the table")
 
 
 def _turn_time(pace: float) -> str:

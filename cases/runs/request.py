@@ -124,7 +124,6 @@ class Recording:
     rows: int
     declared: Mapping[str, str]  # its declarations, see `cases.recorded.DECLARATIONS`
     of_experiment: bool  # whether it lies in the folder of the experiment's recordings
-    gap: float | None = None  # largest distance of the slider from the centre line in its rows, m
     begins: float = 0.0  # time of its first row that counts as 0, s
     told: str = ""  # how its file was read
 

@@ -1,7 +1,7 @@
 """One quantity of a scene, or two, with which `reference` would give a recorded table: a lead where table and engines differ."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -36,8 +36,10 @@ CANDIDATES: Final = (
 )
 #: RMS of what is left of the columns, over theirs, up to which quantities explain a table. Engines at their default settings leave as much.
 EXPLAINED: Final = 0.01
-#: Part of the difference up to which one quantity explains most of it.
-MOSTLY: Final = 0.1
+#: Part of the difference up to which quantities explain most of it.
+MOSTLY: Final = 0.15
+#: Largest ratio of what a quantity leaves to what the best one leaves, for both to be told.
+AS_GOOD: Final = 2.0
 FITTED_ALONE: Final = 3  # quantities that are fitted alone: the best by a linear fit
 BEGUN_FROM: Final = 2  # of these, the best by their fits, with which others are tried together
 PARTNERS: Final = 3  # quantities that are tried with each
@@ -65,7 +67,7 @@ class Lead:
 
     def told(self, case: Case, path: str) -> str:
         """A sentence, with the command that fits the quantities; `path`: of the table."""
-        parts = []
+        parts = list[str]()
         for key, given, value in zip(self.keys, self.given, self.values, strict=True):
             unit = case.units.of(Free.of_text(key, case).parameter.quantity.unit)
             parts.append(f"{key} of about {unit.text(value, '.3g')} in place of {unit.text(given, '.3g')}")
@@ -76,16 +78,15 @@ class Lead:
 
 
 def leads(case: Case, table: RecordedTable) -> tuple[Lead, ...]:
-    """A lead to one quantity that would explain the table, or else to two; none if no such quantities are known, or it cannot be simulated.
+    """Leads to single quantities that would explain the table about equally well, or else one to two; none if no such quantities are known.
 
-    The first quantity is chosen by a linear fit and then fitted, so that the phases of table and simulation agree. By another linear fit
-    from there the second one is chosen, and both are fitted together.
+    The best quantities by a linear fit are fitted, so that the phases of table and simulation agree. If none of them explains the table, a
+    second one is chosen by another linear fit from there, and both are fitted together.
     """
     try:
-        found = _Leads(case, TableModel(case, table)).found()
+        return _Leads(case, TableModel(case, table)).found()
     except (CaseError, EngineFailure, Refusal, NoSteadyState):
         return ()
-    return () if found is None else (found,)
 
 
 @dataclass(frozen=True)
@@ -110,22 +111,37 @@ class _Leads:
         self.every = Search(case, model, self.frees)
         self.weights = 1.0 / model.sizes
 
-    def found(self) -> Lead | None:
+    def found(self) -> tuple[Lead, ...]:
         begin, rows = np.array([free.first for free in self.frees]), self.model.rows
         difference = self._smooth(self._apart(self.every, begin, rows))
         if difference <= EXPLAINED:
-            return None
+            return ()
+        enough = max(EXPLAINED, MOSTLY * difference)
+        if (exchanged := self._exchanged()) and exchanged.left <= enough:
+            return (replace(exchanged, difference=difference),)
         first_rows = self.model.stretches(self.case.mechanism)[0]
         alone = sorted((self._fitted((place,), begin) for place in self._best(begin, first_rows, ())[:FITTED_ALONE]), key=_left)
-        if alone[0].left > EXPLAINED:
-            pairs = []
-            for one in alone[: BEGUN_FROM if self.model.begins else 1]:
-                at = begin.copy()
-                at[list(one.places)] = one.at
-                pairs += [self._fitted((*one.places, place), at) for place in self._best(at, rows, one.places)[:PARTNERS]]
-            if (together := min(pairs, key=_left)).left <= EXPLAINED:
-                return self._lead(together, difference)
-        return self._lead(alone[0], difference) if alone[0].left <= max(EXPLAINED, MOSTLY * difference) else None
+        if alone[0].left <= enough:
+            return tuple(self._lead(each, difference) for each in alone if each.left <= min(enough, AS_GOOD * alone[0].left))
+        pairs = []
+        for one in alone[: BEGUN_FROM if self.model.begins else 1]:
+            at = begin.copy()
+            at[list(one.places)] = one.at
+            pairs += [self._fitted((*one.places, place), at) for place in self._best(at, rows, one.places)[:PARTNERS]]
+        together = min(pairs, key=_left)
+        return (self._lead(together, difference),) if together.left <= EXPLAINED else ()
+
+    def _exchanged(self) -> Lead | None:
+        """Width and thickness of a rectangle exchanged; None: the section is another one, or cannot be simulated so."""
+        section = [free for key in ("follower.thickness", "follower.width") if (free := _free(key, self.case))]
+        search, sizes = Search(self.case, self.model, section), tuple(free.start for free in section)
+        if len(sizes) < 2:
+            return None
+        try:
+            left = self._apart(search, np.log(sizes[::-1]) - np.log(sizes), self.model.rows)
+        except (EngineFailure, Refusal, NoSteadyState, CaseError):
+            return None
+        return Lead(tuple(free.parameter.key for free in section), sizes, sizes[::-1], 0.0, self._smooth(left))
 
     def _best(self, at: Array, rows: int, fitted: tuple[int, ...]) -> list[int]:
         """The other candidates, first that with which a linear fit at `at`, together with those that are `fitted`, leaves least."""

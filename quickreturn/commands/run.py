@@ -117,6 +117,7 @@ def compare(
         for entry, result in zip(document["cases"], results, strict=True):
             held = {table.name: table for table in tables_in(result)}
             entry["differences"] = {name: table.differences for name, table in held.items()}
+            entry["places"] = {name: table.places for name, table in held.items()}
             entry["slips"] = {name: table.explanations for name, table in held.items()}
         print_json(document)
     else:
