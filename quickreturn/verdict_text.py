@@ -13,9 +13,9 @@ from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference,
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Units
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.results.drive import drive_of, drive_sentences
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, notch_lines, stress_text
+from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.words import TIED, cost, quantity
 
 #: Largest number of departures that the text shows for a pair of engines.
@@ -158,7 +158,7 @@ def as_document(results: Sequence[CaseResult], notices: Sequence[str]) -> dict[s
                     }
                     for name, run in result.runs.items()
                 ],
-                "resonance": _resonance(result.case.mechanism),
+                "resonance": _resonance(result),
                 "checks": [check.as_dict() for check in result.checks],
             }
             for result in results
@@ -172,9 +172,9 @@ def as_document(results: Sequence[CaseResult], notices: Sequence[str]) -> dict[s
     }
 
 
-def _resonance(mechanism: Mechanism) -> dict[str, Any] | None:
+def _resonance(result: CaseResult) -> dict[str, Any] | None:
     """First mode (Hz, mean over the turn with the crank held), crank (Hz), their ratio and the nearest harmonic."""
-    found = resonance(mechanism)
+    found = resonance(result.case.mechanism, settled_speed(result))
     return None if found is None else {**vars(found), "ratio": found.ratio, "harmonic": found.harmonic}
 
 

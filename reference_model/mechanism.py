@@ -27,7 +27,7 @@ LEAST_STUB: Final = 2e-5
 
 @dataclass(frozen=True, kw_only=True)
 class TorqueDrive:
-    """A motor of constant torque against viscous friction; its mean speed is torque / damping (thesis, table 5.2)."""
+    """A constant torque against viscous friction, which without other losses turns the crank at torque / damping (thesis, table 5.2)."""
 
     torque: float = quantity("N*m", "constant torque of the drive", named=True)
     damping: float = quantity("N*m*s/rad", "friction, on the crank's rate", sign="not negative")

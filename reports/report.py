@@ -34,6 +34,7 @@ from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.results.around import curves_around, jobs_around
+from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import verification as stored_verification
 from quickreturn.reports.words import TIED, counted
@@ -138,7 +139,7 @@ def write_report(
         facts=machine_facts(),
         code=code_of(steady_state),
         notices=(*missing, *workshop.store.notices),
-        around=curves_around(own_cases, workshop),
+        around=curves_around(own_cases, workshop, {result.case.name: settled_speed(result) for result in results}),
     )
     return write(content, folder)
 

@@ -11,7 +11,7 @@ from typing import Final
 from quickreturn.cases.library import library_case
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import stiffness_ratio
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed
 from quickreturn.reference_model.scene_values import changed
 
 #: Square of the tip body's radius of gyration over that of the follower's length: the thesis' plates, 0.068 in^2 and 25 in (table 5.1).
@@ -77,7 +77,7 @@ def groups_of(mechanism: Mechanism) -> Groups | None:
     lowest = ratio * crank_pace(mechanism)
     rates = arm.damping / arm.mass_per_length + mechanism.base.damping / (arm.mass * arm.length**2 / 3.0)
     return Groups(
-        speed=1.0 / ratio,
+        speed=abs(mean_crank_speed(mechanism)) / lowest,
         tip=mechanism.tip_body.mass / arm.mass,
         crank=mechanism.crank.length / mechanism.pivot_distance,
         damping=0.5 * (rates / lowest + arm.material_damping * lowest),

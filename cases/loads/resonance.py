@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_angles
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
@@ -75,14 +75,22 @@ class Resonance:
         return f"{nearest}; the two meet at {speed}, {100.0 * abs(self.detuning):.2g} % {change}{known}"
 
 
-@cache
-def resonance(mechanism: Mechanism) -> Resonance | None:
-    """First mode and crank of a scene; None where nothing vibrates, or the crank stands still."""
-    pace = crank_pace(mechanism)
-    if mechanism.follower.is_rigid or pace == 0.0 or mechanism.slider.closed_stiffness == 0.0:
+def resonance(mechanism: Mechanism, mean_speed: float | None = None) -> Resonance | None:
+    """First mode and crank of a scene; None where nothing vibrates, or the crank stands still.
+
+    `mean_speed` (rad/s) is that of the crank in a settled motion; None: that of the rigid mechanism (`mean_crank_speed`).
+    """
+    speed = abs(mean_crank_speed(mechanism) if mean_speed is None else mean_speed)
+    if mechanism.follower.is_rigid or speed == 0.0 or mechanism.slider.closed_stiffness == 0.0:
         return None
-    frequencies = np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in turn_angles(mechanism, ANGLES)])
-    return Resonance(float(np.trapezoid(frequencies) / (frequencies.size - 1)), float(frequencies.min()), pace / (2.0 * math.pi))
+    frequencies = _first_frequencies(mechanism)
+    return Resonance(float(np.trapezoid(frequencies) / (frequencies.size - 1)), float(frequencies.min()), speed / (2.0 * math.pi))
+
+
+@cache
+def _first_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
+    """The first mode's frequency with the crank held at even angles of the turn, Hz."""
+    return np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in turn_angles(mechanism, ANGLES)])
 
 
 def share_of(order: int, cycle: Mapping[str, NDArray[np.float64]]) -> float | None:
@@ -116,7 +124,7 @@ def driven(mechanism: Mechanism) -> tuple[int, int]:
     close to one of the second mode.
     """
     modes = [frozen_crank_modes(mechanism, angle, 2).frequencies for angle in turn_angles(mechanism, ANGLES)]
-    ratios = np.asarray(np.trapezoid(modes, axis=0)) / (len(modes) - 1) / (crank_pace(mechanism) / (2.0 * math.pi))
+    ratios = np.asarray(np.trapezoid(modes, axis=0)) / (len(modes) - 1) / (abs(mean_crank_speed(mechanism)) / (2.0 * math.pi))
     first, second = np.abs(ratios - np.round(ratios))
     mode = 1 if second > CLOSE or first < BETWEEN else 2
     return max(1, round(float(ratios[mode - 1]))), mode
@@ -133,5 +141,5 @@ def shift_of_motion(mechanism: Mechanism) -> float:
     if scale is None:
         return 0.0
     angles = TURN[:-1]
-    running = scale.running_frequencies(angles, np.full(angles.size, crank_pace(mechanism)))[:, 0]
+    running = scale.running_frequencies(angles, np.full(angles.size, abs(mean_crank_speed(mechanism))))[:, 0]
     return float(np.mean(running - scale.frequencies(angles)[:, 0]))

@@ -4,7 +4,7 @@ from typing import Final
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.loads.resonance import resonance
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import mean_crank_speed
 
 #: Slowest crank (rad/s, 9.5 rpm) that is not looked at more closely: the computation of the first mode takes a while.
 SLOWEST_CRANK: Final = 1.0
@@ -16,7 +16,7 @@ SECONDS_PER_VIBRATION: Final = 0.07
 
 def warning(case: Case) -> str:
     """How long the steady state of a case will take, and what to do (a sentence); "" if that is not long."""
-    if case.scene.crank is None or not 0.0 < crank_pace(case.mechanism) < SLOWEST_CRANK:
+    if case.scene.crank is None or not 0.0 < abs(mean_crank_speed(case.mechanism)) < SLOWEST_CRANK:
         return ""
     first = resonance(case.mechanism)
     if first is None or first.ratio < MOST_VIBRATIONS:

@@ -1,6 +1,7 @@
 """A case as a JSON document and as text for `show`, and as a new case file for `new`."""
 
 import itertools
+import math
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -54,6 +55,8 @@ def _derived(case: Case) -> dict[str, dict[str, Any]]:
     if scene.crank is None:
         found["first_bending_frequency"] = (float(clamped_modes(scene, 1).frequencies[0]), "Hz", "base held")
     elif first := resonance(scene):
+        if case.mechanism.crank_is_free:
+            found["mean_crank_speed"] = (2.0 * math.pi * first.crank, "rad/s", "of the rigid mechanism, with its loads and losses")
         found["first_bending_frequency"] = (first.lowest, "Hz", "crank held, the least over its turn")
         found["mean_bending_frequency"] = (first.first_mode, "Hz", "crank held, the mean over its turn")
         found["resonance"] = (first.ratio, "", f"vibrations in a turn: {first.sentence(case.units)} (`run` says how strongly it is driven)")

@@ -1,7 +1,7 @@
 """A machine's own place on its resonance curve, or why there is no curve."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -37,19 +37,21 @@ class Around:
         curve: the curve, over its speed or another quantity; None if there is none.
         reason: why there is no curve (a clause).
         unit: unit of what varies; None: that of the case.
+        mean_speed: of the crank in the settled motion, rad/s; None: that of the rigid mechanism counts.
     """
 
     case: Case
     curve: ResonanceCurve | None
     reason: str = ""
     unit: Unit | None = None
+    mean_speed: float | None = None
 
     @cached_property
     def own(self) -> float:
         """The machine's own value of what varies, SI; its speed is negative if it turns clockwise, and the mean if a torque drives it."""
         key = SPEED if self.curve is None else self.curve.range.key
         scene = self.case.mechanism
-        return mean_crank_speed(scene) if key == SPEED else Parameter.of_key(key, self.case.name).of(scene)
+        return self.mean_speed or mean_crank_speed(scene) if key == SPEED else Parameter.of_key(key, self.case.name).of(scene)
 
     @property
     def heights(self) -> NDArray[np.float64]:
@@ -139,7 +141,7 @@ class Around:
 
     @property
     def _first_mode(self) -> Resonance | None:
-        return resonance(self.case.mechanism)
+        return resonance(self.case.mechanism, self.mean_speed)
 
     @property
     def beyond(self) -> str:
@@ -151,7 +153,8 @@ class Around:
     def sentences(self) -> list[str]:
         """The machine's own value, the motions there, the unstable range around it, and what is nearest."""
         curve = self.solved_curve
-        drive = ", its mean speed, which is prescribed here in place of its drive" if curve.prescribed and curve.range.key == SPEED else ""
+        mean = "its mean speed" if self.mean_speed else "the mean speed of its rigid mechanism"
+        drive = f", {mean}, which is prescribed here in place of its drive" if curve.prescribed and curve.range.key == SPEED else ""
         own = (
             f"Your machine runs at {self.shown(self.own)}{drive}"
             if curve.range.key == SPEED
@@ -221,8 +224,8 @@ def jobs_around(cases: Sequence[Case]) -> dict[str, Job[ResonanceCurve] | str]:
     return jobs
 
 
-def curves_around(cases: Sequence[Case], workshop: Workshop) -> list[Around]:
-    """The curve of each case, from the store if it is there, or the reason why there is none.
+def curves_around(cases: Sequence[Case], workshop: Workshop, speeds: Mapping[str, float | None]) -> list[Around]:
+    """The curve of each case, from the store if it is there, or the reason why there is none; `speeds`: case -> see `Around.mean_speed`.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
@@ -232,4 +235,4 @@ def curves_around(cases: Sequence[Case], workshop: Workshop) -> list[Around]:
     outcomes = dict(zip(computable, workshop.outcomes([*computable.values()], "resonance curves"), strict=True))
     # a search for periodic motions has no instant at which it fails
     curves = {name: (outcome.value, outcome.explanation.removeprefix("failed at t = 0 s: ")) for name, outcome in outcomes.items()}
-    return [Around(case, *curves.get(case.name, (None, str(jobs[case.name])))) for case in cases]
+    return [Around(case, *curves.get(case.name, (None, str(jobs[case.name]))), mean_speed=speeds.get(case.name)) for case in cases]

@@ -12,6 +12,7 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.shown import Unit, Units
 from quickreturn.cases.units import in_si
+from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.words import TIED, degrees, number, off_by, percent, quantity, size
 
 if TYPE_CHECKING:
@@ -82,6 +83,7 @@ class CaseLoads:
     models: frozenset[str] = frozenset()  # engines whose discretization is their model: a difference is not an error of theirs
     missed: tuple[str, ...] = ()  # a clause for each engine that misses its accuracy
     shares: Mapping[str, float | None] = field(default_factory=dict)  # by engine, of the harmonic nearest to the first mode: `share_of`
+    mean_speed: float | None = None  # of the crank in the settled motion, rad/s
 
     @property
     def lead(self) -> str:
@@ -94,7 +96,7 @@ class CaseLoads:
     @cached_property
     def resonance(self) -> Resonance | None:
         """The first mode beside the crank's frequency; None where there is no such mode."""
-        return resonance(self.case.mechanism)
+        return resonance(self.case.mechanism, self.mean_speed)
 
     @property
     def share(self) -> float | None:
@@ -124,11 +126,11 @@ def loads_of_case(result: "CaseResult") -> CaseLoads:
     mechanism = result.case.mechanism
     by_engine = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
     models = frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration")
-    return CaseLoads(result.case, by_engine, models, accuracies_missed(result), _shares(result))
+    return CaseLoads(result.case, by_engine, models, accuracies_missed(result), _shares(result), settled_speed(result))
 
 
 def _shares(result: "CaseResult") -> dict[str, float | None]:
-    first = resonance(result.case.mechanism)
+    first = resonance(result.case.mechanism, settled_speed(result))
     return {name: share_of(first.harmonic, run.cycle) for name, run in result.runs.items() if run.usable} if first else {}
 
 
@@ -152,7 +154,7 @@ def leading_loads(result: "CaseResult") -> CaseLoads:
     for name in names:
         loads = loads_of_run(mechanism, result.runs[name])
         if loads is not None and loads.stress is not None:
-            return CaseLoads(result.case, {name: loads}, shares=_shares(result))
+            return CaseLoads(result.case, {name: loads}, shares=_shares(result), mean_speed=settled_speed(result))
     return CaseLoads(result.case, {})
 
 

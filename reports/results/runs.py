@@ -13,6 +13,12 @@ def of_library(results: "Sequence[CaseResult]", name: str) -> "CaseResult | None
     return next((result for result in results if result.case.name == name and result.case.source == "library"), None)
 
 
+def settled_speed(result: "CaseResult") -> float | None:
+    """Mean crank speed (rad/s) of the settled motion by `reference`, or else by the first engine that has one; None without one."""
+    usable = {name: run for name, run in result.runs.items() if run.usable}
+    return mean_crank_speed(usable.get("reference", next(iter(usable.values())))) if usable else None
+
+
 def mean_crank_speed(run: "Run") -> float:
     """Mean crank speed over a run's cycle, rad/s."""
     angle, time = run.cycle["crank_angle"], run.cycle["time"]

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.loads import HARDLY, resonance, share_of, share_words, shift_of_motion
+from quickreturn.cases.loads import HARDLY, Resonance, resonance, share_of, share_words, shift_of_motion
 from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
 from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.number import Number
@@ -22,6 +22,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.relative import rms
 from quickreturn.reports.results.loads import from_p, tension_or_compression
+from quickreturn.reports.results.runs import mean_crank_speed
 from quickreturn.reports.words import TIED, counted, degrees, in_words, listed, number, off_by, percent, quantity, size
 
 #: Relative difference of the strokes' durations below which they count as alike.
@@ -59,6 +60,11 @@ class Turn:
     def motion(self) -> SettledMotion:
         """The motion that the catalogue's measures take."""
         return SettledMotion(self.case.mechanism, self.run)
+
+    @cached_property
+    def resonance(self) -> Resonance | None:
+        """The first mode beside the crank's frequency in this turn."""
+        return resonance(self.case.mechanism, mean_crank_speed(self.run))
 
     def of(self, measure: str) -> Number | None:
         """A measure of the catalogue; None if there is none, or if its claim leaves nothing of it."""
@@ -166,7 +172,7 @@ def stress(turn: Turn) -> Said | None:
 
 def ringing(turn: Turn) -> Said | None:
     """How much the first mode rings, and which multiple of the crank's speed is nearest to it."""
-    first = resonance(turn.case.mechanism)
+    first = turn.resonance
     if first is None:
         return ("Nothing rings: the arm is rigid.", {}) if turn.case.mechanism.follower.is_rigid else None
     numbers = {"first_mode": first.first_mode, "harmonic": float(first.harmonic), "detuning": first.detuning}
@@ -230,7 +236,7 @@ def decay(turn: Turn) -> Said | None:
 
 def limit(turn: Turn) -> Said | None:
     """The next resonance at a higher speed, and whether the stress grows as the square of the speed until there."""
-    mechanism, first = turn.case.mechanism, resonance(turn.case.mechanism)
+    mechanism, first = turn.case.mechanism, turn.resonance
     if first is None:
         return None
     claim = abs(shift_of_motion(mechanism)) / first.crank

@@ -58,7 +58,8 @@ def test_closed_form_and_its_derivatives(q1: float) -> None:
     ids=str,
 )
 def test_mean_speed_has_the_sense_in_which_the_crank_turns(drive: PrescribedSpeed | TorqueDrive, expected: float) -> None:
-    assert mean_crank_speed(run_24(crank={"drive": drive})) == pytest.approx(expected)
+    # torque over damping is the mean over the angle; that over time is lower by the square of the fluctuation
+    assert mean_crank_speed(run_24(crank={"drive": drive})) == pytest.approx(expected, rel=1e-4)
 
 
 def energies(mechanism: Mechanism, q1: float) -> tuple[float, float]:

@@ -54,4 +54,4 @@ def made_up_around(name: str = "example") -> Around:
         peaks=(ResonancePeak(pace * speed(PEAK), height(PEAK), peak, 8),),
         settings={"modes": 4, "finer_modes": 7, "tolerance": 1e-10},
     )
-    return Around(case, curve)
+    return Around(case, curve, mean_speed=pace)

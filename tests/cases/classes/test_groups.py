@@ -22,8 +22,9 @@ from quickreturn.reference_model.scene_values import changed
 def test_the_groups_of_run_24_follow_from_what_is_published() -> None:
     found = groups_of(run_case(24).mechanism)
     assert found is not None
-    # its lowest frequency is 10.925 Hz with the slider nearest to the pivot, by an independent solution of five digits
-    assert found.speed == pytest.approx(16.617773 / (2.0 * math.pi * 10.925), rel=5e-5)
+    # its lowest frequency is 10.925 Hz with the slider nearest to the pivot, by an independent solution of five digits; of its torque over
+    # its damping, 16.617773 rad/s, the pivot's damping and the fluctuation take 0.48e-3 rad/s
+    assert found.speed == pytest.approx((16.617773 - 0.48e-3) / (2.0 * math.pi * 10.925), rel=5e-5)
     assert found.tip == pytest.approx(2.90e-4 / (4.75987e-5 * 25.0), rel=1e-9)
     assert found.crank == pytest.approx(4.0 / 18.0, rel=1e-9)
     # the pivot's damping adds 2e-4 of it

@@ -1,6 +1,7 @@
 """`explain` on the command line and in Python: the same sentences, from the run that `run` stores."""
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -37,6 +38,20 @@ def test_ten_sentences_in_words_as_a_document_and_in_python(call: Call) -> None:
     inches = json.loads(call("explain", "lever.toml", "--accuracy", "0.02", "--units", "inch", "--json").output)
     assert [each["numbers"] for each in inches] == [each["numbers"] for each in document]
     assert "in/s²" in inches[0]["sentence"]
+
+
+def test_the_speed_of_a_machine_that_works_against_a_brake_is_that_of_its_settled_turn(call: Call) -> None:
+    """Torque over damping is 16.62 rad/s, the mean 12.45: the brake at P takes a quarter. Its run, `run` and `explain` tell one speed."""
+    braked = ("thesis-24", "--set", "base.damping=1 N*m*s/rad", "--json")
+    said = {each["topic"]: each["numbers"] for each in json.loads(call("explain", *braked).output)}
+    ran = json.loads(call("run", *braked, "--engine", "reference").output)["cases"][0]
+    mean = ran["engines"][0]["numbers"]["mean.crank_speed"]["value"]
+    assert mean == pytest.approx(12.45, abs=0.01)
+    ratio = said["ringing"]["first_mode"] * 2.0 * math.pi / mean
+    assert (said["ringing"]["harmonic"], said["limit"]["order"]) == (8, 8)
+    assert ran["resonance"]["ratio"] == pytest.approx(ratio, rel=1e-6)
+    assert said["ringing"]["detuning"] == pytest.approx(ratio / 8.0 - 1.0, rel=1e-6)
+    assert said["limit"]["resonant_speed"] == pytest.approx(mean * ratio / 8.0, rel=1e-6)
 
 
 def test_an_engine_without_a_settled_turn_says_why(call: Call) -> None:

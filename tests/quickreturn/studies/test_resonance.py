@@ -153,7 +153,7 @@ def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -
     pace = 0.998 * fold
     own = Around(qr.case("thesis-24", {"crank.prescribed_speed": f"{pace / RPM!r} rpm"}), found.curve)
     runs, motions, unstable, nearest = own.lines
-    assert runs.startswith(f"Your machine runs at {pace / RPM:.5g} rpm, its mean speed")
+    assert runs.startswith(f"Your machine runs at {pace / RPM:.5g} rpm, the mean speed of its rigid mechanism")
     assert motions.startswith("There it has two periodic motions, one of them stable, ")
     assert "(stable)" in motions
     assert "(unstable: fold)" in motions
@@ -167,9 +167,9 @@ def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -
 
 
 def test_a_machine_beyond_its_curve_has_no_motion_on_it(found: qr.Resonance) -> None:
-    """Run 24 turns at 158.7 rpm, its torque over its damping."""
+    """Run 24 turns at 158.68 rpm: its torque over its damping is 158.69 rpm, and the pivot takes a part."""
     runs, motions, nearest = found.around.lines
-    assert runs.startswith("Your machine runs at 158.69 rpm")
+    assert runs.startswith("Your machine runs at 158.68 rpm, the mean speed of its rigid mechanism")
     assert motions == "The curve was followed between 237.5 rpm and 241 rpm and says nothing of it."
     assert "faster" in nearest
     assert found.document()["own"]["motions"] == []

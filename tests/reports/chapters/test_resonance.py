@@ -119,7 +119,7 @@ def test_a_harmonic_without_a_peak_is_no_alarm(around: Around) -> None:
 
 
 def test_a_machine_near_nothing_and_one_without_a_curve_say_so(around: Around) -> None:
-    bare = Around(around.case, dataclasses.replace(around.solved_curve, peaks=(), special=()))
+    bare = dataclasses.replace(around, curve=dataclasses.replace(around.solved_curve, peaks=(), special=()))
     within = "between 102 rpm and 138 rpm"
     nothing = f"your machine runs at 120 rpm; no peak {within}; no fold and no loss of stability {within}"
     assert plain(finding([bare])) == nothing
@@ -168,7 +168,7 @@ class Failing:
 def test_one_sentence_says_why_there_is_no_curve(changes: dict[str, str], sentence: str, tmp_path: Path) -> None:
     case = load_case("thesis-24", changes)
     for _ in range(2):  # the second time from the store, where the failure is
-        (found,) = curves_around([case], Workshop(Store(tmp_path), Failing()))
+        (found,) = curves_around([case], Workshop(Store(tmp_path), Failing()), {})
         assert found.curve is None
     told = text_of(Content(results=[reported_result("example")], around=[found]))
     assert f"No resonance curve of {case.title}: " in told

@@ -16,6 +16,7 @@ from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import cycles
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of_case, name_of, notch_lines, numbers_of_case
+from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.words import quantity
 from tests.reports.made_up_loads import made_up_loads, with_resonance, without
 from tests.reports.made_up_resonance import made_up_around
@@ -143,7 +144,7 @@ def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseRes
     assert float(rows["reference", "stress"][3][1]) == stress.largest.value
     place = float(rows["reference", "stress"][6 - 1][1])
     assert f"{1e3 * place:.0f} mm from P" in told
-    first = resonance(example.case.mechanism)
+    first = resonance(example.case.mechanism, settled_speed(example))
     assert first is not None
     share = share_of(first.harmonic, example.runs["reference"].cycle)
     assert first.sentence(example.case.units, share) in told
