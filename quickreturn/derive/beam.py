@@ -104,6 +104,7 @@ class Beam:
         strain = _derivative(stretch, line.s) if stretch else ca.SX(line.s.numel(), 1)
         system.energy(name, 0.5 * ca.dot(dx, (bending_stiffness * curvature**2 + axial_stiffness * strain**2)[inner]))
         more = ca.SX.sym("s", (len(edges) - 1) * (2 * points + 1))
+        system.slopes += [(name, line.psi)] if deflection else []
         field = tangent or deflection
         if field and field(more).numel() == more.numel():  # others are tables of values at the points
             system.integrals.append((name, self._squares(edges, points), self._squares(edges, 2 * points)))

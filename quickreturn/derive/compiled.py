@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.derive.checks import check_points, check_units
+from quickreturn.derive.checks import check_points, check_slopes, check_units
 from quickreturn.derive.equations import Equations, Form
 from quickreturn.derive.machine_code import MachineCode
 from quickreturn.derive.system import System, column
@@ -49,6 +49,8 @@ class CompiledEquations:
         self._buffer.set_arg(0, self._at.data)
         self._buffer.set_res(0, self._G.data)
         self._matrices = ca.Function("matrices", at, [e.gap, e.G, e.M[:n, :n]])
+        now = [column(*system.frozen.values())], [column(*(e.q[k] for k in system.frozen))]
+        self._slopes = ca.Function("slopes", at, ca.substitute([column(*(ca.norm_inf(psi) for _, psi in system.slopes))], *now))
         self._levers = ca.Function("levers", at, [e.M[:n, :n], e.G[:, :n], e.C[:, :n]])
         moving = [column(system.time, e.q, e.v, self.constants, *rows)]
         self._motion = ca.Function("motion", moving, [e.gap, e.G, e.bias, e.M[:n, :n], e.Q[:n]])
@@ -94,6 +96,12 @@ class CompiledEquations:
         """The gaps, their Jacobian and the mass matrix at time 0."""
         gap, G, M = (np.array(each) for each in self._matrices(self._place(0.0, q, p)))
         return gap.ravel(), G, M
+
+    def check_slopes(self, times: Iterable[float], states: Array, p: Array) -> None:
+        """Warn of beams that bend too far for their description, in states of which the first entries are the coordinates."""
+        n = len(self.system.coordinates)
+        at = np.column_stack([self._place(t, y[:n], p) for t, y in zip(times, states, strict=True)])
+        check_slopes(self.system, np.array(self._slopes(at)))
 
     def jacobian(self, time: float, q: Array, p: Array) -> Array:
         """The Jacobian of the loops by coordinates and time, shape (rows, n + 1)."""

@@ -33,8 +33,8 @@ def integrated(
     name: str,
     ends: str = "",
     departure: Passage | None = None,
-) -> tuple[Array, list[Passage]]:
-    """The states at given times, shape (times, len(y)), and the passages.
+) -> tuple[Array, list[Passage], int]:
+    """The states at given times, shape (times, len(y)), the passages, and the number of steps.
 
     Args:
         rates: of the state.
@@ -61,12 +61,12 @@ def integrated(
         accuracy: Any = {"rtol": tolerance, "atol": tolerance * sizes, "max_step": longest}
         return METHODS[method](rates, time, state, times[-1], first_step=first_step, **accuracy)
 
-    states, row, passages, time = np.tile(y, (len(times), 1)), 1, list[Passage](), 0.0
+    states, row, passages, time, steps = np.tile(y, (len(times), 1)), 1, list[Passage](), 0.0, 0
     if departure:
         passages, row = [departure], _filled(states, times, 1, departure.times[-1], departure.at)
         time, y = departure.times[-1], departure.states[-1]
     if row == len(times):
-        return states, passages
+        return states, passages, steps
     solver = begun(time, y)
     while solver.status == "running" and row < len(times):
         before = solver.y
@@ -81,7 +81,7 @@ def integrated(
         if not watch.follows(solver.t, solver.y):
             solver = begun(solver.t_old, before, 0.5 * (solver.t - solver.t_old))
             continue
-        there = _lazily(solver.dense_output)
+        there, steps = _lazily(solver.dense_output), steps + 1
         row = _filled(states, times, row, solver.t, there)
         passage = watch.passage(solver.t, solver.y, there, solver.t - solver.t_old)
         if passage:
@@ -89,7 +89,7 @@ def integrated(
             row = _filled(states, times, row, passage.times[-1], passage.at)
             if row < len(times):
                 solver = begun(passage.times[-1], passage.states[-1])
-    return states, passages
+    return states, passages, steps
 
 
 def _lazily(make: Callable[[], Callable[[float], Array]]) -> Callable[[float], Array]:

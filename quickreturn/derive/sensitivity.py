@@ -64,9 +64,9 @@ def sensitivities(
         return code(np.concatenate([[time], Y[:size], p, Y[size:]]))
 
     sizes = np.append(model.error_sizes(), np.full(begin.size, np.inf))
-    states, _ = model.integrate(rate, np.concatenate([y, begin.T.ravel()]), times, p, tolerance, sizes, passes=False)
+    states, _, steps = model.integrate(rate, np.concatenate([y, begin.T.ravel()]), times, p, tolerance, sizes, passes=False)
     model.check_drives(times, states[:, :size], p)
-    model.check_motion(model.observe(times, states[:, :size], p), y, p, tolerance)
+    model.check_motion(model.observe(times, states[:, :size], p), y, p, tolerance, steps, 0)
     every = np.vstack([times, states.T[:size], np.tile(p[:, None], len(times)), states.T[size:]])
     values = np.array(ca.Function("changes", [inputs], [ca.densify(shown)])(every)).T
     units = {f"{output} by {name}": per(unit, system.parameters[name][2]) for name in to for output, (_, unit) in e.outputs.items()}

@@ -66,7 +66,7 @@ class Statics:
     def equilibrium(self, start: Values) -> Rest:
         """Coordinates and outputs at rest under the forces, found from a start by Newton's method.
 
-        No step moves a coordinate by more than its declared size. A warning says when the rest is unstable.
+        No step moves a coordinate by more than its declared size. Warnings say when the rest is unstable, or bends a beam too far.
 
         Raises:
             DescriptionError: no equilibrium is found.
@@ -90,6 +90,7 @@ class Statics:
             rounding = 1e-14 * np.abs(J) @ np.abs(np.concatenate([q[moving], force]))
             if longest < 1e-12 or np.all(np.abs(lacking) <= rounding):
                 self._tell_if_unstable(G, K)
+                self._model.check_slopes([0.0], q[None], self._model.values(self._parameters))
                 rest = Rest({c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates)})
                 values, stated = np.array(self._outputs(self._inputs(q, force))).ravel(), self._model.equations.stated
                 rest.outputs = {name: float(x / in_si(unit)[0]) for x, (name, (_, unit)) in zip(values, stated.items(), strict=True)}

@@ -92,6 +92,7 @@ class System:
         self.tables: list[Table] = []
         self.frozen: dict[int, ca.SX] = {}
         self.integrals: list[tuple[str, ca.SX, ca.SX]] = []  # of a beam: its name, the integrals by its points, and by twice as many
+        self.slopes: list[tuple[str, ca.SX]] = []  # of a beam by its deflection: its name, the slopes at its points
         self.stated: list[tuple[str, ca.SX, str]] = []  # meaning of an expression, the expression, and its unit
 
     def constants(self, **values: tuple[float, str]) -> SimpleNamespace:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from scipy.integrate import quad, solve_ivp
 
@@ -45,6 +46,29 @@ def angle_of_parallelograms(masses: list[float], arm: float, arm_mass: float, st
         lambda _, z: [z[1], -moment / inertia * np.cos(z[0])], (0, times[-1]), start, "DOP853", times, rtol=1e-12, atol=1e-12
     )
     return solution.y[0]
+
+
+def scott_russell() -> System:
+    """Two Scott-Russell linkages side by side carry a level platform: its ends move on vertical lines, at a height of 0.6 m sin(left)."""
+    system = System("lift")
+    system.gravity = vector(0, -G)
+    u = units(system)
+    half, apart, bar, platform, guess = 0.3 * u.m, u.m, 2 * u.kg, 10 * u.kg, {"left": 0.6, "right": np.pi - 0.6}
+    x, y, tilt = system.coordinate("x", "m"), system.coordinate("y", "m", guess=0.34), system.coordinate("tilt", "rad")
+    for side, at in (("left", 0), ("right", apart)):
+        crank, turn = system.coordinate(side, "rad", guess=guess[side]), system.coordinate(f"{side}_bar", "rad", guess=np.pi - guess[side])
+        foot = system.coordinate(f"{side}_foot", "m", guess=0.5)
+        middle, top = vector(foot, 0) + turned(turn, half), vector(foot, 0) + turned(turn, 2 * half)
+        system.loop(f"{side} crank", vector(at, 0) + turned(crank, half) - middle, gives=[turn, foot])
+        system.body(f"{side} bar", bar, middle, bar * half**2 / 3, turn)
+        if side == "left":
+            system.loop("left top", vector(x, y) - top, gives=[x, y])
+            system.spring("spring", foot - half, 400 * u.kg / u.s**2)
+        else:
+            system.loop("right top", y + apart * ca.sin(tilt) - top[1], gives=[tilt])
+            system.loop("level", tilt, "rad", gives=[crank])
+    system.body("platform", platform, vector(x, y) + turned(tilt, apart / 2), platform * apart**2 / 12, tilt)
+    return system
 
 
 def slider_crank(crank: float, rod: float, masses: tuple[float, float, float], free: str) -> System:

@@ -1,5 +1,7 @@
 """Beams: natural shapes, large bending, and what a section gives, against closed forms."""
 
+import warnings
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -33,6 +35,28 @@ def beam(supports: str, count: int = 3, load: bool = False) -> System:
     )  # fmt: skip
     system.output("end", strip.end()[1], "m")
     return system
+
+
+@pytest.mark.parametrize(("load", "told"), [(0.5, ""), (1.0, "by about 12 %"), (3.78, "by about 1.8e+02 %")])
+def test_a_beam_that_bends_too_far_for_its_deflection_is_told(load: float, told: str) -> None:
+    """Under F = load EI/L^2 the cubic has a slope of load/2 at the end, and hangs by load/3 of its length: 504 mm of 400."""
+    system = System("rod")
+    u = system.constants(m=(1.0, "m"), kg=(1.0, "kg"), s=(1.0, "s"), load=(load, "1"))
+    w = system.coordinate("w", "m")
+    rod = Beam(
+        system, "strip", origin=vector(0, 0), angle=0, edges=[0, 0.4 * u.m],
+        deflection=lambda x: w * (3 * (x / u.m) ** 2 / 0.32 - (x / u.m) ** 3 / 0.128),
+        mass_per_length=u.kg / u.m, bending_stiffness=u.kg * u.m**3 / u.s**2, foreshortening=False,
+    )  # fmt: skip
+    system.load("end", rod.end()[1], u.load / 0.16 * u.kg * u.m / u.s**2)
+    model = Model(system)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rest = Statics(model).equilibrium({})
+        model.simulate(rest, 0.01, 0.01)
+    assert rest["w"] == pytest.approx(0.4 * load / 3)
+    assert len(caught) == (2 if told else 0)
+    assert all("beam 'strip' of 'rod' has a slope of" in str(each.message) and told in str(each.message) for each in caught)
 
 
 @pytest.mark.parametrize("supports", ROOTS)

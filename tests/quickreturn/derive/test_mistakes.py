@@ -115,8 +115,13 @@ def no_shape(system: System, p: Any, angle: Any) -> None:
     Beam(system, "strip", origin=vector(0, 0), angle=angle, edges=[0, p.length], mass_per_length=p.mass / p.length)
 
 
+def units_of_number(system: System, p: Any, angle: Any) -> None:
+    system.body("weight", 2.0, vector(p.length, 0))
+
+
 MISTAKES: dict[Callable[..., None], str] = {
     units_of_place: "units do not fit: the place of 'weight' is not in m; look for a sum or a function of different dimensions",
+    units_of_number: "dimensions, or for a plain number: constants(NAME=(VALUE, UNIT)) gives it a unit",
     units_of_spring: "units do not fit: the energy of 'hair spring' is not in J; ",
     units_of_load: "units do not fit: the load 'motor' times what it acts on is not in J; ",
     units_of_damper: "units do not fit: the coefficient of damper 'oil' times the square of what it acts on is not in J*s; ",
