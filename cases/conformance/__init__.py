@@ -60,7 +60,7 @@ GROUPS: Final[Mapping[str, Group]] = {
     _ALONE: Group(lambda bench, _: _follower_alone(bench), (14, 13), False),
     "repetition": Group(repetition, (0, 0), False),
 }
-#: Wall time of a quick trial, s; and what its process may take besides to begin and to compile, s.
+#: Wall time of the engine's runs in a quick trial, s; and what its process may take besides to begin and to compile, s.
 QUICK: Final = 20.0
 _TO_BEGIN: Final = 60.0
 _QUICK_TRIAL: Final = "quick trial"
@@ -71,7 +71,7 @@ def conform(
     executor: Executor | None = None,
     groups: tuple[str, ...] = tuple(GROUPS),
     *,
-    seconds: float | None = None,
+    quick: bool = False,
     quiet: bool = False,
 ) -> Conformance:
     """Try an engine.
@@ -80,7 +80,7 @@ def conform(
         engine: an instance, the name of one that is installed, or the path of a file that declares one.
         executor: computes each group separately, so that a crash loses only that group; None: this process.
         groups: names of groups of checks, see `GROUPS`; of an engine without mechanism all are those of the follower alone.
-        seconds: limit of wall time; checks that do not fit into it are left out. None: no limit.
+        quick: whether checks that do not fit into `QUICK` seconds are left out.
         quiet: in this process, whether progress on standard error is left out.
 
     Raises:
@@ -88,12 +88,12 @@ def conform(
         Refusal: it cannot be used here.
     """
     engine = os.fspath(engine) if isinstance(engine, os.PathLike) else engine
-    name = engine_from(engine).name
+    name, seconds = engine_from(engine).name, QUICK if quick else None
     executor = executor or ThisProcess(quiet)
     groups = (_ALONE,) if motion_alone(engine_from(engine)) else groups
     # here, because the process of a job may not start processes
-    other = elsewhere(engine) if seconds is None and "repetition" in groups else NOT_TRIED
-    parts = {group: (group,) for group in groups} if seconds is None else {_QUICK_TRIAL: groups}
+    other = elsewhere(engine) if not quick and "repetition" in groups else NOT_TRIED
+    parts = {_QUICK_TRIAL: groups} if quick else {group: (group,) for group in groups}
     limits = None if seconds is None else Limits(2.0 * seconds + _TO_BEGIN, executor.limits.memory)
     jobs = [Job(part, trial, (part, of_part, engine, other, seconds), limits=limits) for part, of_part in parts.items()]
     outcomes = {outcome.job.name: outcome for outcome in watched(executor, jobs, f"engine {name}")}

@@ -121,7 +121,7 @@ def ring(signal: Array, step: float) -> Ring:
     basis = np.exp(np.outer(step * np.arange(len(signal)), exponents))
     sizes = np.linalg.lstsq(basis, signal.astype(complex), rcond=None)[0]
     resting = np.abs(exponents) < 0.2 / (step * len(signal))
-    turning = np.flatnonzero((exponents.imag > 2.0 * math.pi / (step * len(signal))) & (np.abs(sizes) > 0.0))
+    turning = np.flatnonzero((exponents.imag > math.pi / (step * len(signal))) & (np.abs(sizes) > 0.0))  # half a vibration or more
     turning = turning[np.abs(sizes[turning]) > _AUDIBLE * np.max(np.abs(sizes[turning]), initial=0.0)]
     loudest = turning[np.argsort(-np.abs(sizes[turning]))][:COUNT]
     loudest = loudest[np.argsort(exponents[loudest].imag)]

@@ -19,7 +19,7 @@ from quickreturn.cases.conformance.alone import BARE
 from quickreturn.cases.conformance.alone import DURATION as SPIN_UP_DURATION
 from quickreturn.cases.conformance.alone import SCENE as SPUN_UP
 from quickreturn.cases.conformance.bench import TOLERANCE_FACTOR, Bench, Motion, solution
-from quickreturn.cases.conformance.checks import Array, Check, Fault, LeftOut, Unjudged, check_by
+from quickreturn.cases.conformance.checks import Array, Check, Fault, LeftOut, Unjudged, check_by, ended
 from quickreturn.cases.conformance.clamped import Mistake, Ring, Rod, by_piece_words, right, ring, staying_words
 from quickreturn.cases.conformance.rod_rows import acceleration, strains
 from quickreturn.cases.conformance.scenes import BASE, OUTPUT_STEP, PRESCRIBED
@@ -66,6 +66,7 @@ _FINELY: Final = 100.0
 _APART: Final = 1.2
 #: Part by which damping may change the sag.
 _SOFTER: Final = 0.02
+_UNDAMPED: Final = "no damping"
 _MEND: Final = "mend that first"
 
 
@@ -106,32 +107,29 @@ def rods(bench: Bench) -> Iterator[Check]:
     except Refusal as refusal:
         yield Check("rod: sag and vibration", "not judged", f"refused: {refusal}", "without gravity nothing bends a clamped rod")
         return
-    except EngineFailure as failure:
-        yield Check("rod: sag and vibration", "failed", f"a run breaks down: {failure.cause}", failure.advice)
+    except (EngineFailure, Fault) as error:
+        yield ended("rod: sag and vibration", error)
         return
-    named = check_by("rod: sags and frequencies together", _together, bench, levels)
-    if named.status == "failed":
-        yield named
-    for what, look in (("sag under its weight", 0), ("sag by a force at its end", 1), ("three frequencies", 2)):
-        if named.status == "failed":
-            yield Check(f"rod: {what}", "not judged", "a mistake is named already", _MEND)
-        else:
-            yield check_by(f"rod: {what}", _sizes, bench, levels, look)
+    checks = [check_by("rod: sags and frequencies together", _together, bench, levels)]
+    if checks[0].status == "passed":
+        parts = enumerate(("sag under its weight", "sag by a force at its end", "three frequencies"))
+        checks = [check_by(f"rod: {what}", _sizes, bench, levels, look) for look, what in parts]
+    yield from checks
+    wrong = any(check.status == "failed" for check in checks)
     for quantity in _CRITICAL:
-        yield check_by(f"rod: decay by {quantity}", _decay, bench, levels, quantity, named.status == "failed")
+        yield check_by(f"rod: decay by {quantity}", _decay, bench, levels, quantity, wrong)
+    if wrong:
+        yield Check(
+            "rod: strains, tip_acceleration and large deflections", "not judged", "its sags or frequencies are wrong already", _MEND
+        )
+        return
     for name, rows in (("strains at rest", strains), ("tip_acceleration", acceleration)):
-        if named.status == "failed":
-            yield Check(f"rod: {name}", "not judged", "a mistake is named already", _MEND)
-        else:
-            yield check_by(f"rod: {name}", rows, bench, Motion(SCENE, _DURATION, OUTPUT_STEP))
-    if named.status == "failed":
-        yield Check("rod: sag beyond small deflections", "not judged", "a mistake is named already", _MEND)
-    else:
-        yield check_by("rod: sag beyond small deflections", _sunk, bench)
+        yield check_by(f"rod: {name}", rows, bench, Motion(SCENE, _DURATION, OUTPUT_STEP))
+    yield check_by("rod: sag beyond small deflections", _sunk, bench)
 
 
 def _levels(bench: Bench) -> list[Level]:
-    """The rod at the engine's coarse, default and fine resolution, each once."""
+    """The rod at the engine's coarse, default and fine resolution, each once. Raises Fault: it does not come back."""
     levels, engine = list[Level](), bench.engine
     for times in _LEVELS:
         accuracy = min(times * engine.default_accuracy, max(_COARSEST, engine.default_accuracy))
@@ -143,12 +141,16 @@ def _levels(bench: Bench) -> list[Level]:
 
 
 def _level(bench: Bench, settings: Settings, accuracy: float) -> Level:
-    def record(scene: FollowerAlone, damping: str = "no damping") -> Ring:
+    def record(scene: FollowerAlone, damping: str = _UNDAMPED) -> Ring:
         try:
             run = bench.run(Motion(scene, _DURATION, OUTPUT_STEP), settings)
         except EngineFailure as failure:
             told = ", ".join(f"{name}={text}" for name, text in as_texts(settings.as_dict()).items())
             raise replace(failure, cause=f"{failure.cause}, with {told} and {damping}") from failure
+        earlier, later = np.array_split(np.abs(run["tip_deflection"]), 2)
+        if damping == _UNDAMPED and later.min() > earlier.max() and later[-1] == later.max():
+            cause = f"in {_DURATION:g} s the rod does not come back; a right one vibrates eight times"
+            raise Fault(cause, "its stiffness is far too small, its mass too large, or the integrator adds damping")
         found = ring(run["tip_deflection"], OUTPUT_STEP)
         if not len(found.frequencies):
             return replace(found, rest=float(np.mean(run["tip_deflection"][-len(run) // 4 :])))

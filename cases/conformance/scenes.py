@@ -158,6 +158,11 @@ CHANGES: Final = (
             },
         },
     ),
+    Change(
+        "mechanism.gravity on the slider at a prescribed speed",
+        {_GRAVITY: _ASLANT},
+        {"crank.prescribed_speed": SPEED, "slider.mass": 0.5},
+    ),
     Change("crank.length", {"crank.length": 0.09}),
     Change("crank.mass", {"crank.mass": 4.0}),
     Change("crank.center_of_mass", {"crank.center_of_mass": 0.06}),
@@ -193,12 +198,12 @@ CHANGES: Final = (
     Change("tip.inertia", {"tip.inertia": 8e-4}),
     Change(
         "tip.center_of_mass",
-        {"tip.center_of_mass": 0.08},
+        {"tip.center_of_mass": -0.08},  # with everything on it is positive
         {"tip.inertia": 8e-4},
         alike={
-            "tip.center_of_mass is measured towards the pivot, not beyond the end": {"tip.center_of_mass": -0.08},
-            "tip.inertia is shifted to the flexible end twice": {"tip.center_of_mass": 0.08, "tip.inertia": 8e-4 + _TIP.mass * 0.08**2},
-            "tip.inertia is taken about the flexible end": {"tip.center_of_mass": 0.08, "tip.inertia": 8e-4 - _TIP.mass * 0.08**2},
+            "tip.center_of_mass is measured towards the pivot, not beyond the end, or without its sign": {"tip.center_of_mass": 0.08},
+            "tip.inertia is shifted to the flexible end twice": {"tip.center_of_mass": -0.08, "tip.inertia": 8e-4 + _TIP.mass * 0.08**2},
+            "tip.inertia is taken about the flexible end": {"tip.center_of_mass": -0.08, "tip.inertia": 8e-4 - _TIP.mass * 0.08**2},
         },
     ),
     Change("tip.force along n1", {"tip.force": (6.0, 0.0)}, alike={_TURNED: {"tip.force": (-6.0, 0.0)}}),

@@ -60,7 +60,7 @@ def conform(engine: str, quick: bool, as_json: bool, computing: Computing) -> in
     options.refuse_missing([engine])
     get_ready(COMPUTING)
     with computing.opened() as workshop:
-        found = conformance.conform(engine, workshop.executor, seconds=conformance.QUICK if quick else None)
+        found = conformance.conform(engine, workshop.executor, quick=quick)
         if not quick:
             workshop.kept(Outcome(conformance.job(engine), found))
     if as_json:

@@ -1,15 +1,17 @@
 """A rod library for small deflections, a chain of rigid links between joints with springs, right or with one mistake."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
+from scipy.linalg import eigh, expm
 
+from quickreturn.cases.conformance.rods import SCENE
 from quickreturn.engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
+from quickreturn.engines.rod import Rod, RodEngine
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.trajectory import FollowerTrajectory
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
@@ -213,6 +215,61 @@ class DragIgnored(LinearRod):
 
     def drag(self, scene: FollowerAlone, n: int) -> Array:
         return 0.0 * super().drag(scene, n)
+
+
+class Elements(Rod):
+    """Cubic elements, exact in time. `times`: factor on the length of an element in their stiffness and mass."""
+
+    times: ClassVar[Callable[[int], float]] = lambda pieces: 1.0
+
+    def __init__(self, scene: FollowerAlone, pieces: int) -> None:
+        if scene.gravity[0]:
+            raise Refusal("gravity along the rod")
+        beam, self.h, n = scene.follower, scene.follower.length / pieces, 2 * (pieces + 1)
+        h, stiffness, masses, weight = self.h * type(self).times(pieces), np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
+        bend = np.array([[12, 6 * h, -12, 6 * h], [0, 4 * h * h, -6 * h, 2 * h * h], [0, 0, 12, -6 * h], [0, 0, 0, 4 * h * h]])
+        inert = np.array([[156, 22 * h, 54, -13 * h], [0, 4 * h * h, 13 * h, -3 * h * h], [0, 0, 156, -22 * h], [0, 0, 0, 4 * h * h]])
+        for k in range(0, n - 2, 2):
+            part = slice(k, k + 4)
+            stiffness[part, part] += beam.bending_stiffness / h**3 * (bend + np.triu(bend, 1).T)
+            masses[part, part] += beam.mass_per_length * h / 420.0 * (inert + np.triu(inert, 1).T)
+            weight[part] += beam.mass_per_length * scene.gravity[1] * h / 12.0 * np.array([6.0, h, 6.0, -h])
+        masses[-2, -2] += scene.tip_body.mass
+        weight[-2] += scene.tip_body.mass * scene.gravity[1]
+        self.squares, self.shapes = eigh(stiffness[2:, 2:], masses[2:, 2:])
+        self.load, self.time, self.damping = self.shapes.T @ weight[2:], 0.0, beam.material_damping
+
+    def _vibration(self) -> tuple[Array, Array]:
+        """Of each mode the deflection, over that at rest, and its second derivative by the time over the load."""
+        decay = 0.5 * self.damping * self.squares
+        apart = np.sqrt((decay**2 - self.squares).astype(complex))
+        one, other = apart - decay, -apart - decay
+        first, second = np.exp(one * self.time), np.exp(other * self.time)
+        return 1.0 + ((other * first - one * second) / (2.0 * apart)).real, ((one * first - other * second) / (2.0 * apart)).real
+
+    def advance(self, duration: float) -> None:
+        self.time += duration
+
+    def points(self) -> Array:
+        """Of the nodes; the first one, at the clamp, is left out by the shapes."""
+        deflections = self.shapes @ (self._vibration()[0] * self.load / self.squares)
+        return np.column_stack([self.h * np.arange(len(deflections) // 2 + 1), np.append(0.0, deflections[0::2])])
+
+    def acceleration(self) -> Array:
+        return np.array([0.0, (self.shapes @ (self._vibration()[1] * self.load))[-2]])
+
+
+class ElementsOfOneMetre(Elements):
+    """A homemade program's mistake: element matrices without the element's length."""
+
+    times = lambda pieces: pieces / SCENE.follower.length  # noqa: E731
+
+
+def of_elements(rod: type[Elements], *errors: tuple[int, float]) -> RodEngine:
+    """An engine of such rods with measured errors by the number of elements."""
+    values = {"name": "elements", "method": "cubic elements", "library": "scipy", "rod": rod, "order": 2.0, "errors": dict(errors)}
+    tested: RodEngine = type("OfElements", (RodEngine,), values | {"quantities": ("mechanism.gravity", "follower.material_damping")})()
+    return tested
 
 
 #: Name -> an engine with one mistake, and what is said of it.

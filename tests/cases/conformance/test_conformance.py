@@ -2,6 +2,7 @@
 
 import math
 import re
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from quickreturn.cases.conformance import GROUPS, conform
 from quickreturn.cases.conformance.alone import CHANGES as ALONE
 from quickreturn.cases.conformance.bench import Bench
 from quickreturn.cases.conformance.checks import check_by
+from quickreturn.cases.conformance.motion import check_first_row
 from quickreturn.cases.conformance.quantities import PARTS as PARTS_AT_ONCE
 from quickreturn.cases.conformance.quantities import everything, followed
 from quickreturn.cases.conformance.scenes import BASE, CHANGES
@@ -186,6 +188,44 @@ class WeightOfTheCrank(Mutant):
             angle, (g1, g2) = columns["crank_angle"], mechanism.gravity
             weight = mechanism.crank_moment * (g1 * np.sin(angle) - g2 * np.cos(angle))  # what holds the crank against it
             columns["crank_torque"] = columns["crank_torque"] - 2.0 * weight
+
+
+class WeightOfTheSlider(Mutant):
+    """At a prescribed speed the slider's weight is not in the crank's torque."""
+
+    def spoil(self, columns: Columns, mechanism: Mechanism) -> None:
+        if not mechanism.crank_is_free:
+            angle, (g1, g2) = columns["crank_angle"], mechanism.gravity
+            arm = mechanism.slider.mass * mechanism.crank.length
+            columns["crank_torque"] = columns["crank_torque"] - arm * (g1 * np.sin(angle) - g2 * np.cos(angle))
+
+
+class SlightlyTilted(Mutant):
+    """Its base's angle is off by a part of what the engine, with a single shape, says of its error."""
+
+    off: ClassVar[float]
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ReferenceSettings:
+        return super().settings_for(accuracy, mechanism).replaced(modes=1)
+
+    def spoil(self, columns: Columns, mechanism: Mechanism) -> None:
+        columns["follower_angle"] = columns["follower_angle"] + self.off
+
+
+@pytest.mark.parametrize(("off", "status"), [(1e-5, "passed"), (-1e-5, "passed"), (0.05, "failed")])
+def test_the_first_row_may_be_off_by_what_the_engine_says(off: float, status: str) -> None:
+    bench = Bench(type("Tilted", (SlightlyTilted,), {"off": off})())
+    check = check_by("first row", check_first_row, bench, bench.mild, set())
+    assert check.status == status, check
+
+
+@pytest.mark.parametrize("kind", [WeightOfTheSlider, pytest.param(ReferenceEngine, marks=pytest.mark.verify)])
+def test_the_weight_of_the_slider_at_a_prescribed_speed_is_looked_at(kind: type[AnyEngine]) -> None:
+    bench = Bench(kind())
+    (change,) = (each for each in CHANGES if each.name == "mechanism.gravity on the slider at a prescribed speed")
+    check = check_by("weight", followed, bench, bench.scene, change, False, set())
+    assert check.status == ("passed" if kind is ReferenceEngine else "failed"), check
+    assert kind is ReferenceEngine or "mechanism.gravity on the slider at a prescribed speed is not followed" in check.cause
 
 
 @pytest.mark.parametrize(

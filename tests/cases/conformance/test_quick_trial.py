@@ -4,6 +4,7 @@ import time
 
 import pytest
 
+from quickreturn.cases import conformance
 from quickreturn.cases.conformance import conform, trial
 from quickreturn.engines.own.reference import ReferenceEngine
 from tests.cases.conformance.third_mutants import Slow
@@ -20,9 +21,10 @@ def test_an_exception_in_the_first_check_is_told() -> None:
 
 
 @pytest.mark.verify
-def test_a_quick_trial_says_what_it_left_out() -> None:
+def test_a_quick_trial_says_what_it_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conformance, "QUICK", SHORT)
     began = time.monotonic()
-    found = conform(Slow(), groups=("motion", "quantities"), seconds=SHORT, quiet=True)
+    found = conform(Slow(), groups=("motion", "quantities"), quick=True, quiet=True)
     assert time.monotonic() - began < 3.0 * SHORT + TO_COMPILE
     assert {check.status for check in found.checks} <= {"passed", "not judged"}
     assert found.left_out
@@ -30,8 +32,9 @@ def test_a_quick_trial_says_what_it_left_out() -> None:
     assert all(check.cause and check.advice for check in found.checks if check.left_out)
 
 
-def test_a_quick_trial_compares_the_motion_first() -> None:
-    found = conform(ReferenceEngine(), groups=("motion", "resolution"), seconds=300.0, quiet=True)
+def test_a_quick_trial_compares_the_motion_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conformance, "QUICK", 300.0)
+    found = conform(ReferenceEngine(), groups=("motion", "resolution"), quick=True, quiet=True)
     assert found.conforms
     assert found.left_out == ("resolution",)
     names = [check.check for check in found.checks]
@@ -39,5 +42,6 @@ def test_a_quick_trial_compares_the_motion_first() -> None:
     assert names.index("column tip_deflection") < names.index("pieces continue") < names.index("the same with another output step")
 
 
-def test_a_quick_trial_without_time_for_the_motion_is_not_judged() -> None:
-    assert conform(Slow(), groups=("motion", "resolution"), seconds=1e-3, quiet=True).conforms is None
+def test_a_quick_trial_without_time_for_the_motion_is_not_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conformance, "QUICK", 1e-3)
+    assert conform(Slow(), groups=("motion", "resolution"), quick=True, quiet=True).conforms is None

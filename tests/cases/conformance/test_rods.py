@@ -20,7 +20,7 @@ from quickreturn.engines.registry import engine
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.scene_values import changed
-from tests.cases.conformance.rod_engines import MUTANTS, LinearRod, Links
+from tests.cases.conformance.rod_engines import MUTANTS, Elements, ElementsOfOneMetre, LinearRod, Links, of_elements
 
 
 def tried(tested: AnyEngine) -> dict[str, Check]:
@@ -89,6 +89,29 @@ def test_a_rod_that_does_not_sag_is_no_error_of_the_check() -> None:
     assert not any("ZeroDivision" in check.cause for check in found.values())
 
 
+@pytest.mark.parametrize("pieces", [2, 4, pytest.param(16, marks=pytest.mark.verify)])
+def test_a_rod_of_few_accurate_pieces_is_not_accused(pieces: int) -> None:
+    """Differences of three of its points are no strains: with two elements 0.56 of the closed form near the clamp."""
+    found = tried(of_elements(Elements, (pieces, 1e-3), (2 * pieces, 1e-4)))
+    assert {check.status for check in found.values()} == {"passed"}, found
+
+
+def test_a_rod_is_read_from_less_than_one_vibration() -> None:
+    """Two elements of 0.3 m with the matrices of 1 m: stiffness 0.3^3 and mass 1/0.3 times as large, a frequency of 0.3^2."""
+    found = tried(of_elements(ElementsOfOneMetre, (2, 1e-3), (4, 1e-4)))
+    times = {name: check.cause for name, check in found.items() if check.status == "failed"}
+    assert times["rod: sag by a force at its end"].startswith(f"its sag is {0.3**-3:.4g} times")
+    assert times["rod: sag under its weight"].startswith(f"its sag is {0.3**-4:.4g} times")
+    assert float(times["rod: three frequencies"].split()[3]) == pytest.approx(0.09, rel=1e-3)
+    assert len(times) == 3  # the decay is not judged
+
+
+def test_a_rod_that_does_not_come_back_is_told_as_that() -> None:
+    (check,) = tried(of_elements(ElementsOfOneMetre, (16, 1e-3), (32, 1e-4))).values()
+    assert check.status == "failed"
+    assert check.cause == "in 0.66 s the rod does not come back; a right one vibrates eight times"
+
+
 def test_reference_as_a_rod_is_not_accused() -> None:
     found = tried(alone(ReferenceEngine))
     assert {check.status for check in found.values()} == {"passed"}, found
@@ -111,7 +134,7 @@ def test_whatever_groups_are_asked_for_a_rod_is_judged(groups: tuple[str, ...]) 
 
 
 def test_a_quick_trial_judges_a_rod() -> None:
-    found = conform(MUTANTS["a segment too many"][0](), groups=("motion",), seconds=30.0, quiet=True)
+    found = conform(MUTANTS["a segment too many"][0](), groups=("motion",), quick=True, quiet=True)
     assert found.conforms is False
 
 

@@ -280,7 +280,7 @@ THIRD: dict[str, tuple[type[ReferenceEngine], str, str]] = {
     "one shape doubled": (column("shape_06", lambda y: 2.0 * y), "shape_06 is twice", "motion"),
     "shapes from tip to base": (of_columns(_shapes_reversed), "shape_01 holds shape_11", "motion"),
     "shapes in mm": (of_columns(_shapes_in_mm), "shape_01 is in millimetres", "motion"),
-    "slider without weight": (of_pair(_slider_without_weight), r"(slider.mass|gravity).*nor without .*(gravity|slider.mass)", "quantities"),
+    "slider without weight": (of_pair(_slider_without_weight), "mechanism.gravity on the slider .* is not followed", "quantities"),
     "offset without gravity": (of_pair(_offset_without_gravity), r"gravity.*nor without tip.center_of_mass", "quantities"),
     "damping without offset": (of_pair(_damping_without_offset), r"follower.damping.*nor without tip.center_of_mass", "quantities"),
     "gravity turns with the start": (of_pair(_turned_with_the_crank), "gravity turns with the crank's angle at the start", "quantities"),
@@ -312,6 +312,7 @@ THIRD: dict[str, tuple[type[ReferenceEngine], str, str]] = {
     "half the follower damping": (of_scene(follower__damping=lambda x: 0.5 * x), "follower.damping acts.* half as large", "quantities"),
     "twice the slider mass": (of_scene(slider__mass=lambda x: 2.0 * x), "slider.mass acts.* twice as large", "quantities"),
     "half the joint stiffness": (of_scene(slider__joint_stiffness=lambda x: 0.5 * x), "joint_stiffness acts.* half as large", "quantities"),
+    "tip offset without its sign": (of_scene(tip__center_of_mass=abs), "tip.center_of_mass .*without its sign", "quantities"),
     "twice the tip offset": (of_scene(tip__center_of_mass=lambda x: 2.0 * x), "tip.center_of_mass acts.* twice as large", "quantities"),
     "frequencies a quarter": (of_frequencies(lambda f: 0.25 * f), "0.25 times", "frequencies"),
 }
