@@ -30,7 +30,11 @@ class TorqueDrive:
     """A constant torque against viscous friction, which without other losses turns the crank at torque / damping (thesis, table 5.2)."""
 
     torque: float = quantity("N*m", "constant torque of the drive", named=True)
-    damping: float = quantity("N*m*s/rad", "friction, on the crank's rate", sign="not negative")
+    damping: float = quantity(
+        "N*m*s/rad",
+        "friction on the crank's rate, or the fall of a motor's torque with it: torque and power at the shaft are less by it",
+        sign="not negative",
+    )
     initial_speed: float = quantity("rad/s", "speed at the start; torque / damping if left out", optional=True)
 
 

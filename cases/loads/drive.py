@@ -1,4 +1,4 @@
-"""What motor, flywheel and bearings are chosen by: functions of a turn.
+"""What motor, flywheel and bearings are chosen by: functions of a turn, whose torque is that at the crank's shaft (`at_shaft`).
 
 Between rows, torque, power and the powers of a force count as straight lines, whose integrals are exact: errors are of second order in the
 spacing of rows.
@@ -24,6 +24,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.splines import CubicSpline
 
 Array = NDArray[np.float64]
@@ -42,6 +43,18 @@ BEARINGS: Final = {
     "crank_force": (("crank_force_x", "crank_force_y"), ("crank_angle",)),
     "slider_force": (("slider_force",), ("crank_angle", "follower_angle")),
 }
+
+
+def crank_damping(mechanism: Mechanism) -> float:
+    """Damping of the crank, N m s/rad; 0 at a prescribed speed."""
+    return float(getattr(mechanism.crank.drive, "damping", 0.0))
+
+
+def at_shaft(turn: Turn, damping: float) -> Turn:
+    """The turn with the torque that reaches the crank's shaft: torque and damping (N m s/rad) stand for a motor and its characteristic."""
+    if damping == 0.0 or not {*POWER} <= turn.keys():
+        return turn
+    return {**turn, "crank_torque": turn["crank_torque"] - damping * turn["crank_speed"]}
 
 
 def drive_power(turn: Turn) -> Array:

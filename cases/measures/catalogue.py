@@ -188,9 +188,11 @@ def _per_turn(column: str, motion: SettledMotion) -> Number:
 def _of_turn(declared: OfTurn, motion: SettledMotion) -> Number:
     if not {*declared.columns} <= motion.run.cycle.keys() or (declared.prescribed and motion.mechanism.crank_is_free):
         return NO_NUMBER
-    value = declared.of(motion.run.cycle)
-    spacing = declared.by_spacing(motion.run.cycle)
-    scale = abs(value) if declared.scale is None else declared.scale(motion.run.cycle)
+    turn = drive.at_shaft(motion.run.cycle, drive.crank_damping(motion.mechanism))
+    value, spacing = declared.of(turn), declared.by_spacing(turn)
+    scale = abs(
+        (declared.scale or declared.of)(motion.run.cycle)
+    )  # near no-load little of the torque is left: it settles as the whole does
     return Number(value, _estimate(motion, declared.name, NUMBER), spacing, settling=_left(motion) * scale)
 
 
@@ -207,13 +209,15 @@ def _harmonic(order: int, is_phase: bool, motion: SettledMotion) -> Number:
 
 def _power(sign: float, motion: SettledMotion) -> Number:
     """Largest power that the drive gives (1) or takes back (-1), W; 0 where it never does."""
-    cycle = motion.run.cycle
-    if not {*drive.POWER} <= cycle.keys():
+    if not {*drive.POWER} <= motion.run.cycle.keys():
         return NO_NUMBER
+    damping = drive.crank_damping(motion.mechanism)
+    cycle = drive.at_shaft(motion.run.cycle, damping)
     ((_, largest),) = extremes(cycle["time"], sign * drive.drive_power(cycle))
     angle = float(np.interp(largest.time, cycle["time"], cycle["crank_angle"]))
     errors = [motion.claim(column, angle) for column in drive.POWER]
-    sizes = [float(np.abs(cycle[column]).max()) for column in reversed(drive.POWER)]
+    torque, speed = (float(np.abs(cycle[column]).max()) for column in drive.POWER)
+    sizes = speed, torque + damping * speed
     estimate = None if None in errors else sum(error * size for error, size in zip(errors, sizes, strict=True) if error is not None)
     return replace(largest, value=max(0.0, largest.value), estimate=estimate, crank_angle=angle % (2.0 * math.pi))
 

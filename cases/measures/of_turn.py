@@ -87,8 +87,7 @@ def variation_of_speed(turn: Turn) -> float:
     return float(turn["crank_speed"].max() - turn["crank_speed"].min()) / mean_speed(turn)
 
 
-#: Columns for the torque of the drive and its power over time, and for the torque over the crank angle.
-_TORQUE: Final = ("time", "crank_torque")
+#: Columns for the torque of the drive at the shaft and its power over time, and for the torque over the crank angle.
 _POWER: Final = ("time", *drive.POWER)
 _OVER_ANGLE: Final = ("time", "crank_angle", "crank_torque")
 _WORK: Final = Witness(
@@ -145,8 +144,8 @@ OF_TURN: Final = (
         size=True,
         in_tables=TableColumn("max − min", ".1f", "%", "crank speed", "crank_speed_variation"),
     ),
-    OfTurn("mean.crank_torque", "N m", "mean torque of the drive", _TORQUE, drive.mean_torque, _WORK, scale=drive.rms_torque),
-    OfTurn("mean.drive_power", "W", "mean power of the drive", _POWER, drive.mean_power, PLAIN(2e-5), scale=drive.rms_power),
+    OfTurn("mean.crank_torque", "N m", "mean torque of the drive at the shaft", _POWER, drive.mean_torque, _WORK, scale=drive.rms_torque),
+    OfTurn("mean.drive_power", "W", "mean power of the drive at the shaft", _POWER, drive.mean_power, PLAIN(2e-5), scale=drive.rms_power),
     OfTurn("rms.drive_power", "W", "root mean square of the power of the drive", _POWER, drive.rms_power, PLAIN(2e-5), size=True),
     OfTurn("turn.driven_energy", "J", "energy that the drive gives", _POWER, partial(drive.energy, 1.0), _WORK, scale=drive.to_and_fro),
     OfTurn(

@@ -24,15 +24,17 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.loads.drive import at_shaft, crank_damping
 from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures, measure_cycles
 from quickreturn.cases.measures.mean_cycle import mean_measures
 from quickreturn.cases.measures.of_turn import OF_TURN, OfTurn, rms_over_time
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
-from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale
+from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.engines.error_parts import Compared, ErrorPart, total
 from quickreturn.engines.trajectory import Columns
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
@@ -78,8 +80,8 @@ class MeasuredCycle:
     numbers: Mapping[str, float]  # measure of `OF_TURN` whose columns are there -> number, mean of the cycles
 
     @classmethod
-    def of(cls, cycles: Sequence[Columns], measures: CycleMeasures) -> "MeasuredCycle":
-        """Cycles as columns of a trajectory, and the means of their measures."""
+    def of(cls, cycles: Sequence[Columns], measures: CycleMeasures, damping: float = 0.0) -> "MeasuredCycle":
+        """Cycles as columns of a trajectory, and the means of their measures; `damping`: see `at_shaft`."""
         grids = [on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")])) for cycle in cycles]
         columns = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
         halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
@@ -87,19 +89,21 @@ class MeasuredCycle:
         rms = {name: float(np.mean([rms_over_time(cycle["time"], cycle[name]) for cycle in cycles])) for name in columns}
         change = {name: float(np.mean([cycle[name][-1] - cycle[name][0] for cycle in cycles])) for name in (TIME, *columns)}
         given = [each for each in OF_TURN if all({*each.columns} <= cycle.keys() for cycle in cycles)]
-        numbers = {each.name: float(np.mean([each.of(cycle) for cycle in cycles])) for each in given}
+        turns = [at_shaft(cycle, damping) for cycle in cycles]
+        numbers = {each.name: float(np.mean([each.of(turn) for turn in turns])) for each in given}
         return cls(measures, signals, rms, change, numbers)
 
 
-def measured_cycles(scale: TimeScale | None, runs: Sequence[tuple[Columns, ...]]) -> list[MeasuredCycle]:
-    """The measured cycles of several runs of a mechanism, each with one or more; `scale`: see `measure_cycle`."""
+def measured_cycles(mechanism: Mechanism, runs: Sequence[tuple[Columns, ...]]) -> list[MeasuredCycle]:
+    """The measured cycles of several runs of a mechanism, each with one or more."""
+    scale, damping = time_scale(mechanism), crank_damping(mechanism)
     measures: list[list[CycleMeasures]] = [[] for _ in runs]
     for numbered in itertools.zip_longest(*runs):  # all first cycles, then all second ones: all of them at once need much memory
         present = [(of_run, cycle) for of_run, cycle in zip(measures, numbered, strict=True) if cycle is not None]
         parts = [(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS}) for _, cycle in present]
         for (of_run, _), found in zip(present, measure_cycles(scale, parts), strict=True):
             of_run.append(found)
-    return [MeasuredCycle.of(cycles, mean_measures(of_run)) for cycles, of_run in zip(runs, measures, strict=True)]
+    return [MeasuredCycle.of(cycles, mean_measures(of_run), damping) for cycles, of_run in zip(runs, measures, strict=True)]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,7 +26,7 @@ import numpy as np
 
 from quickreturn.cases.measures.balances import Balances
 from quickreturn.cases.measures.steady_state import Cycle
-from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredNumbers, measured_cycles
 from quickreturn.cases.runs.marching import March, columns_of, is_determined, output_step, periodic_cycle, settle
@@ -156,7 +156,7 @@ class _RunInProgress:
         of_runs = {id(self._cycles): self._cycles}  # a run may be compared with several
         for runs in self._compared:
             runs.mapped(lambda cycles: of_runs.setdefault(id(cycles), cycles))
-        measured = dict(zip(of_runs, measured_cycles(time_scale(self._mechanism), list(of_runs.values())), strict=True))
+        measured = dict(zip(of_runs, measured_cycles(self._mechanism, list(of_runs.values())), strict=True))
         others = [runs.mapped(lambda cycles: measured[id(cycles)]) for runs in self._compared]
         self.note(measured=MeasuredNumbers.of(measured[id(self._cycles)].measures, others, self.run.measured.unestimated))
 

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.loads.drive import crank_damping
 from quickreturn.cases.measures.catalogue import SettledMotion, measure
 from quickreturn.cases.measures.cycle import measure_cycle
 from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
@@ -186,12 +187,13 @@ class _Point:
         """The turn as `run` would report it, reduced to what the measures need."""
         measures = [measure(name) for name in self._asked.measures]
         columns = dict.fromkeys(name for name in (*(name for one in measures for name in one.columns), MOTION) if name in cycle)
+        damping = crank_damping(self._scene)
         scale = time_scale(self._scene) if any(one.vibration for one in measures) else None
 
         def measured(turn: Columns) -> MeasuredCycle:
             needed = {name: turn[name] for name in ("time", "crank_angle", *columns)}
             channels = {name: turn[name] for name in CHANNELS if scale is not None}
-            return MeasuredCycle.of([needed], measure_cycle(scale, turn["time"], turn["crank_angle"], channels))
+            return MeasuredCycle.of([needed], measure_cycle(scale, turn["time"], turn["crank_angle"], channels), damping)
 
         compared = [pair.mapped(measured) for pair in comparisons]
         run = Run(

@@ -90,7 +90,8 @@ def text_of(name: str, number: Number, units: Units, *, with_error: bool = False
 def _motor(case: Case, texts: Mapping[str, str]) -> str:
     power = f"{texts['mean.drive_power']} in the mean and {texts['peak.drive_power']} at most"
     if case.mechanism.crank_is_free:
-        return f"The drive turns the crank with a constant torque of {texts['mean.crank_torque']}; its power is {power}."
+        less = "the constant torque less crank.damping times the speed"
+        return f"At the shaft the drive gives {texts['mean.crank_torque']} in the mean, {less}; its power is {power}."
     return (
         f"The torque of the drive is {texts['mean.crank_torque']} in the mean, {texts['rms.crank_torque']} RMS and"
         f" {texts['peak.crank_torque']} at most; its power is {power}. In a turn {texts['turn.driven_energy']} go to the machine and"

@@ -197,7 +197,10 @@ def drive(turn: Turn) -> Said | None:
     if found is None or found.crank_angle is None:
         return None
     if turn.case.mechanism.crank_is_free:
-        return f"The drive gives a constant torque, {turn.shown(found.value, 'N*m')}.", {"torque": found.value}
+        mean, power = (turn.of(name) for name in ("mean.crank_torque", "mean.drive_power"))
+        means = listed([turn.told(each, si) for each, si in ((mean, "N*m"), (power, "W")) if each])
+        at_shaft = f"; less crank.damping times the speed, {means} in the mean reach the shaft" if means else ""
+        return f"The drive gives a constant torque, {turn.shown(found.value, 'N*m')}{at_shaft}.", {"torque": found.value}
     numbers, energy = _numbers("torque", found), ""
     if given is not None:
         numbers |= _numbers("energy_given", given) | (_numbers("energy_back", back) if back else {})

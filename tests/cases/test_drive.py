@@ -109,7 +109,23 @@ def test_what_a_turn_does_not_have_is_no_number() -> None:
     free = Run(engine="made up", estimate_of="total", status=Ending.SETTLED, cycle=turn_of(np.full(15, 2.0), angle))
     of_free = numbers(run_24(), free)
     assert all(math.isnan(of_free[name].value) for name in NAMES if name.startswith(("torque.", "flywheel.")))
-    assert of_free["mean.drive_power"].value == 2.0 * SPEED
+    assert of_free["mean.drive_power"].value == pytest.approx((2.0 - run_24().crank.drive.damping * SPEED) * SPEED)  # type: ignore[union-attr]
+
+
+def test_the_shaft_of_a_machine_driven_by_a_torque_carries_what_its_parts_lose() -> None:
+    """Torque and damping as of a motor at nearly its no-load speed: 0.9 N m and 29 W by the torque alone, of which 0.1 % do work."""
+    motor = TorqueDrive(torque=0.9, damping=0.0277232, initial_speed=32.4)
+    parts = {"base": Base(inertia=1e-4, damping=1e-3), "tip": None, "gravity": (0.0, 0.0)}
+    arm = dataclasses.replace(run_24().follower, bending_stiffness=20.0, damping=0.0)
+    scene = dataclasses.replace(RIGID, crank=dataclasses.replace(RIGID.crank, drive=motor, inertia=5e-3), follower=arm, **parts)
+    names = ("mean.drive_power", "mean.crank_torque", "mean.crank_speed", "rms.follower_rate", "turn.driven_energy", "turn.returned_energy")
+    found = row([scene], MeasureRequest(measures=(*names, "period")))
+    power, torque, speed, rate, given, back, period = found.values[0]
+    assert found.statuses == ("settled",)
+    assert power == pytest.approx(1e-3 * rate**2, rel=1e-3)  # of the brake in P
+    assert torque == pytest.approx(0.9 - 0.0277232 * speed, rel=1e-6)
+    assert given - back == pytest.approx(power * period, rel=1e-3)
+    assert np.all(found.errors[0][:2] < 0.1 * found.values[0][:2])
 
 
 def bearings(force: Array, angle: Array) -> dict[str, float]:

@@ -83,7 +83,7 @@ def test_a_machine_with_a_driving_torque_fluctuates_and_has_no_harmonics() -> No
     result = reported_result("example")
     drive = drive_of(result)
     told = [plain(sentence) for sentence in drive_sentences(drive)]
-    assert told[0].startswith("The drive turns the crank with a constant torque of ")
+    assert told[0].startswith("At the shaft the drive gives ")
     assert told[1] == "The speed of the crank fluctuates by 2.000 % of its mean, from the least to the largest."
     chapter = chapter_of(one_run(result), "drive")
     assert [table.name for table in chapter.tables] == ["drive", "bearing_forces"]
