@@ -161,11 +161,11 @@ class Model(CompiledEquations):
 
     def _nearest(self, q: Array, p: Array, seek: Sequence[int]) -> tuple[Array, Array, Array]:
         """Coordinates that close the loops, by Newton's method from q, and the gap and its Jacobian there."""
-        part, angle = 1.0, self._angles(seek)
+        part, angle, sizes = 1.0, self._angles(seek), np.array([self.system.coordinates[k].size for k in seek])
         gap, G, _ = self.loops(q, p)
         for _ in range(100):
             step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
-            if np.max(np.abs(step), initial=0.0) < 1e-14 or part < SMALLEST_PART:
+            if np.max(np.abs(step) / sizes, initial=0.0) < 1e-14 or part < SMALLEST_PART:
                 break
             step /= max(1.0, np.max(np.abs(step[angle]), initial=0.0) / TURN)
             there = q.copy()

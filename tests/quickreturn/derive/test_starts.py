@@ -196,3 +196,14 @@ def test_a_wrong_operation_is_found_even_where_forces_cancel(wrong: str, monkeyp
     code = of_machine.MachineCode(x, ca.vertcat(force - 2.0 * x[1] * ca.sin(x[0]) * 0.5 * (1.0 + 1e-13), force + x[1]), ["balance", "sum"])
     with pytest.raises(DescriptionError, match="and rounding does not explain it"):
         code.check(np.array([0.7, 3e4]))
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e6])
+def test_a_loop_of_lengths_closes_as_well_in_a_machine_of_any_size(scale: float) -> None:
+    """A bead on a circle, its height given: the search ends by the coordinate's size."""
+    system = System("bead on a circle")
+    u = system.constants(m=(scale, "m"), kg=(1.0, "kg"))
+    x, y = (system.coordinate(name, "m", size=scale, guess=0.6 * scale) for name in "xy")
+    system.body("bead", u.kg, vector(x, y))
+    system.loop("circle", x**2 + y**2 - u.m**2, "m^2", gives=[x])
+    assert Model(system).start({"y": 0.28 * scale})[0] / scale == pytest.approx(0.96, rel=1e-14)
