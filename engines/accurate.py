@@ -69,8 +69,8 @@ class Result:
         estimate_of: the error that is estimated.
         further_run_skipped: whether a still finer run, which checks how fast the error falls, was not needed (`Comparison.alike`).
         hurried: whether the time limit prevented a run, so that a faster machine would give a better answer.
-        reached: False if the estimate misses the accuracy, if a run for it broke down on every rung, or if it is unknown or not verified
-            although an accuracy was asked explicitly.
+        reached: False if the estimate misses the accuracy, if a run for it broke down on every rung or had no time, or if it is unknown or
+            not verified although an accuracy was asked explicitly.
         remark: why not reached, not estimated, or estimated without the run that shows how fast the error falls (a sentence); "" if all is
             well.
         setup_seconds: building the model of the delivered run.
@@ -198,7 +198,7 @@ class _Judged:
     largest: dict[str, float] = field(default_factory=dict)
     remark: str = ""
     further_run_skipped: bool = False
-    broken: bool = False  # whether the error is unknown because a run for its estimate broke down
+    broken: bool = False  # whether the error is unknown because a run for its estimate broke down, or was not begun for lack of time
 
     @property
     def estimate(self) -> float | None:
@@ -252,8 +252,7 @@ class _Runs:
             if isinstance(reason, _NoTime) and self._has_estimate:  # a coarser rung with an estimate is worth more than this one
                 raise
             why = f"the run for its estimate {reason}" if isinstance(reason, EngineFailure) else str(reason)
-            broken = isinstance(reason, EngineFailure) and not isinstance(reason, _NoTime)
-            return _Judged(settings, made, remark=f"the error is unknown: {why}", broken=broken)
+            return _Judged(settings, made, remark=f"the error is unknown: {why}", broken=isinstance(reason, EngineFailure))
         self._has_estimate = True
         return judged
 

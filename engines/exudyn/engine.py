@@ -89,15 +89,16 @@ class ExudynEngine(Engine[ExudynSettings]):
     def comparisons(self, settings: ExudynSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """Pairs for time, space, stretch and the slider's passing of nodes, whose errors have different signs.
 
-        A follower alone has those for time and space; a rigid follower, which has no elements, that for time.
+        A follower alone has no slider; a rigid follower has no elements, and only the pair for time.
         """
         in_time = ladder.in_time(settings, output_step, scene.slider.has_corners)
-        if scene.crank is None:
-            return in_time, ladder.in_space(settings, in_time)
         if scene.follower.is_rigid:
             return (in_time,)
+        in_stretch = ladder.in_stretch(settings, in_time)
+        if scene.crank is None:
+            return in_time, ladder.in_space(settings, in_time), in_stretch
         in_space, *in_passing = ladder.in_elements(settings, in_time)
-        return in_time, in_space, ladder.in_stretch(settings, in_time), *in_passing
+        return in_time, in_space, in_stretch, *in_passing
 
     def finer(self, settings: ExudynSettings, excess: Mapping[str, float], output_step: float) -> ExudynSettings | None:
         """Smaller steps, more elements or a stiffer cable, as far as each is needed."""

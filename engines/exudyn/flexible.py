@@ -106,9 +106,13 @@ class CableModel(Model):
         places = np.repeat(np.r_[follower.strain_gauges, twelfths][:, None], len(q), axis=1)
         if kinks:
             places = np.vstack([places, kinks[0].place])
-        strains, moments = np.split(cable.curvatures(q, places, *kinks), [len(follower.strain_gauges)])
+        bent = loaded = cable.curvatures(q, places, *kinks)
         if follower.material_damping > 0.0:  # turned and stretched alike a line keeps this curvature: what is left is that of the rates
-            moments = cable.curvatures(q + follower.material_damping * rates, places, *kinks)[len(strains) :]
+            loaded = cable.curvatures(q + follower.material_damping * rates, places, *kinks)
+        by_loads = self._moments_near_tip(line, frame, places, kinks, forces[1]) / cable.bending_stiffness
+        carried = np.where(places > cable.length - cable.element_length, by_loads, loaded)
+        gauges = len(follower.strain_gauges)
+        strains, moments = (bent + carried - loaded)[:gauges], carried[gauges:]
         return {
             "follower_rate": frame[1],
             "follower_acceleration": frame[2],
@@ -139,6 +143,26 @@ class CableModel(Model):
         along, _, turning = direction(*(values[:, -1, 2:] for values in line))
         across = dot(turned(along), line[2][:, -1, :2] - gravity) + tip.center_of_mass * turning
         return np.asarray(-tip.inertia * turning - tip.mass * tip.center_of_mass * across)
+
+    def _moments_near_tip(self, line: Kinematics, frame: Kinematics, places: Array, kinks: tuple[Kink, ...], tool: Array | float) -> Array:
+        """Bending moments at places in the last element, by the loads outboard of them, N m; both of shape (places, rows).
+
+        Near an end that carries little the second derivative of the elements is nothing but error. The load along the arm is the parabola
+        through the last three nodes. `tool`: force on the flexible end, N.
+        """
+        cable, scene, tip, gravity = self._cable, self.assembly.scene, self.assembly.scene.tip_body, np.array(self.assembly.scene.gravity)
+        tangent, _, turning = direction(*(values[:, -1, 2:] for values in line))
+        across = turned(tangent)
+        nodes = cable.mass_per_length * (gravity - line[2][:, -3:, :2]) - scene.follower.damping * self._relative(line, frame)[1][:, -3:]
+        second, first, last = (dot(across, nodes[:, k]) for k in range(3))
+        accelerated = dot(across, line[2][:, -1, :2] - gravity) + tip.center_of_mass * turning
+        force = dot(across, tool * np.ones_like(across)) - tip.mass * accelerated
+        d, h = cable.length - places, cable.element_length
+        slope, bend = (4.0 * first - 3.0 * last - second) / (2.0 * h), (last - 2.0 * first + second) / (2.0 * h**2)
+        moments = self._moment_at_tip(line) + d * force + d**2 * (last / 2.0 + slope * d / 6.0 + bend * d**2 / 12.0)
+        for kink in kinks:
+            moments += cable.bending_stiffness * np.maximum(0.0, kink.place - places) * dot(across, kink.jump)
+        return np.asarray(moments)
 
     def _axial_columns(
         self,

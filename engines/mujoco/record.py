@@ -25,47 +25,55 @@ def _pulled_across(ctx: Context, e: Points) -> float:
 
 
 @compiled
-def _smooth_moments(ctx: Context, qpos: Array, qvel: Array, pulled: float) -> Array:
-    """Bending moment over EI at the hinges, 1/m, without kinks and jump at slider and spring (`_pulled_across`); shape (N,).
+def _smooth_moments(ctx: Context, qpos: Array, qvel: Array, pulled: float, at_base: float, at_tip: float) -> Array:
+    """Bending moment over EI at base, hinges and tip, 1/m, without kinks and jump at slider and spring (`_pulled_across`); shape (N + 2,).
 
     The moment of the slider force F in hinge j is F b_j, b_j = Σ_{i >= j} c_i; in the beam it is the ramp F (s - x) inboard of the slider.
-    The moment of its couple has the derivatives of the c_i in their place.
+    The moment of its couple has the derivatives of the c_i in their place. `at_base` and `at_tip` are the moments at the ends, N m.
     """
-    smooth = np.empty(ctx.hinges)
-    if ctx.hinges == 0:
+    n = ctx.hinges
+    smooth = np.zeros(n + 2)
+    if n == 0:
         return smooth
     kink, jump = ctx.slider_force / ctx.bending_stiffness, ctx.slider_couple / ctx.bending_stiffness
-    c0 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 0)
-    c1 = centre_line_coefficients(ctx.slider_position, ctx.hinges, ctx.link_length, 1)
-    at_spring = c0 if pulled == 0.0 else centre_line_coefficients(ctx.spring_place, ctx.hinges, ctx.link_length, 0)
+    c0 = centre_line_coefficients(ctx.slider_position, n, ctx.link_length, 0)
+    c1 = centre_line_coefficients(ctx.slider_position, n, ctx.link_length, 1)
+    at_spring = c0 if pulled == 0.0 else centre_line_coefficients(ctx.spring_place, n, ctx.link_length, 0)
     lever = lever_by_s = lever_of_spring = 0.0
-    for j in range(ctx.hinges, 0, -1):
+    for j in range(n, 0, -1):
         lever += c0[j]
         lever_by_s += c1[j]
         lever_of_spring += at_spring[j]
-        k = ctx.coordinates - ctx.hinges - 1 + j
+        k = ctx.coordinates - n - 1 + j
         bent = qpos[k] + ctx.material_damping * qvel[k]
-        smooth[j - 1] = bent / ctx.link_length - kink * lever - jump * lever_by_s - pulled * lever_of_spring
+        smooth[j] = bent / ctx.link_length - kink * lever - jump * lever_by_s - pulled * lever_of_spring
+    smooth[0] = at_base / ctx.bending_stiffness - kink * ctx.slider_position - jump - pulled * ctx.spring_place
+    smooth[n + 1] = at_tip / ctx.bending_stiffness
     return smooth
 
 
 @compiled
-def _at_place(ctx: Context, smooth: Array, x: float) -> float:
-    """A field given at the hinges, at the arc length x by the cubic through the four nearest hinges; 0 for a rigid follower."""
-    if ctx.hinges == 0:
+def _at_place(ctx: Context, values: Array, x: float, first: int, last: int) -> float:
+    """A field at the arc length x by the cubic through the four nearest of its nodes `first` to `last`; 0 for a rigid follower.
+
+    Nodes are the base, the hinges and the tip, in `values` of shape (N + 2,).
+    """
+    n = ctx.hinges
+    if n == 0:
         return 0.0
     if not math.isfinite(x):
         return math.nan
-    points = min(4, ctx.hinges)
-    place = x / ctx.link_length - 0.5  # in links from the first hinge
-    left = min(max(math.floor(place) - 1, 0), ctx.hinges - points)
+    points = min(4, last - first + 1)
+    place = x / ctx.link_length  # as those of the nodes: 0, 1/2, 3/2, ..., N - 1/2, N
+    left = min(max(math.floor(place + 0.5) - 1, first), last + 1 - points)
     value = 0.0
     for j in range(left, left + points):
-        weight = 1.0
+        at_j, weight = min(max(j - 0.5, 0.0), float(n)), 1.0
         for k in range(left, left + points):
             if k != j:
-                weight *= (place - k) / (j - k)
-        value += weight * smooth[j]
+                at_k = min(max(k - 0.5, 0.0), float(n))
+                weight *= (place - at_k) / (at_j - at_k)
+        value += weight * values[j]
     return value
 
 
@@ -76,7 +84,18 @@ def _moment(ctx: Context, smooth: Array, pulled: float, x: float) -> float:
         return 0.0
     jump = ctx.slider_couple / ctx.bending_stiffness if x < ctx.slider_position else 0.0
     kinks = ctx.slider_force / ctx.bending_stiffness * max(0.0, ctx.slider_position - x) + pulled * max(0.0, ctx.spring_place - x)
-    return _at_place(ctx, smooth, x) + kinks + jump
+    return _at_place(ctx, smooth, x, 0, ctx.hinges + 1) + kinks + jump
+
+
+@compiled
+def _bending_rate(ctx: Context, qvel: Array, x: float) -> float:
+    """Rate of the curvature at the arc length x, 1/(m s); it is zero at an end that carries no moment, and not known at others."""
+    n = ctx.hinges
+    rates = np.zeros(n + 2)
+    rates[1 : n + 1] = qvel[ctx.coordinates - n :] / ctx.link_length
+    held = ctx.base_is_prescribed or ctx.base_inertia > 0.0 or ctx.base_damping > 0.0 or ctx.base_friction > 0.0
+    loaded = ctx.tip_mass > 0.0 or ctx.tip_inertia > 0.0
+    return _at_place(ctx, rates, x, 1 if held else 0, n if loaded else n + 1)
 
 
 @compiled
@@ -214,7 +233,8 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
     base_angle = _tangent_at_base(qpos, first)
     strain_energy = 0.5 * ctx.bending_stiffness / ctx.link_length * np.sum(qpos[first + 1 :] ** 2)
     pulled = _pulled_across(ctx, e)
-    smooth, bending_rates = _smooth_moments(ctx, qpos, qvel, pulled), qvel[first + 1 :] / ctx.link_length
+    at_base, at_end = _moment_at_base(ctx, e, rates, accelerations), _moment_at_tip(ctx, e[hinges], accelerations[hinges], tip_acceleration)
+    smooth = _smooth_moments(ctx, qpos, qvel, pulled, at_base, at_end)
     gravity = energy[0] - strain_energy
     strain_energy += joint_energy(ctx.gap, ctx.plus, ctx.minus, ctx.plus_from, ctx.minus_from)
     if ctx.is_held:
@@ -236,14 +256,13 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
         row.moments[place - 1] = ctx.bending_stiffness * _moment(ctx, smooth, pulled, x)
     row.moment_slider = ctx.bending_stiffness * _moment(ctx, smooth, pulled, ctx.slider_position)
     row.moment_inboard = row.moment_slider + ctx.slider_couple
-    row.moment_base = _moment_at_base(ctx, e, rates, accelerations)
-    row.moment_tip = _moment_at_tip(ctx, e[hinges], accelerations[hinges], tip_acceleration)
+    row.moment_base, row.moment_tip = at_base, at_end
     row.axial_base, row.axial_inboard, row.axial_slider, row.axial_tip = _axial_forces(ctx, angle, along, e, rates, accelerations)
     row.tip_acceleration = dot(1j * e[hinges], tip_acceleration)
     for gauge in range(3):
         curvature = _moment(ctx, smooth, pulled, gauges[gauge])
         if ctx.material_damping > 0.0:
-            curvature -= ctx.material_damping * _at_place(ctx, bending_rates, gauges[gauge])
+            curvature -= ctx.material_damping * _bending_rate(ctx, qvel, gauges[gauge])
         row.strains[gauge] = ctx.extreme_fibre * curvature
     crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else 0.0
     pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
