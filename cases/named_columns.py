@@ -13,12 +13,26 @@ from quickreturn.reference_model.columns import COLUMNS
 
 _COUNTERS: Final = ("sample", "samples", "index", "row", "n", "no", "no.", "nr", "nr.", "#", "scan", "point")  # headings of row numbers
 
+_NUMBER: Final = re.compile(r"\d+$")
 
-def own_name(shown: str, place: str, heading: str) -> Target | None:
+
+def own_name(shown: str, place: str, heading: str, headings: Sequence[str]) -> Target | None:
     """The column that a heading names, however it writes capitals and blanks; None: none of a trajectory."""
     name, unit = name_and_unit(shown, place, heading, "time [s]")
-    column = re.sub(r"[\s_-]+", "_", name.strip().lower())
+    column = _as_column(name)
+    if counts_from_zero(column, headings):
+        column = _NUMBER.sub(lambda number: f"{int(number[0]) + 1:0{len(number[0])}d}", column)
     return Target(column, unit) if column in COLUMNS else None
+
+
+def counts_from_zero(column: str, headings: Sequence[str]) -> bool:
+    """Whether headings count the columns of a kind, such as strain_1 to strain_3, from 0."""
+    first = _NUMBER.sub(lambda number: "0" * len(number[0]), column)
+    return bool(_NUMBER.search(column)) and first in {_as_column(re.split(r"[\[(]", each)[0]) for each in headings}
+
+
+def _as_column(name: str) -> str:
+    return re.sub(r"[\s_-]+", "_", name.strip().lower())
 
 
 def columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple[list[tuple[Target, float | None]], list[str], list[int]]:
@@ -37,7 +51,7 @@ def columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple[
         heading = str(number + 1) if headings is None else headings[number]
         name, unit = name_and_unit(shown, written.place, heading, "time [s]") if headings is not None else (heading, None)
         key = next((each for each in (heading, name, str(number + 1)) if each in targets), None)
-        target = own_name(shown, written.place, heading) if key is None and headings is not None else targets.pop(key or "", None)
+        target = own_name(shown, written.place, heading, headings) if key is None and headings is not None else targets.pop(key or "", None)
         if target is None or target.column == IGNORED:
             (ignored if target is not None or headings is None or not _is_misspelt(name, heading, unit) else unknown).append(
                 heading or f"column {number + 1}"

@@ -8,6 +8,7 @@ converted, and angles that wrap are made continuous: no filter, no fit.
 
 import math
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -15,10 +16,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quickreturn.cases.errors import CaseError, as_written, nearest, nearest_or_all, path_shown, printable, similar_name
+from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown, printable
 from quickreturn.cases.instants import gaps, single_instants
-from quickreturn.cases.named_columns import check_complete, columns_used, own_name
-from quickreturn.cases.text.column_mapping import IGNORED, Target, mapping_of, suggested
+from quickreturn.cases.named_columns import check_complete, columns_used, counts_from_zero, own_name
+from quickreturn.cases.text.column_mapping import IGNORED, Target, mapping_of, suggested, unit_in
 from quickreturn.cases.text.dialect import Dialect, dialect_of
 from quickreturn.cases.text.number_rows import does_not_rise, late_row, line_of, name_and_unit, numbers_in, unit_factor
 from quickreturn.cases.text.text_file import read_foreign_text
@@ -29,6 +30,7 @@ Array = NDArray[np.float64]
 MOST_ROWS: Final = 1_000_000
 _MOST_BYTES: Final = 100_000_000
 _MOST_NAMED: Final = 6  # ignored headings in a message
+_EMPTY_CELL: Final = re.compile(r'(?:^|,)\s*(?:""|"?nan"?)?\s*(?=,|$)', re.IGNORECASE)
 _WRAPPING: Final = ("crank_angle", "follower_angle")  # angles that other programs wrap
 
 #: Declarations above the heading with their accepted values; without values any text.
@@ -54,12 +56,22 @@ class RecordedTable:
     told: str = ""  # how the file was read, if it is not commas, decimal points and plain names
     unwrapped: frozenset[str] = frozenset()  # angles that wrapped, and were made continuous
     noted: tuple[str, ...] = ()  # clauses on its instants: doubled rows left out, and gaps
-    from_zero: str = ""  # the text of `--column` with which its time begins at 0; "" for a table without a file
+    # column -> its text of `--column` without an offset, such as "phi = crank_angle [deg]", and the SI value of a 1 in the file; none for a
+    # table in memory
+    written: Mapping[str, tuple[str, float]] = field(default_factory=dict, repr=False)
 
     @property
     def shown(self) -> str:
         """The path, safe to print."""
         return path_shown(self.path)
+
+    def without(self, column: str, amount: float, of: str = "") -> str:
+        """How to take an amount, in SI, off a column: for each second if `of` is "time"."""
+        text, size = self.written.get(column, ("", 1.0))
+        product = f" * {of}" if of else ""
+        if not text:
+            return f"subtract {amount:.12g}{product} from {column}"
+        return f'add --column "{text} {"-" if amount < 0.0 else "+"} {abs(amount / size):.6g}{product}"'
 
 
 def is_table(name: str) -> bool:
@@ -91,10 +103,12 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
         raise CaseError(shown, None, None, f"has {rows} rows", f"at most {MOST_ROWS} are accepted")
     used, ignored, places = columns_used(shown, written, mapping)
     names = [target.column for target, _ in used]
-    lines = written.rows(shown, places)
+    lines, lacking = _complete_rows(written.rows(shown, places), written.first)
     numbers = dict(zip(names, numbers_in(shown, names, lines, written.first, "time", doubled=True).T, strict=True))
     factors = {target.column: factor for target, factor in used}
-    values = {target.column: (numbers[target.column] - target.offset) / target.factor for target, _ in used}
+    sizes = {target.column: (1.0 if factor is None else factor) / target.factor for target, factor in used}
+    seconds = sizes["time"] * (numbers["time"] - next(target.offset for target, _ in used if target.column == "time"))
+    values = {each.column: (numbers[each.column] - each.offset - each.drift * seconds) / each.factor for each, _ in used}
 
     def refusal(row: int, accepted: str) -> CaseError:
         place = f"line {line_of(lines, written.first, row)}, time"
@@ -102,19 +116,27 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
 
     table = _table(printable(os.path.basename(path)), path, factors, values, declared, refusal)
     told = [*([encoding] if encoding else []), *written.told, *([f"columns by {mapping.file}"] if mapping.file else [])]
+    told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in names) else []
+    told += [f"{lacking:,} row{'s' * (lacking > 1)} with an empty cell left out"] if lacking else []
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
     told += [f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"] if ignored else []
-    rows, at = len(table.columns["time"]), names.index("time")
-    from_zero = _from_zero(written, places[at], used[at][0], float(numbers["time"][0]))
-    return replace(table, told=f"read as: {', '.join(told)}, {rows:,} rows" if told else "", from_zero=from_zero)
+    texts = {target.column: _text(written, place, target) for (target, _), place in zip(used, places, strict=True)}
+    told = [f"read as: {', '.join(told)}, {len(table.columns['time']):,} rows"] if told else []
+    return replace(table, told="".join(told), written={name: (text, sizes[name]) for name, text in texts.items()})
 
 
-def _from_zero(written: Dialect, place: int, time: Target, first: float) -> str:
-    """The text of `--column` with which the time of a table begins at 0 in its first row, where it is `first` as written."""
+def _complete_rows(lines: Sequence[str], first: int) -> tuple[Sequence[str], int]:
+    """The lines with a blank one in place of each row that lacks a number, from index `first` on, and how many these are."""
+    lacking = {at for at in range(first, len(lines)) if lines[at].strip() and _EMPTY_CELL.search(lines[at])}
+    return [("" if at in lacking else line) for at, line in enumerate(lines)] if lacking else lines, len(lacking)
+
+
+def _text(written: Dialect, place: int, target: Target) -> str:
+    """The text of `--column` for a column, without an offset."""
     heading = str(place + 1) if written.headings is None else written.headings[place].partition("[")[0].strip()
-    factor = "" if time.factor == 1.0 else f"{time.factor!r} * "
-    return f"{heading} = {factor}time [{time.unit or 's'}] {'-' if first < 0.0 else '+'} {abs(first):.12g}"
+    factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
+    return f"{heading} = {factor}{target.column} [{target.unit or (COLUMNS[target.column].unit.replace(' ', '*'))}]"
 
 
 def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | None = None) -> str:
@@ -126,7 +148,9 @@ def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | Non
     for number, heading in enumerate(headings):
         target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
         if target is None and written.headings is not None:
-            target = own_name(shown, written.place, heading)
+            target = own_name(shown, written.place, heading, headings)
+            if target is not None and target.unit and not unit_in(heading, target.column):
+                target = None
         if target is not None and target.column != IGNORED:
             factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
             offset = f" {'-' if target.offset < 0 else '+'} {abs(target.offset)!r}" if target.offset else ""
@@ -247,10 +271,8 @@ def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str,
         key, _, value = (part.strip() for part in line.lstrip("#").partition("="))
         values = DECLARATIONS.get(key)
         if values is None:
-            if not value or not similar_name(key, tuple(DECLARATIONS)):
-                continue
-            told = key, "is no known key", nearest_or_all(key, tuple(DECLARATIONS))
-        elif not value:
+            continue
+        if not value:
             told = line, "declares nothing", 'write "# key = value"'
         elif key in declared:
             told = key, "is declared twice", "declare each key once"
@@ -259,8 +281,7 @@ def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str,
         else:
             declared[key] = value
             continue
-        place = f"line {at + 1}" if values is None else f"line {at + 1}, {key}"
-        raise CaseError(source, place, as_written(told[0]), *told[1:])
+        raise CaseError(source, f"line {at + 1}, {key}", as_written(told[0]), *told[1:])
     return declared
 
 

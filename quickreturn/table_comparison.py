@@ -19,16 +19,16 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.recorded import RecordedTable, read_table, table_of
 from quickreturn.cases.runs.campaign import hold_against_engines
-from quickreturn.cases.runs.column_differences import QUANTITIES, UNEXPLAINED_COLUMNS, Causes, causes, column_differences, places, unexplained
+from quickreturn.cases.runs.column_differences import Causes, causes, column_differences, places
 from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.cases.uncertainty.quantities import leads
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.computing import Computing
 from quickreturn.cross_validation import given_settings
 from quickreturn.engine_choice import AnyEngineOrTable, prepared
 from quickreturn.engines.registry import MAIN
-from quickreturn.engines.relative import rms
+from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.solution import Solution
@@ -118,13 +118,7 @@ class TableComparison(Displayed):
         "quantities" -> with which other value of a quantity of the scene, or of two, the case would give the table; "unexplained" -> the
         columns for whose difference no cause is known.
         """
-        if self.causes is None:
-            return {}
-        if (lead := self.result.leads.get(self.name)) is not None:
-            return {**self.causes.sure, QUANTITIES: lead}
-        told = {**self.causes.sure, **self.causes.fitted}
-        left = {name: off for name, off in self.causes.differing.items() if name not in told}
-        return told | ({UNEXPLAINED_COLUMNS: unexplained(self.result.case.name, left)} if left else {})
+        return self.causes.told(self.result.case.name, self.result.leads.get(self.name, "")) if self.causes else {}
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -219,14 +213,20 @@ def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> li
     if columns := dict.fromkeys(column for shares in differences.values() for column in shares):
         heads = [engine if len(tables) == 1 else f"{table.name} - {engine}" for table, engine in differences]
         at = [table.places[engine] for table, engine in differences]
-        cells = [[f"{each[name]:.1e} {at[k][name]:.0f}°" if name in each else "-" for k, each in enumerate(differences.values())] for name in columns]
+        cells = [
+            [f"{each[name]:.1e} {at[k][name]:.0f}°" if name in each else "-" for k, each in enumerate(differences.values())]
+            for name in columns
+        ]
         rows = [[f"  {name}", *row] for name, row in zip(columns, cells, strict=True)]
-        parts += ["  RMS difference in this turn, over the engine's RMS, and the crank angle at which it is largest:", Rows(rows, ("", *heads))]
+        parts += [
+            "  RMS difference in this turn, over the engine's RMS, and the crank angle at which it is largest:",
+            Rows(rows, ("", *heads)),
+        ]
     return [*parts, *(f"  {table.name}: {sentence}" for table in tables for sentence in table.explanations.values())]
 
 
 class Differences(Displayed, Mapping[str, float]):
-    """RMS(ours - theirs) / RMS(theirs) by column, over the rows that both have.
+    """RMS(ours - theirs) over the `scale` of theirs by column, for most the column's RMS, over the rows that both have.
 
     Attributes:
         absolute: column -> RMS of the difference, in the column's SI unit.
@@ -257,8 +257,8 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
 
     Args:
         ours: a result of `simulate`, the path of a table, a DataFrame or a dictionary of arrays; units stand in the headings.
-        theirs: likewise; the differences are relative to it. A column that is zero throughout in `theirs` gives infinity, or 0 if it is
-            zero in both.
+        theirs: likewise; the differences are relative to it, as error estimates are (`engines.relative.scale`). A column that is zero
+            throughout in `theirs` gives infinity, or 0 if it is zero in both, or rounding.
 
     Raises:
         CaseError: a table cannot be read; the tables have no column in common, or rows at different instants. One table may have more rows
@@ -271,7 +271,8 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
         raise CaseError("difference", None, None, "the two tables have no column in common but the time", columns)
     rows, other_rows = _common_rows(our_columns["time"], their_columns["time"])
     absolute = {name: rms(our_columns[name][rows] - their_columns[name][other_rows]) for name in names}
-    relative = {name: _over(absolute[name], rms(their_columns[name][other_rows])) for name in names}
+    compared = {name: values[other_rows] for name, values in their_columns.items()}
+    relative = {name: _over(absolute[name], scale(name, compared)) for name in names}
     return Differences(relative, absolute, len(rows), float(np.median(np.diff(their_columns["time"][other_rows]))))
 
 
@@ -337,4 +338,5 @@ def _nearest(times: Array, others: Array, near: float) -> Places:
 
 
 def _over(size: float, reference: float) -> float:
-    return size / reference if reference > 0.0 else 0.0 if size == 0.0 else math.inf
+    """A size over that to which it is relative; 0 where both are rounding."""
+    return 0.0 if max(size, reference) <= NOTHING else size / reference if reference > 0.0 else math.inf

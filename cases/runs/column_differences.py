@@ -11,13 +11,13 @@ from scipy.optimize import minimize_scalar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
-from quickreturn.cases.mistakes.diagnosis import diagnose, share_of
+from quickreturn.cases.mistakes.diagnosis import Finding, diagnose, share_of
 from quickreturn.cases.mistakes.explanation import UNEXPLAINED, Hypothesis
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.noise import white_noise
 from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.cases.runs.request import NOTHING, Run
-from quickreturn.engines.relative import relative_error, rms
+from quickreturn.engines.relative import rms, scale
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
@@ -29,6 +29,7 @@ _SHIFTED: Final = "look from where the crank angle is counted, and when the row 
 #: Key of the sentence on a quantity of the scene, and of the sentence that nothing explains the difference.
 QUANTITIES: Final = "quantities"
 UNEXPLAINED_COLUMNS: Final = "unexplained"
+MOST_NAMED: Final = 6  # columns in that sentence
 #: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
 LEAST_REST: Final = 0.5
 
@@ -37,8 +38,8 @@ class Causes(NamedTuple):
     """Causes of the differences of a table's columns.
 
     Attributes:
-        sure: column -> a sentence on its noise, or on a mistake without a fitted number; "crank_angle" -> that all columns are late.
-        fitted: column -> a sentence on a mistake with a fitted number, which a quantity of the scene may explain better.
+        sure: column -> a sentence on its noise, or on a mistake; "crank_angle" -> that all columns are late.
+        fitted: column -> a sentence on a mistake that another motion may look like: one with a fitted number, or a small one.
         differing: column -> its relative difference, where it needs an explanation and `sure` has none.
         open: whether a quantity of the scene may be the cause: most of the columns that vibrate differ, and are not all late alike.
     """
@@ -48,10 +49,26 @@ class Causes(NamedTuple):
     differing: Mapping[str, float]
     open: bool
 
+    def told(self, case: str, lead: str = "") -> dict[str, str]:
+        """The sentences by column; `lead`: on a quantity of the scene, which takes the place of fitted numbers.
+
+        Where the motion may be another one, fitted numbers are told only if they explain every column.
+        """
+        if lead:
+            return {**self.sure, QUANTITIES: lead}
+        left = {name: off for name, off in self.differing.items() if name not in self.fitted}
+        if not left:
+            return {**self.sure, **self.fitted}
+        if self.open:
+            return {**self.sure, UNEXPLAINED_COLUMNS: _unexplained(case, self.differing)}
+        return {**self.sure, **self.fitted, UNEXPLAINED_COLUMNS: _unexplained(case, left)}
+
 
 def column_differences(run: Run, other: Run) -> dict[str, float]:
-    """RMS difference of each column that both have, over its RMS in the other, at equal crank angles of the turn that was measured."""
-    return {name: relative_error(recorded, expected) for name, (recorded, expected) in _on_grid(run, other).items()}
+    """RMS difference of each column that both have, over its `scale` in the other, at equal crank angles of the turn that was measured."""
+    grids = _on_grid(run, other)
+    right = {name: expected for name, (_, expected) in grids.items()}
+    return {name: rms(recorded - expected) / scale(name, right) for name, (recorded, expected) in grids.items()}
 
 
 def places(run: Run, other: Run) -> dict[str, float]:
@@ -69,31 +86,45 @@ def causes(run: Run, other: Run, case: Case) -> Causes:
     grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))
     noises = {name: noise for name in grids if (noise := _noise_of(name, run, other))}
     vibrating = [name for name in grids if name in VIBRATING and name not in noises]
-    off_by = {name: relative_error(*grids[name]) for name in grids}
+    off_by = column_differences(run, other)
     lag, left = _common_lag([grids[name] for name in vibrating])
-    sure, fitted = dict(noises), dict[str, str]()
+    sure = dict(noises)
     if lag:
         grids = {name: (_late(recorded, -lag), expected) for name, (recorded, expected) in grids.items()}
         sure["crank_angle"] = _told_lag(lag, left, run)
-    for name, (recorded, expected) in grids.items():
-        if name in noises or (lag and name == "crank_angle"):
-            continue
-        alone = _lag([(recorded, expected)])
-        told = f"is about {_degrees(alone):.3g} deg of the crank {_when(alone)}"
+
+    def mistake(name: str, tolerance: float | None) -> Finding | None:
+        recorded, expected = grids[name]
+        alone = _lag([grids[name]])
+        told = f"is about {math.degrees(abs(alone)):.3g} deg of the crank {_when(alone)}"
         late = Hypothesis(told, _SHIFTED, _late(expected, alone), fitted=1)
-        finding = diagnose(name, recorded, expected, LEAST_DIFFERENCE * max(rms(expected), rms(recorded)), right, case.mechanism, [late])
-        if finding is not None and finding.explained:
-            (fitted if finding.fitted else sure)[name] = f"{finding.cause}; {finding.advice}"
-    differing = {} if lag else {name: off for name, off in off_by.items() if off > LEAST_DIFFERENCE and name not in sure}
-    return Causes(sure, fitted, differing, 2 * len(differing.keys() & {*vibrating}) > len(vibrating))
+        finding = diagnose(name, recorded, expected, tolerance, right, case.mechanism, [late])
+        return finding if finding is not None and finding.explained else None
+
+    def differing() -> dict[str, float]:
+        return {name: off for name, off in off_by.items() if off > LEAST_DIFFERENCE and name not in sure}
+
+    def is_open() -> bool:
+        return not lag and 2 * len(differing().keys() & {*vibrating}) > len(vibrating)
+
+    of_columns = [name for name in grids if name not in sure]
+    found = {name: mistake(name, LEAST_DIFFERENCE * max(map(rms, grids[name]))) for name in of_columns}
+    told = {name: f"{each.cause}; {each.advice}" for name, each in found.items() if each is not None}
+    sure |= {name: told[name] for name, each in found.items() if each is not None and not each.fitted}
+    if is_open():  # a small mistake of a column may be one of the motion
+        sure = {name: sentence for name, sentence in sure.items() if name in noises or mistake(name, None)}
+    fitted = {name: sentence for name, sentence in told.items() if name not in sure}
+    return Causes(sure, fitted, {} if lag else differing(), is_open())
 
 
-def unexplained(case: str, columns: Mapping[str, float]) -> str:
+def _unexplained(case: str, columns: Mapping[str, float]) -> str:
     """The sentence on columns whose differences nothing explains; `columns`: their relative differences."""
     least, most = (share_of(share) for share in (min(columns.values()), max(columns.values())))
     off = most if least == most else f"{least} to {most}"
+    names = [*columns]
+    few = ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else "")
     tried = f"lateness, another value of one quantity of {case} or two, mistakes in a column"
-    return f"none of these explains the difference of {', '.join(columns)} (off by {off}): {tried}"
+    return f"none of these explains the difference of {few} (off by {off}): {tried}"
 
 
 def _noise_of(name: str, run: Run, other: Run) -> str:
@@ -165,11 +196,7 @@ def _told_lag(lag: float, left: float, run: Run) -> str:
     zero = f"crank_angle is about {abs(off):.3g} deg too {'large' if off > 0.0 else 'small'}"
     mend = f'"HEADING = crank_angle [deg] {"+" if off > 0.0 else "-"} {abs(off):.3g}"'
     explained = f"that explains all but {share_of(left)} of the difference"
-    return f"{zero}, or all other columns are {ms:.2g} ms {_when(lag)}: {explained}; --column {mend} takes it off"
-
-
-def _degrees(lag: float) -> float:
-    return math.degrees(abs(lag))
+    return f"{zero}, or all other columns are {ms:.3g} ms {_when(lag)}: {explained}; --column {mend} takes it off"
 
 
 def _when(lag: float) -> str:

@@ -9,7 +9,7 @@ from a smooth course (noise, rounding, sampling), and from the difference of the
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any, Final
@@ -21,8 +21,9 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
-from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, Cycle, Settling, cut_cycles, on_common_grid
+from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
+from quickreturn.cases.mistakes.explanation import UNEXPLAINED
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredNumbers
@@ -32,7 +33,7 @@ from quickreturn.cases.runs.noise import noise_of, scatter
 from quickreturn.cases.runs.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.columns import SHAPE
+from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed
 
@@ -54,6 +55,8 @@ FEWEST_ROWS: Final = 5
 OFF: Final = 2.0
 #: Largest backward step of the recorded crank angle, rad: the noise of an encoder.
 BACKLASH: Final = 0.02
+#: Least change of a column's mean from the first turn to the last, as a part of its RMS, that counts as a drift.
+DRIFTED: Final = 0.01
 #: Least distance from the steady state, as a part of the signals' RMS, at which a table does not show it.
 FAR: Final = 0.1
 #: Largest ratio of a step of the crank angle between two rows to the usual step.
@@ -95,13 +98,23 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     cycles = _cycles(table, columns)
     cycles, missing = _after_gaps(table, cycles[:GREATEST_NUMBER] if begun else cycles)
     remarks += missing
+    drifts = {} if begun else _drifts(cycles)
+    if left := [name for name in _deciding_columns(cycles[0]) if name not in drifts]:
+        cycles = [
+            replace(cycle, channels={name: cycle.channels[name] for name in cycle.channels if name not in drifts}) for cycle in cycles
+        ]
+    for name, slope in drifts.items():
+        unit = case.units.of(COLUMNS[name].unit)
+        told = f"{name} does not repeat: it drifts by {unit.text(slope, '.3g')} a second{' and is left out' if left else ''}"
+        remarks.append(f"{told}; {table.without(name, slope, 'time')} to take a straight line off")
     settling = _settling(cycles)
-    far = _is_far(settling, cycles[-1])
+    far = _is_far(settling, cycles[-1]) or not left
+    settled = bool(left) and (settling.settled or _repeats(settling))
     begins = far if begun is None else begun
     if odd and begins:
         remarks.append(f"its first row is not that of the standard start: {odd}")
     last = columns_of(cycles[-1])
-    turn = _turn_number(mechanism, last["crank_angle"]) if begins and not settling.settled else None
+    turn = _turn_number(mechanism, last["crank_angle"]) if begins and left and not settled else None
     gap = float(np.max(np.diff(last["time"])))
     recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, late, table.told)
     counted = columns["time"] >= cycles[0].time[0] if missing else slice(None)
@@ -109,7 +122,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
-        if not settling.settled:
+        if left and not settled:
             remarks.append(_unsettled(table, settling, far, odd))
     unsettled = Ending.NOT_SETTLED if far else Ending.ASSUMED
     measures, consensus = _measured(mechanism, last, recording.filtered, gap)
@@ -118,7 +131,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         method=table.declared.get("source", "recorded table"),
         version=table.declared.get("version"),
         estimate_of="recorded",
-        status=Ending.TRANSIENT if turn is not None else Ending.SETTLED if settling.settled else unsettled,
+        status=Ending.TRANSIENT if turn is not None else Ending.SETTLED if settled else unsettled,
         remark="; ".join(remarks),
         recording=recording,
         approach=Approach(
@@ -173,7 +186,7 @@ def _turn_time(pace: float) -> str:
 
 def _from_zero(table: RecordedTable) -> str:
     """How to let a table's time begin at 0."""
-    return f'add --column "{table.from_zero}"' if table.from_zero else f"subtract {table.columns['time'][0]:.12g} s from its time"
+    return table.without("time", float(table.columns["time"][0]))
 
 
 def _rows_before_gap(time: Array, pace: float) -> int:
@@ -198,6 +211,9 @@ def _after_gaps(table: RecordedTable, cycles: list[Cycle]) -> tuple[list[Cycle],
         return cycles, []
     at, after = lacking[-1], len(cycles) - 1 - lacking[-1]
     most = LARGEST_GAP * float(cycles[-1].time[-1] - cycles[-1].time[0])
+    if (usual := float(np.median(np.diff(table.columns["time"])))) > most:
+        told, accepted = f"has a row every {usual:.3g} s", f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
+        raise CaseError(table.shown, "time", None, told, accepted)
     gap, since = float(np.max(steps[at])), float(cycles[at].time[np.argmax(steps[at])])
     if not after:
         accepted = f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
@@ -257,9 +273,28 @@ def _settling(cycles: list[Cycle]) -> Settling:
     return settling
 
 
+def _drifts(cycles: Sequence[Cycle]) -> dict[str, float]:
+    """Columns that the last turn repeats but for a constant, with their change a second, in SI: that of the means of the turns."""
+    slopes = dict[str, float]()
+    for name in _deciding_columns(cycles[0]) if len(cycles) > 1 else ():
+        grids = [on_common_grid(Cycle(each.time, each.crank_angle, {name: each.channels[name]}))[name] for each in cycles]
+        apart, means = grids[-1] - grids[0], [float(np.mean(grid)) for grid in grids]
+        moved = abs(means[-1] - means[0])
+        if moved > DRIFTED * rms(grids[-1]) and rms(apart - np.mean(apart)) < UNEXPLAINED * moved:
+            slopes[name] = float(np.polyfit([float(np.mean(each.time[[0, -1]])) for each in cycles], means, 1)[0])
+    return slopes
+
+
 def _deciding_columns(cycle: Cycle) -> list[str]:
     """Columns that decide whether a table has settled."""
     return [name for name in cycle.channels if name in VIBRATING] or [name for name in cycle.channels if name not in GROWING]
+
+
+def _repeats(settling: Settling) -> bool:
+    """Whether turns differ by less than counts as settled, and as much as all before, or by less and less."""
+    outlook = settling.outlook
+    left = 0.0 if outlook.stalled_since is not None else math.inf if outlook.remaining_error is None else outlook.remaining_error
+    return max(outlook.change or 0.0, left) < TOLERANCE
 
 
 def _is_far(settling: Settling, last: Cycle) -> bool:
@@ -285,7 +320,7 @@ def _unsettled(table: RecordedTable, settling: Settling, far: bool, odd: str) ->
             f"; if its first row is that start, {_from_zero(table)}" if odd.startswith("time ") and "crank_angle" in table.columns else ""
         )
         return f"{change}, and it does not begin in the standard start{odd and f' ({odd})'}; record longer, or from there{anew}"
-    return f"{change}: noise, or not quite settled"
+    return f"{change}{'' if outlook.change and outlook.change < TOLERANCE else ': noise, or not quite settled'}"
 
 
 def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:

@@ -21,18 +21,22 @@ _NEAR: Final = 0.45  # share of letters in the same order: "crank.phi" is near t
 _WORDS: Final = {"phi": "angle", "theta": "angle", "w": "speed", "omega": "speed", "acc": "acceleration", "f": "force", "tau": "torque"}
 IGNORED: Final = "-"  # in place of a column
 _NUMBER: Final = r"\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?"
-_TARGET: Final = re.compile(rf"([+-])?\s*(?:({_NUMBER})\s*\*\s*)?(\w+)\s*(?:\[([^\]]*)\])?\s*(?:([+-])\s*({_NUMBER}))?")
+_TARGET: Final = re.compile(
+    rf"([+-])?\s*(?:({_NUMBER})\s*\*\s*)?(\w+)\s*(?:\[([^\]]*)\])?\s*(?:([+-])\s*({_NUMBER})(?!\s*\*|[\d.]))?"
+    rf"\s*(?:([+-])\s*({_NUMBER})\s*\*\s*time)?"
+)
 _EXAMPLE: Final = '"crank.phi = crank_angle [deg]", "phi = -1 * crank_angle [deg] + 90", or "phi = -" to ignore it'
 
 
 @dataclass(frozen=True)
 class Target:
-    """What a heading's numbers are: factor * column + offset, with the column in the unit."""
+    """What a heading's numbers are: factor * column + offset + drift * time, with the column in the unit and the time in s."""
 
     column: str  # as in `reference_model.columns`, or `IGNORED`
     unit: str | None = None  # None: that of the heading, or SI
     factor: float = 1.0
     offset: float = 0.0
+    drift: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -133,7 +137,7 @@ def _target(source: str, heading: str, text: object) -> Target:
     match = _TARGET.fullmatch(text.strip()) if isinstance(text, str) else None
     if match is None:
         raise CaseError(source, heading, as_written(text), "cannot be read", f"write {_EXAMPLE}")
-    sign, number, column, unit, offset_sign, offset = match.groups()
+    sign, number, column, unit, *line = match.groups()
     if column not in COLUMNS:
         near = similar_name(column, tuple(COLUMNS))
         accepted = f"did you mean {near}?" if near else f"columns are {', '.join(COLUMNS)}"
@@ -143,5 +147,5 @@ def _target(source: str, heading: str, text: object) -> Target:
         raise CaseError(source, heading, as_written(text), "has the factor 0", f"write {_EXAMPLE}")
     if unit is not None:
         unit_factor(source, heading, COLUMNS[column].unit.replace(" ", "*"), unit.strip())
-    shift = float(offset or 0) * (-1.0 if offset_sign == "-" else 1.0)
-    return Target(column, unit if unit is None else unit.strip(), factor, shift)
+    offset, drift = (float(f"{line[at] or ''}{line[at + 1] or 0}") for at in (0, 2))
+    return Target(column, unit if unit is None else unit.strip(), factor, offset, drift)

@@ -7,15 +7,17 @@ from typing import Final
 from quickreturn.cases.errors import CaseError, as_written
 from quickreturn.cases.text.cells import POINTED_THOUSANDS, is_number, split
 
+#: What to do about numbers of a recorded table that can be read in two ways.
+ASKED: Final = "Give --decimal . or --decimal , (decimal= in Python)"
 _THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
 
-def decimal_sign(source: str, lines: Sequence[str], first: int, separator: str, known: str | None) -> str:
-    """The decimal sign of the numbers from line `first` on. CaseError: they can be read in two ways."""
+def decimal_sign(source: str, lines: Sequence[str], first: int, separator: str, known: str | None, asked: str) -> str:
+    """The decimal sign of the numbers from line `first` on. CaseError, which ends with `asked`: they can be read in two ways."""
     if known is not None:
         return known
     if not any("," in line for line in lines[first:]):
-        _refuse_pointed_thousands(source, lines, first, separator)
+        _refuse_pointed_thousands(source, lines, first, separator, asked)
         return "."
     plain = ambiguous = None
     decimal = grouped = False
@@ -37,12 +39,11 @@ def decimal_sign(source: str, lines: Sequence[str], first: int, separator: str, 
     if not (decimal or grouped or plain) and ambiguous:
         at, cell = ambiguous
         thousand, broken = cell.replace(",", ""), cell.replace(",", ".")
-        asked = f"is it {thousand} or {broken}? Give --decimal . or --decimal , (decimal= in Python)"
-        raise CaseError(source, f"line {at}", as_written(cell), "can be read in two ways", asked)
+        raise CaseError(source, f"line {at}", as_written(cell), "can be read in two ways", f"is it {thousand} or {broken}? {asked}")
     return "," if decimal else "."
 
 
-def _refuse_pointed_thousands(source: str, lines: Sequence[str], first: int, separator: str) -> None:
+def _refuse_pointed_thousands(source: str, lines: Sequence[str], first: int, separator: str, asked: str) -> None:
     """Raise the CaseError of points that may separate thousands.
 
     A program that writes decimals gives all numbers of a column a point, or numbers of decimals that differ. So the points can be
@@ -59,5 +60,5 @@ def _refuse_pointed_thousands(source: str, lines: Sequence[str], first: int, sep
                 return
     for column in sorted(whole & set(pointed)):
         at, cell = pointed[column]
-        asked = f"is it {cell.replace('.', '')} or {cell}? Give --decimal , or --decimal . (decimal= in Python)"
-        raise CaseError(source, f"line {at}", as_written(cell), "can be read in two ways", asked)
+        accepted = f"is it {cell.replace('.', '')} or {cell}? {asked}"
+        raise CaseError(source, f"line {at}", as_written(cell), "can be read in two ways", accepted)

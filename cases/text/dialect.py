@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from quickreturn.cases.errors import CaseError, as_written, shortened
 from quickreturn.cases.text.cells import are_units, as_typed, is_row, quoted, separator_of, split, unit_in_cell, with_point, without_unit
-from quickreturn.cases.text.decimal_sign import decimal_sign
+from quickreturn.cases.text.decimal_sign import ASKED, decimal_sign
 from quickreturn.cases.text.preamble import COMMENTS, MOST_LINES, Preamble, preamble
 
 #: Separator -> its name.
@@ -85,14 +85,21 @@ class _Head(NamedTuple):
     told: tuple[str, ...] = ()
 
 
-def dialect_of(source: str, text: str, decimal: str | None = None) -> Dialect:
-    """How a table is written; `decimal`: its decimal sign, if it is known. CaseError: it is empty, or ambiguous."""
+def dialect_of(source: str, text: str, decimal: str | None = None, asked: str = ASKED) -> Dialect:
+    """How a table is written. CaseError: it is empty, or ambiguous.
+
+    Args:
+        source: name of the table, for messages.
+        text: its text.
+        decimal: its decimal sign, if it is known.
+        asked: what to do where numbers can be read in two ways, for messages.
+    """
     text, grouped = as_typed(text)
     above = preamble(source, _lines(text))
     bare = is_row(above.lines[above.at])
     separator = above.separator or _separator(above, bare)
     head = _in_comment(above, separator) if bare else _above_rows(source, above, separator)
-    sign = "." if separator == "," else decimal_sign(source, above.lines, head.first, separator, decimal or above.decimal)
+    sign = "." if separator == "," else decimal_sign(source, above.lines, head.first, separator, decimal or above.decimal, asked)
     headings, durations = _with_units_of_cells(source, head, above.lines, separator, sign)
     told = [SEPARATORS.get(separator, f'"{separator}"')] if separator != "," else []
     told += [*["decimal comma"] * (sign == ","), *["thousands in groups"] * grouped, *head.told, *["durations"] * durations, *above.told]

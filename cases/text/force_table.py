@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, path_shown
-from quickreturn.cases.text.number_rows import headings_in, name_and_unit, numbers_in, unit_factor
+from quickreturn.cases.text.dialect import dialect_of
+from quickreturn.cases.text.number_rows import name_and_unit, numbers_in, unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.reference_model.tip import ROUNDING, ForceTable
 
@@ -54,25 +55,27 @@ def text_of_table(table: ForceTable) -> str:
 
 
 def _table(text: str, source: str, file: str) -> ForceTable:
-    lines = text.splitlines()
-    at = next((number for number, line in enumerate(lines) if line.strip() and not line.startswith("#")), None)
-    if at is None:
+    if all(not line.strip() or line.startswith("#") for line in text.splitlines()):
         raise CaseError(source, None, None, "is empty", f"begin with the headings {_ACCEPTED}")
-    names, factors = _columns(source, f"line {at + 1}", lines[at])
-    values = numbers_in(source, names, lines, at + 1, ANGLE) * np.array(factors)
-    numbers = [number for number, line in enumerate(lines[at + 1 :], at + 2) if line.strip()]
+    written = dialect_of(source, text, asked="write decimals with a point, and thousands without a sign")
+    if written.headings is None:
+        raise CaseError(source, written.place, None, "has numbers where a heading is due", f"begin with the headings {_ACCEPTED}")
+    names, factors = _columns(source, written.place, written.headings)
+    lines = written.rows(source, range(len(names)))
+    values = numbers_in(source, names, lines, written.first, ANGLE) * np.array(factors)
+    numbers = [number for number, line in enumerate(lines[written.first :], written.first + 1) if line.strip()]
     forces = FOLLOWING if FOLLOWING[0] in names else FIXED
     angles, *components = (values[:, names.index(name)] for name in (ANGLE, *forces))
     angles, both = _of_a_turn(source, numbers, forces, angles, np.column_stack(components))
-    rows = "\n".join(line.strip().replace('"', "") for line in lines[at:] if line.strip())
+    rows = [", ".join(written.headings), *(line.strip().replace('"', "") for line in lines[written.first :] if line.strip())]
     first, second = (tuple(each.tolist()) for each in both.T)
-    return ForceTable(tuple(angles.tolist()), first, second, forces == FOLLOWING, file, rows)
+    return ForceTable(tuple(angles.tolist()), first, second, forces == FOLLOWING, file, "\n".join(rows))
 
 
-def _columns(source: str, place: str, line: str) -> tuple[list[str], list[float]]:
+def _columns(source: str, place: str, headings: Sequence[str]) -> tuple[list[str], list[float]]:
     """Names of the three columns in their order, and the SI values of their units."""
     names, factors = list[str](), list[float]()
-    for heading in headings_in(source, place, line):
+    for heading in headings:
         name, unit = name_and_unit(source, place, heading, "crank_angle [deg]")
         if name not in (ANGLE, *FIXED, *FOLLOWING):
             raise CaseError(source, place, as_written(heading), "is no column of a table of forces", f"write {_ACCEPTED}")
@@ -84,7 +87,8 @@ def _columns(source: str, place: str, line: str) -> tuple[list[str], list[float]
         names.append(name)
         factors.append(unit_factor(source, f"{place}, {name}", "rad" if name == ANGLE else "N", unit))
     if set(names) not in ({ANGLE, *FIXED}, {ANGLE, *FOLLOWING}):
-        raise CaseError(source, place, as_written(line.strip()), "has not the three columns of a table of forces", f"write {_ACCEPTED}")
+        told = "has not the three columns of a table of forces"
+        raise CaseError(source, place, as_written(", ".join(headings)), told, f"write {_ACCEPTED}")
     return names, factors
 
 

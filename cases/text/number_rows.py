@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 #: SI unit -> units that pint does not know, or knows as something else -> the same as `in_si` reads it.
 _OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
-    "1": {"-": "1", "": "1", "%": "percent", "µε": "microstrain", "με": "microstrain"} | {unit: unit for unit in PURE_UNITS},
+    "1": {"-": "1", "": "1", "%": "percent", **dict.fromkeys(("µε", "με", "ustrain"), "microstrain")} | {unit: unit for unit in PURE_UNITS},
     "m/s^2": {"g": "g0"},
 }
 #: Characters in the units of headings, as printed -> as `in_si` reads them.
@@ -38,15 +38,6 @@ _HINTS: Final = {
     r"\d[dD][-+]?\d": "write e for D",
 }
 _HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
-
-
-def headings_in(source: str, place: str, line: str) -> list[str]:
-    """The headings that a line holds."""
-    for sign, word in ((";", "semicolons"), ("\t", "tabulators")):
-        if sign in line:
-            accepted = "separate columns by commas, decimals by points"
-            raise CaseError(source, place, as_written(line), f"has {word} between its columns", accepted)
-    return next(csv.reader([line], skipinitialspace=True))
 
 
 def name_and_unit(source: str, place: str, heading: str, example: str) -> tuple[str, str | None]:

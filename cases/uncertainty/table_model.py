@@ -45,7 +45,7 @@ class TableModel:
         self.begins = run.approach.start == STANDARD  # whether the table begins in the standard start
         if not self.begins and run.status == Ending.NOT_SETTLED:
             raise CaseError(table.shown, None, None, "neither begins in the standard start nor has settled", run.remark)
-        self.names = tuple(name for name in COMPARED if name in table.columns and np.any(table.columns[name]))
+        self.names = tuple(name for name in COMPARED if name in run.cycle and np.any(table.columns[name]))
         if not self.names:
             raise CaseError(table.shown, None, None, "has no column to fit", f"give some of {', '.join(COMPARED)}")
         self.values = np.array([table.columns[name] for name in self.names])  # SI, shape (C, N)

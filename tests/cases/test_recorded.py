@@ -9,7 +9,7 @@ import pytest
 
 from quickreturn.cases import recorded
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.recorded import read_table, table_of
+from quickreturn.cases.recorded import read_table, suggested_mapping, table_of
 
 HEADING = "time [ms],crank_angle [deg],tip_deflection [mm],strain_1 [percent]"
 ROWS = "0,180,-2.5,0\n1,181,1e-3,0.1\n"
@@ -98,9 +98,8 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,tip_x\n0,1\n# end\n", ["line 3", "# end", "no row of numbers"]),
         ("time,tip_x\n0,1\n2,1\n\n1,2", ["line 5, time", "1", "does not rise"]),
         ("time,tip_x\n0,1\n0,2", ["line 3, time", "does not rise"]),
-        ("time,tip_x\n0,1\n1,nan", ["line 3, tip_x", "nan"]),
+        ("time,tip_x\n0,1\n1,inf", ["line 3, tip_x", "inf"]),
         ("time,tip_x\n0,1\n1,1e999", ["line 3, tip_x", "1e999"]),
-        ("time,tip_x\n0,1\n1,", ["line 3, tip_x", "is empty", "leave out"]),
         ("time,tip_x\n0,1\n1", ["line 3", "1 numbers", "2 columns"]),
         ("time,tip_x\n0,1_0", ["line 2, tip_x", "1_0"]),
         ("time,tip_x\nbegin,now here\n0,1", ["line 2", "begin,now here", "headings", "brackets"]),
@@ -108,7 +107,6 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,time [ms]\n0,1", ["line 1", "second time"]),
         ("tip_x\n0", ["no column time"]),
         ("time\n0", ["time alone"]),
-        ("# orgin = x\ntime,tip_x\n0,1", ["line 1", "orgin", "origin"]),
         ("# origin = guessed\ntime,tip_x\n0,1", ["line 1, origin", "guessed", "measured"]),
         ("# case = a\n# case = b\ntime,tip_x\n0,1", ["line 2", "twice"]),
         ("# origin\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
@@ -315,3 +313,65 @@ def test_one_text_for_the_columns_is_no_row_of_letters(tmp_path: Path) -> None:
 
 def test_a_workbook_is_named_as_one(tmp_path: Path) -> None:
     assert "is an Excel workbook" in refusal(tmp_path, "PK\x03\x04\x14")
+
+
+@pytest.mark.parametrize(
+    "comment", ["#Exudyn version = 1.13.6; Python3.11.2; date=2026-11-29", "# orgin = x", "# version of the rig = 2", "% source: a rig"]
+)
+def test_comments_of_other_programs_are_left_alone(tmp_path: Path, comment: str) -> None:
+    path = tmp_path / "sensor.csv"
+    path.write_text(f"{comment}\n# source = rig 7\ntime,tip_x\n0,1\n1,2\n")
+    table = read_table(path)
+    assert dict(table.declared) == {"source": "rig 7"}
+    assert table.columns["tip_x"].tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("empty", ["", "nan", " ", '""', "NaN"])
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_a_row_with_an_empty_cell_is_left_out_and_told(tmp_path: Path, empty: str, separator: str) -> None:
+    path, rows = tmp_path / "rig.csv", [[f"{0.001 * row:.3f}", f"{row}.5", f"{row}.25"] for row in range(3000)]
+    rows[17][1], rows[2000][2] = empty, empty
+    path.write_text("\n".join(separator.join(row) for row in [["time [s]", "tip_x [mm]", "strain_1"], *rows]) + "\n")
+    table = read_table(path)
+    assert "2 rows with an empty cell left out" in table.told
+    assert len(table.columns["time"]) == 2998
+    kept = [row for row in range(3000) if row not in (17, 2000)]
+    assert table.columns["strain_1"] == pytest.approx(np.array(kept) + 0.25)
+    assert table.columns["time"] == pytest.approx(1e-3 * np.array(kept), abs=1e-12)
+
+
+@pytest.mark.parametrize(("first", "numbers"), [("0", (0, 1, 2)), ("0", (0, 1)), ("1", (1, 2, 3))])
+@pytest.mark.parametrize("name", ["Strain_{}", "strain {}", "STRAIN-{}"])
+def test_names_may_be_counted_from_zero(tmp_path: Path, first: str, numbers: tuple[int, ...], name: str) -> None:
+    path = tmp_path / "rig.csv"
+    headings = [f"{name.format(number)} [ustrain]" for number in numbers]
+    path.write_text("\n".join([",".join(["time [s]", *headings]), "0" + ",7" * len(numbers), "1" + ",8" * len(numbers)]) + "\n")
+    table = read_table(path)
+    assert [column for column in table.columns if column != "time"] == [f"strain_{k + 1}" for k in range(len(numbers))]
+    assert ("names counted from 0" in table.told) is (first == "0")
+    assert table.columns["strain_1"] == pytest.approx([7e-6, 8e-6])
+    path.with_suffix(".toml").write_text(suggested_mapping(str(path)))  # what is suggested is read back as the same
+    again = read_table(path)
+    assert all(np.array_equal(again.columns[column], values) for column, values in table.columns.items())
+
+
+def test_a_unit_that_is_none_of_its_column_is_not_suggested(tmp_path: Path) -> None:
+    path = tmp_path / "rig.csv"
+    path.write_text("time [s],strain_1 [furlong],tip_x [mm]\n0,1,1\n1,2,2\n")
+    text = suggested_mapping(str(path))
+    assert '"strain_1 [furlong]" = "-"  # perhaps strain_1' in text
+    path.with_suffix(".toml").write_text(text)
+    assert set(read_table(path).columns) == {"time", "tip_x"}
+
+
+@pytest.mark.parametrize(
+    ("text", "offset", "drift"), [("+ 5 * time", 0.0, 5.0), ("+ 150 - 2.5 * time", 150.0, -2.5), ("- 1e1", -10.0, 0.0)]
+)
+def test_a_straight_line_is_taken_off(tmp_path: Path, text: str, offset: float, drift: float) -> None:
+    """In the unit of the table, and for each second whatever the time's unit."""
+    path, time = tmp_path / "rig.csv", np.arange(5.0, 15.0)
+    right = np.sin(time)
+    rows = np.column_stack([1e3 * time, 2.0 * right + offset + drift * time])
+    path.write_text("time [ms],gauge\n" + "\n".join(",".join(map(repr, row)) for row in rows.tolist()))
+    table = read_table(path, [f"gauge = 2 * strain_1 [microstrain] {text}"])
+    assert table.columns["strain_1"] == pytest.approx(1e-6 * right, abs=1e-15)

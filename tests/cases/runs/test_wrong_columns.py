@@ -17,7 +17,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.steady_state import on_common_grid
 from quickreturn.cases.mistakes.diagnosis import Finding, diagnose
 from quickreturn.cases.recorded import table_of
-from quickreturn.cases.runs.column_differences import LEAST_DIFFERENCE, explanations
+from quickreturn.cases.runs.column_differences import LEAST_DIFFERENCE, UNEXPLAINED_COLUMNS, causes
 from quickreturn.cases.runs.marching import channels_of
 from quickreturn.cases.runs.recorded import recorded_run
 from quickreturn.cases.runs.request import Run, RunRequest
@@ -226,7 +226,9 @@ def test_nonsense_gets_no_cause(grids: tuple[Columns, Columns], seed: int) -> No
 )
 def test_a_small_column_of_a_table_is_told_as_that(table: Columns, reference: Run, changes: dict[str, float], words: str) -> None:
     names = ("time", "crank_angle", "tip_deflection", "tip_acceleration", "strain_2", "slider_force")
-    told = explanations(recorded_run(table_of({name: changes.get(name, 1.0) * table[name] for name in names}), CASE), reference, CASE)
+    told = causes(recorded_run(table_of({name: changes.get(name, 1.0) * table[name] for name in names}), CASE), reference, CASE).told(
+        CASE.name
+    )
     (sentence,) = told.values()
     assert sentence.startswith(words)
 
@@ -235,6 +237,32 @@ def test_a_column_of_nonsense_is_told_without_a_cause(table: Columns, reference:
     nonsense = {name: table[name] for name in ("time", "crank_angle", "tip_deflection")} | {
         "strain_2": 1e-3 * np.sin(41.0 * table["time"] ** 2)
     }
-    told = explanations(recorded_run(table_of(nonsense), CASE), reference, CASE)
+    told = causes(recorded_run(table_of(nonsense), CASE), reference, CASE).told(CASE.name)
+    assert set(told) == {UNEXPLAINED_COLUMNS}
+    assert re.match(r"none of these explains the difference of strain_2 \(off by [0-9.]+ (times its size|%)\): ", told[UNEXPLAINED_COLUMNS])
+
+
+@pytest.mark.parametrize("size", [0.1, *(pytest.param(size, marks=pytest.mark.verify) for size in (0.03, 0.4))])
+def test_noise_is_told_by_its_size(table: Columns, reference: Run, size: float) -> None:
+    random = np.random.default_rng(3)
+    noisy = table["strain_2"] + size * rms(table["strain_2"][1500:]) * random.standard_normal(len(table["time"]))
+    told = causes(recorded_run(table_of(table | {"strain_2": noisy}), CASE), reference, CASE).told(CASE.name)
     assert set(told) == {"strain_2"}
-    assert re.fullmatch(r"strain_2 is off by [0-9.]+ (times its size|%), and no single mistake explains that", told["strain_2"])
+    assert "look like noise of" in told["strain_2"]
+    assert float(told["strain_2"].split("noise of ")[1].split(" %")[0]) == pytest.approx(100.0 * size, rel=0.25)
+
+
+def test_a_sign_is_named_through_noise(table: Columns, reference: Run) -> None:
+    random = np.random.default_rng(4)
+    noisy = -table["strain_2"] + 0.05 * rms(table["strain_2"]) * random.standard_normal(len(table["time"]))
+    told = causes(recorded_run(table_of(table | {"strain_2": noisy}), CASE), reference, CASE).told(CASE.name)
+    assert set(told) == {"strain_2"}
+    assert "sign" in told["strain_2"]
+
+
+@pytest.mark.parametrize(("column", "factor"), [("tip_deflection", 0.0254), ("tip_deflection", 1e3), ("slider_force", -1.0)])
+def test_one_wrong_column_is_no_quantity_of_the_scene(table: Columns, reference: Run, column: str, factor: float) -> None:
+    """Least of all 0.0254 of the deflection: about what ten times the stiffness makes of it."""
+    found = causes(recorded_run(table_of(table | {column: factor * table[column]}), CASE), reference, CASE)
+    assert set(found.told(CASE.name)) == {column}
+    assert not found.open

@@ -43,6 +43,29 @@ def test_a_table_beside_the_case_file_arrives_in_si(tmp_path: Path) -> None:
     assert str(table) == "cutting.csv of 4 points: -5000 to 7000 N along n1, -8 to 6 N along n2"
 
 
+@pytest.mark.parametrize(
+    "table",
+    [
+        TABLE.replace(", ", ";"),
+        TABLE.replace(", ", "\t"),
+        TABLE.replace(", ", ";").replace("270;7;", "270,0;7,0;"),
+        TABLE.replace("crank_angle [deg]", '"crank_angle [deg]"'),
+        "Cutting force\n" + TABLE,
+    ],
+)
+def test_it_may_be_written_as_any_recorded_table(tmp_path: Path, table: str) -> None:
+    """Semicolons, tabulators, decimal commas, quotes, a title; the case file that holds the table reads back as the same scene."""
+    (tmp_path / "commas").mkdir()
+    assert loaded(tmp_path, table) == loaded(tmp_path / "commas")
+    case = load_case(str(tmp_path / "scene.toml"))
+    assert parse_case(as_toml(document_of(case)), "again.toml").mechanism == case.mechanism
+
+
+def test_numbers_with_two_meanings_are_asked_back_without_an_option_of_another_command(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match=r'line 3: "1,250" can be read in two ways; is it 1250 or 1\.250\? write decimals with a point'):
+        loaded(tmp_path, "# of a mill\ncrank_angle [deg];force_n1 [N];force_n2 [N]\n0;1,250;2\n90;3;4\n180;5;6\n270;7;8\n")
+
+
 def test_columns_may_stand_in_any_order_and_the_force_may_follow(tmp_path: Path) -> None:
     table = loaded(tmp_path, "force_normal [N],crank_angle [rad],force_along [N]\n1,0.5,2\n3,1,4\n5,2,6\n7,5,8\n").tip_body.force_table
     assert table == ForceTable((0.5, 1.0, 2.0, 5.0), (2.0, 4.0, 6.0, 8.0), (1.0, 3.0, 5.0, 7.0), follows=True)
@@ -70,7 +93,7 @@ def test_a_last_row_a_turn_later_is_the_first_one(tmp_path: Path) -> None:
         (TABLE.replace("270, 7, -8\n", "360, 1, 2\n"), "(tip.force_table): has 3 points; at least 4 are needed"),
         (TABLE + "360, 1, 2.5\n", "line 7, force_n2: 2.5 N differs from 2 N a turn before (line 3): the table does not close;"),
         (TABLE + "400, 1, 2\n", "line 7, crank_angle: 400 deg lies 40 deg beyond a turn from the first row"),
-        ("0, 1, 2\n" + ROWS, 'line 1: "0" is a number where a heading is due'),
+        ("0, 1, 2\n" + ROWS, "line 1: has numbers where a heading is due"),
         (TABLE.replace("90, 3, 4", "90, 3"), "line 4:"),
     ],
 )

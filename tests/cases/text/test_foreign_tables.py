@@ -109,7 +109,6 @@ def test_exports_are_read_and_what_was_recognised_is_told(tmp_path: Path, form: 
         ("time,tip_x\n00:01.5,1\n", ["line 2, time", "hours, minutes and seconds"]),
         ("time,crank_angle [grad]\n0,1\n", ["crank_angle", "grad", "two ways", "gon"]),
         ("time;tip_x\n0;1\n1;2\nSumme;3\n", ["line 4, time", "Summe", "no plain number"]),
-        ("time;tip_x\n0;1\n1;2\n;3\n", ["line 4, time", "is empty"]),
         ("sample,tip_x\n0,1\n1,2\n", ["no column time", 'add --column "sample = 1000 * time [s]"', "1000 a second"]),
         (LABVIEW.format(sign=",", columns="One") + ROWS[0] + "***End_of_Header***\n", ["line 21", "2 blocks of rows", "keep one"]),
         (LABVIEW.format(sign=".", columns="No").replace("Delta_X", "Step") + ROWS[1], ["Delta_X", "not one number", "X values"]),

@@ -138,14 +138,16 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-def test_a_table_of_another_case_is_told_as_that(call: Call, other: Path) -> None:
+def test_for_a_table_of_another_case_none_is_proposed(call: Call, other: Path) -> None:
     Path("tool.csv").symlink_to(other)
     answer = call("compare", "thesis-24", "tool.csv", "--engine", "reference", "--json")
     assert answer.code == 1
     (case,) = json.loads(answer.output)["cases"]
-    assert list(case["slips"]["tool.csv"]) == ["case"]
-    for words in ("looks like a table of thesis-17:", "a turn takes 0.4516 s in it, 0.378"):
-        assert words in case["slips"]["tool.csv"]["case"]
+    told = case["slips"]["tool.csv"]
+    assert set(told) == {"unexplained"}
+    assert told["unexplained"].startswith("none of these explains the difference of ")
+    assert "thesis-17" not in str(told)
+    assert case["places"]["tool.csv"]["reference"].keys() == case["differences"]["tool.csv"]["reference"].keys()
 
 
 def test_in_python_a_table_is_told_the_same(call: Call, trajectory: pd.DataFrame) -> None:

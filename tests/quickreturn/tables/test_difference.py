@@ -55,6 +55,27 @@ def test_a_column_that_is_zero() -> None:
     assert qr.difference(one, zero)["tip_y"] == math.inf
 
 
+def test_rounding_is_no_difference() -> None:
+    """Two columns that are zero but for rounding, and a gap, which is relative to the slider's distance from the pivot."""
+    ours = {"time": TIME, "strain_1": 1e-17 + 0.0 * TIME, "slider_position": 0.5 + 0.0 * TIME, "constraint_gap": 1e-10 + 0.0 * TIME}
+    theirs = ours | {"strain_1": 3e-17 + 0.0 * TIME, "constraint_gap": 1e-16 + 0.0 * TIME}
+    found = qr.difference(ours, theirs)
+    assert found["strain_1"] == 0.0
+    assert found["constraint_gap"] == pytest.approx(2e-10, rel=1e-4)
+    assert found.absolute["constraint_gap"] == pytest.approx(1e-10, rel=1e-4)
+
+
+def test_a_column_has_one_scale_in_differences_and_estimates() -> None:
+    """Normal forces are relative to the largest of them, moments at the ends to the largest along the arm."""
+    forces = {"axial_base": 10.0, "axial_slider": 4.0, "axial_tip": 0.5, "moment_05": 2.0, "moment_tip": 1e-3}
+    theirs = {"time": TIME} | {name: force + 0.0 * TIME for name, force in forces.items()}
+    ours = theirs | {name: theirs[name] + 0.01 for name in forces}
+    assert dict(qr.difference(ours, theirs)) == {
+        "axial_base": pytest.approx(1e-3), "axial_slider": pytest.approx(1e-3), "axial_tip": pytest.approx(1e-3),
+        "moment_05": pytest.approx(5e-3), "moment_tip": pytest.approx(5e-3),
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("ours", "words"),
     [
