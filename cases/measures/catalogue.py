@@ -190,9 +190,8 @@ def _of_turn(declared: OfTurn, motion: SettledMotion) -> Number:
         return NO_NUMBER
     turn = drive.at_shaft(motion.run.cycle, drive.crank_damping(motion.mechanism))
     value, spacing = declared.of(turn), declared.by_spacing(turn)
-    scale = abs(
-        (declared.scale or declared.of)(motion.run.cycle)
-    )  # near no-load little of the torque is left: it settles as the whole does
+    # of a motor's torque little may be left at the shaft: it settles as the whole does
+    scale = abs((declared.scale or declared.of)(motion.run.cycle))
     return Number(value, _estimate(motion, declared.name, NUMBER), spacing, settling=_left(motion) * scale)
 
 

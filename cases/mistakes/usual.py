@@ -16,8 +16,8 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.mistakes.explanation import Hypothesis
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
-from quickreturn.reference_model.columns import BEARINGS, COLUMNS, PLACES, SHAPE
-from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.columns import BEARINGS, COLUMNS, SHAPE
+from quickreturn.reference_model.mechanism import Scene
 
 Array = NDArray[np.float64]
 
@@ -25,8 +25,6 @@ Array = NDArray[np.float64]
 DIGITS: Final = "0123456789"
 #: Largest range of a column that is the same in every row, as a part of its value.
 _CONSTANT: Final = 1e-3
-#: Relative distance of a fitted factor from a known one within which the known one is named beside it.
-_NEAR: Final = 0.05
 #: Number of rows up to which no rate is taken.
 _FEWEST: Final = 3
 #: SI unit -> other unit in words -> the same as `in_si` reads it.
@@ -49,9 +47,9 @@ def usual_mistakes(name: str, expected: Array, right: Mapping[str, Array], mecha
         yield mistake if mistake.size is not None else replace(mistake, size=rms(mistake.prediction))
 
 
-def fitted_mistakes(name: str, found: Array, expected: Array, right: Mapping[str, Array]) -> Iterator[Hypothesis]:
-    """The mistakes in a column with one fitted number or two; `found`: the column as it is, shape (n,), the rest as above."""
-    unit, size = COLUMNS[name].unit, rms(expected)
+def fitted_mistakes(name: str, found: Array, expected: Array) -> Iterator[Hypothesis]:
+    """The mistakes in a column with one fitted number; `found`: the column as it is, shape (n,), the rest as above."""
+    unit = COLUMNS[name].unit
     constant, whole = float(np.mean(found - expected)), float(np.mean(found))
     told, advice = _too_large(constant, unit), "look from where it is counted"
     yield Hypothesis(f"is {told} throughout", advice, expected + constant, fitted=1, size=_swing(expected))
@@ -60,19 +58,8 @@ def fitted_mistakes(name: str, found: Array, expected: Array, right: Mapping[str
         yield Hypothesis(f"is {_with_unit(whole, unit)} in every row", "fill it", everywhere, fitted=1, gross=False, size=abs(whole))
     advice = "look for a factor or a quantity that is off by as much"
     factor = _factor(found, expected)
-    near = next(
-        (f", near that of one that {known.words}" for known in _known_factors(name) if abs(factor / known.factor - 1.0) < _NEAR), ""
-    )
-    plain = _times("is off by a plain factor of", factor, expected, advice, 1)
-    yield replace(plain, words=plain.words + near)
-    slope, offset = np.polyfit(expected, found, 1) if np.ptp(expected) > 0.0 else (factor, 0.0)
-    words = f"is off by a plain factor of {slope:.4g}, and then {_too_large(float(offset), unit)} throughout"
-    yield Hypothesis(words, advice, slope * expected + offset, fitted=2, gross=False, size=abs(float(slope)) * size)
-    size_alone = np.abs(expected)
-    yield _times("is a size without sign, times", _factor(found, size_alone), size_alone, advice, 2)
-    for other in _other_columns(name, right):
-        words = f"{other.words}, times"
-        yield _times(words, _factor(found, other.values), other.values, f"{name} is {COLUMNS[name].meaning}", 2)
+    predicted = factor * expected
+    yield Hypothesis(f"is off by a plain factor of {factor:.4g}", advice, predicted, fitted=1, size=rms(predicted))
 
 
 def _swing(values: Array) -> float:
@@ -95,18 +82,17 @@ def _known_factors(name: str) -> Iterator[_KnownFactor]:
     yield _KnownFactor(-1.0, "has the wrong sign", f"turn it round: {meaning}")
     sizes = {other: 1.0 / in_si(read) for other, read in _UNITS.get(unit, {}).items()}
     for other, factor in sizes.items():
-        words, divide = f"is in {other}, not in {unit if unit != '1' else 'parts of one'}", f"divide it by {factor:.6g}"
+        words, divide = f"is in {other}, not in {unit if unit != '1' else 'parts of one'}", _divided_by(factor)
         yield _KnownFactor(factor, words, divide)
         yield _KnownFactor(-factor, f"{words}, and has the wrong sign", f"{divide} and turn it round")
     for other, factor in sizes.items():  # after all units, as 1 kN = 1e6 mN: a column in kN is not one converted from mN
-        yield _KnownFactor(1.0 / factor, f"is converted from {other} though it comes in {unit}", f"multiply it by {factor:.6g}")
+        yield _KnownFactor(1.0 / factor, f"is converted from {other} though it comes in {unit}", _divided_by(1.0 / factor))
     for factor, word in ((2.0, "twice"), (0.5, "half")):
         yield _KnownFactor(factor, f"is {word} what it should be", f"look for a factor of 2: {meaning}", gross=False)
 
 
-def _times(words: str, factor: float, values: Array, advice: str, fitted: int) -> Hypothesis:
-    prediction = factor * values
-    return Hypothesis(f"{words} {factor:.4g}", advice, prediction, fitted=fitted, gross=fitted < 2, size=rms(prediction))
+def _divided_by(factor: float) -> str:
+    return f"divide it by {factor:.6g}" if factor > 1.0 else f"multiply it by {1.0 / factor:.6g}"
 
 
 def _factor(found: Array, values: Array) -> float:
@@ -152,15 +138,11 @@ def _other_columns(name: str, right: Mapping[str, Array]) -> Iterator[_Other]:
         yield _Other("is the velocity of the tip along the follower's normal", normal, False)
 
 
-def _shares(name: str, right: Mapping[str, Array], length: float) -> Iterator[tuple[str, Array]]:
-    """Parts that a column may lack or contain besides, in words and values: columns of its unit, and the slider's part of a bearing force.
-
-    `length`: of the follower, m.
-    """
-    if name in BEARINGS and {"slider_force", "slider_position", "follower_angle", "tip_deflection", *SHAPE} <= right.keys():
+def _shares(name: str, right: Mapping[str, Array]) -> Iterator[tuple[str, Array]]:
+    """Parts that a column may lack or contain besides, in words and values: columns of its unit, the slider's part of a bearing force."""
+    if name in BEARINGS and "slider_force" in right:
         body, axis = name.split("_")[0], name[-1]
-        along = right["follower_angle"] + _slope_at_slider(right, length)
-        part = {"x": -np.sin(along), "y": np.cos(along)}[axis] * right["slider_force"]
+        part = {"x": -np.sin(right["follower_angle"]), "y": np.cos(right["follower_angle"])}[axis] * right["slider_force"]
         yield (
             f"the slider's part, {'minus ' if body == 'pivot' else ''}the slider force along n{1 if axis == 'x' else 2}",
             (-part if body == "pivot" else part),
@@ -170,18 +152,6 @@ def _shares(name: str, right: Mapping[str, Array], length: float) -> Iterator[tu
         family = other.rstrip(DIGITS) == name.rstrip(DIGITS) or (name in line and other in line)
         if other in right and column.unit == COLUMNS[name].unit and not family and other != "time":
             yield other, right[other]
-
-
-def _slope_at_slider(right: Mapping[str, Array], length: float) -> Array:
-    """Angle of the centre line at the slider from the base tangent, rad, by a spline through the deflections, shape (n,)."""
-    places = np.linspace(0.0, 1.0, PLACES + 2)
-    line = np.stack([np.zeros_like(right["time"]), *(right[name] for name in SHAPE), right["tip_deflection"]])
-    slopes = CubicSpline(places, line, bc_type=((1, np.zeros(line.shape[1])), "not-a-knot")).derivative()
-    at = right["slider_position"] / length
-    piece, row = np.clip((at * (PLACES + 1)).astype(int), 0, PLACES), np.arange(len(at))
-    square, linear, constant = slopes.c[:, piece, row]
-    beyond = at - places[piece]
-    return np.asarray(((square * beyond + linear) * beyond + constant) / length)
 
 
 def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism: Scene) -> Iterator[Hypothesis]:
@@ -196,7 +166,7 @@ def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism:
             advice = f"exchange them: {name} is {meaning}" if verb == "holds" else f"give {meaning}"
             yield Hypothesis(f"{verb} {minus}{what}", advice, sign * other.values, gross=other.gross)
     size = rms(expected)
-    for share, values in _shares(name, right, mechanism.follower.length):
+    for share, values in _shares(name, right):
         for sign, words in ((-1.0, f"lacks {share}"), (1.0, f"contains {share} besides")):
             yield Hypothesis(words, f"{name} is {meaning}", expected + sign * values, gross=False, size=size)
     if name in ("crank_angle", "follower_angle"):
@@ -219,8 +189,6 @@ def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism:
         yield Hypothesis(chord, "integrate along the bent centre line", np.hypot(*across))
         yield Hypothesis("is counted from the tip", "subtract it from the length", mechanism.follower.length - expected)
         yield Hypothesis("is counted from its place at the start", "add that", expected - expected[0], size=_swing(expected))
-    if name == "slider_force":
-        yield from _forces(expected, right, mechanism)
     if name == "tip_x":
         yield Hypothesis("is counted from P, not from O", "add the pivot distance", expected - d, size=_swing(expected))
     if name == "tip_deflection":
@@ -230,21 +198,7 @@ def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism:
         rigid = np.sin(q2) * mechanism.follower.length
         yield Hypothesis("is measured along n2, not along b2", "turn it into the base frame", tip[1] - rigid)
     if name == "tip_acceleration":
-        yield from _accelerations(right["time"], tip, q2, right["tip_deflection"])
-
-
-def _forces(normal: Array, right: Mapping[str, Array], mechanism: Mechanism) -> Iterator[Hypothesis]:
-    """Hypotheses of other forces of a slider with rollers or friction."""
-    slider = mechanism.slider
-    if not slider.is_rigid:
-        for roller, values in (("plus", np.maximum(normal, 0.0)), ("minus", np.minimum(normal, 0.0))):
-            yield Hypothesis(f"is that of the {roller} roller alone", "add the force of the other one", values)
-    if slider.has_friction:
-        acts = np.tanh(np.gradient(right["slider_position"], right["time"]) / slider.friction_speed)
-        friction = (slider.friction_force + slider.friction * np.abs(normal)) * acts
-        advice = "take the part along the follower's normal"
-        yield Hypothesis("is the friction along the follower", advice, friction)
-        yield Hypothesis("is the size of normal force and friction together", advice, np.hypot(normal, friction))
+        yield from _accelerations(right["time"], tip, right["tip_deflection"])
 
 
 def _of_angles(y: Array) -> Iterator[Hypothesis]:
@@ -262,23 +216,18 @@ def _of_angles(y: Array) -> Iterator[Hypothesis]:
         yield Hypothesis(words, advice, y + added, size=_swing(y))
 
 
-def _accelerations(time: Array, tip: Array, q2: Array, deflection: Array) -> Iterator[Hypothesis]:
+def _accelerations(time: Array, tip: Array, deflection: Array) -> Iterator[Hypothesis]:
     """Hypotheses of other accelerations of the tip, from second differences of its place."""
 
     def twice(values: Array) -> Array:
         return np.asarray(np.gradient(np.gradient(values, time, axis=-1), time, axis=-1))
 
-    a, relative = twice(tip), twice(deflection)
-    along, across = np.cos(q2) * a[0] + np.sin(q2) * a[1], np.cos(q2) * a[1] - np.sin(q2) * a[0]
-    polar = np.hypot(*tip) * twice(np.unwrap(np.arctan2(tip[1], tip[0])))
+    a = twice(tip)
     for words, values in (
-        ("relative to the base frame: the second derivative of the deflection", relative),
-        ("without the tip's turning: what the base frame's rotation alone gives", across - relative),
+        ("relative to the base frame: the second derivative of the deflection", twice(deflection)),
         ("along n1", a[0]),
         ("along n2", a[1]),
-        ("along the tangent, not along the normal", along),
         ("the size of the vector, without sign", np.hypot(*a)),
-        ("without the centripetal part of a turning frame: twice differentiated in polar coordinates", polar),
     ):
         yield Hypothesis(f"is {words}", "take the absolute acceleration along the beam's normal at the tip", values)
 

@@ -241,6 +241,4 @@ def _turn(state: FoundOrbit, step: float) -> Columns:
 
 def _ending(cause: str, otherwise: str) -> str:
     """Status of a point whose run broke down, by the words of the cause."""
-    if "left the follower" in cause:
-        return LEFT
-    return OPEN if "loop cannot" in cause else otherwise
+    return LEFT if "left the follower" in cause else otherwise

@@ -117,7 +117,10 @@ def _mistaken_keys(document: Document) -> Iterator[CaseError]:
 
 def _impossible(document: Document, impossible: ImpossibleMechanism) -> CaseError:
     """Values that contradict each other as a mistake of the document, with the exception as its cause."""
-    mistake = document.error(document.blame(impossible.key, *impossible.others), impossible.problem, impossible.accepted)
+    blamed, problem = document.blame(impossible.key, *impossible.others), impossible.problem
+    if blamed != impossible.key and not problem.startswith("cannot be:"):
+        problem = f"does not fit: {impossible.key} {problem}"
+    mistake = document.error(blamed, problem, impossible.accepted)
     mistake.__cause__ = impossible
     return mistake
 

@@ -59,6 +59,7 @@ def explain(case: str, engine: str, accuracy: float | None, assignments: Sequenc
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)
     options.refuse_missing([engine])
+    options.tell_slow([loaded])
     found = explanation(loaded, engine, settings, accuracy, computing)
     if as_json:
         print_json(found.statements)

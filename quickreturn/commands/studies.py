@@ -90,6 +90,7 @@ def sweep(
         if not drawable(varied):
             accepted = f"a picture needs a key with finite numbers in order, and at most one more, with such or up to {LINES} values"
             raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
+    options.tell_slow([loaded])
     with computing.opened([loaded], engines) as workshop:
         found = computed(loaded, varied, measures or USUAL, engines[0], accuracy, texts, claims, path, workshop)
     dataset = dataset_of(found)

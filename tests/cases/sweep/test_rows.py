@@ -10,8 +10,10 @@ from quickreturn.cases.library import library_case
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import RunRequest
+from quickreturn.cases.runs.stability import NOT_CONVERGED
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.cases.sweep.rows import LEFT, MeasureRequest, row
+from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
@@ -42,6 +44,17 @@ def test_a_point_is_what_run_finds() -> None:
     assert np.all(apart <= claimed), dict(zip(NAMES, apart / claimed, strict=True))
     sharp = [name != "turn.drive_work" for name in NAMES]  # within a turn, work goes to and fro a hundred times what is left of it
     assert np.all((claimed < 0.02 * np.abs(found.values[1]))[sharp])
+
+
+def test_a_search_that_strays_says_nothing_of_whether_a_machine_can_be_built(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its reason is the place to which it strayed; that a loop cannot close is a status of scenes whose parts do not fit."""
+
+    def strayed(*_: object) -> None:
+        raise NoSteadyState("the loop cannot be closed")
+
+    monkeypatch.setattr("quickreturn.cases.sweep.rows.periodic_state", strayed)
+    found = row([at(110.0)], MeasureRequest(measures=("peak.stress",)))
+    assert (found.statuses, found.sentences) == ((NOT_CONVERGED,), ("no periodic state was found: the loop cannot be closed",))
 
 
 def test_a_motion_that_the_dampers_end_takes_from_the_drive_what_they_dissipate() -> None:

@@ -51,7 +51,12 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
         ),
         (
             {"follower.length": "15 in"},
-            'overrides: follower.length: "15 in" leaves the strain gauge at 0.47625 m outside the follower; its length is 0.381 m',
+            'overrides: follower.length: "15 in" does not fit: follower.strain_gauges leaves the strain gauge at 0.47625 m outside the'
+            " follower; its length is 0.381 m",
+        ),
+        (
+            {"follower.notch_places": ["0 mm"]},
+            'follower.notch_places: ["0 mm"] does not fit: follower.notch_factors has 0 values, and follower.notch_places 1; give one factor',
         ),
         (
             {"simulation.output_step": "0.3 s"},
