@@ -3,9 +3,13 @@
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
 from quickreturn.cases.units import in_si
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.spring import Spring, pull_of, spring_tension
 
 #: Least and largest usual length of a follower, m: a watch's lever and a crane's jib.
 _LENGTHS: Final = (1e-3, 20.0)
@@ -21,6 +25,8 @@ _METAL_DENSITY, _METAL_MODULUS = 2500.0, 10e9
 _METALS: Final = "aluminium has 70 GPa, steel 210 GPa"
 #: Largest usual mass of a tip, as a multiple of the follower's.
 _HEAVIEST_TIP: Final = 5.0
+#: Number of crank angles in a turn at which a spring's length is looked at.
+_ANGLES: Final = 181
 #: Largest usual crank speed, rad/s (19,000 rpm): only spindles turn faster.
 _FASTEST: Final = 2e3
 
@@ -39,6 +45,23 @@ def doubts(scene: Scene) -> Iterator[str]:
         yield f"crank.center_of_mass is {centre:.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m): is that meant?"
     if abs(speed := scene.crank.drive.initial_speed) > _FASTEST:
         yield f"the crank turns at {speed / in_si('rpm'):.6g} rpm: is that meant?"
+    if (spring := scene.acting_spring) is not None and spring.stop_stiffness > 0.0:
+        yield from _of_stops(scene, spring)
+
+
+def _of_stops(scene: Mechanism, spring: Spring) -> Iterator[str]:
+    """A stop that the rigid machine never leaves: the place on the arm that it holds is held all turn."""
+    turn = rigid_motion(scene, np.linspace(0.0, 2.0 * np.pi, _ANGLES), 0.0)
+    place = scene.pivot_distance + spring.place_on(scene.follower.length) * np.exp(1j * turn.follower_angle)
+    length = pull_of(spring, place, 0.0 * place).length
+    low, high, law = float(length.min()), float(length.max()), spring.law
+    for key, engaged, way in (("longest", low > law.longest, high - law.longest), ("shortest", high < law.shortest, law.shortest - low)):
+        if engaged:
+            force = abs(spring_tension(high if key == "longest" else low, 0.0, law))
+            yield (
+                f"spring.{key} is {getattr(law, key):.6g} m, and the spring is {low:.4g} to {high:.4g} m long over the turn: the stop never"
+                f" lets go, is up to {way:.3g} m engaged, and makes a force of {force:.4g} N on a stiff arm: is that meant?"
+            )
 
 
 def _of_follower(follower: Follower) -> Iterator[str]:

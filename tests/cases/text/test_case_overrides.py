@@ -56,7 +56,7 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
         ),
         (
             {"follower.notch_places": ["0 mm"]},
-            'follower.notch_places: ["0 mm"] does not fit: follower.notch_factors has 0 values, and follower.notch_places 1; give one factor',
+            'follower.notch_places: ["0 mm"] does not fit: follower.notch_factors has 0 values, and follower.notch_places 1; give one',
         ),
         (
             {"simulation.output_step": "0.3 s"},
