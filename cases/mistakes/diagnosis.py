@@ -82,7 +82,7 @@ def diagnose(
         lifeless = rms(found) < _LIFELESS * size and off > (1.0 - _LIFELESS) * size
         if within or (off < HOPELESS * size and not lifeless) or not (COLUMNS[name].required or name == name.rstrip(DIGITS)):
             return None
-    explained = explain(found, expected, [*tried, *fitted_mistakes(name, found, expected, right)], tolerance or 0.0)
+    explained = explain(found, expected, [*tried, *fitted_mistakes(name, found, expected)], tolerance or 0.0)
     if explained is not None:
         return Finding(f"{name} {explained.words}", explained.advice, explained.remainder, explained.fitted)
     claimed = "" if tolerance is None else f", by its own estimate it may be off by {share_of(tolerance / size)}"

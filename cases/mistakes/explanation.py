@@ -77,7 +77,7 @@ def explain(
     allowed = max((UNEXPLAINED_COARSELY if coarse else UNEXPLAINED) * difference, min(noise, 0.5 * difference))
     of_values = LEFT_COARSELY if coarse else max(UNEXPLAINED, share)
     tried = [each for each in judged if each.mistake.size is None or each.left <= of_values * each.mistake.size]
-    tried = [each for each in tried if np.isfinite(each.left) and (each.mistake.fitted <= 1 or each.left <= each.noise)]
+    tried = [each for each in tried if np.isfinite(each.left)]
     for fitted in sorted({each.mistake.fitted for each in tried}):
         level = [each for each in tried if each.mistake.fitted == fitted]
         best = min(level, key=lambda each: each.left)

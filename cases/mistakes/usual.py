@@ -17,7 +17,7 @@ from quickreturn.cases.mistakes.explanation import Hypothesis
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.columns import BEARINGS, COLUMNS, SHAPE
-from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 Array = NDArray[np.float64]
 
@@ -189,6 +189,8 @@ def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism:
         yield Hypothesis(chord, "integrate along the bent centre line", np.hypot(*across))
         yield Hypothesis("is counted from the tip", "subtract it from the length", mechanism.follower.length - expected)
         yield Hypothesis("is counted from its place at the start", "add that", expected - expected[0], size=_swing(expected))
+    if name == "slider_force":
+        yield from _forces(expected, right, mechanism)
     if name == "tip_x":
         yield Hypothesis("is counted from P, not from O", "add the pivot distance", expected - d, size=_swing(expected))
     if name == "tip_deflection":
@@ -199,6 +201,20 @@ def _mistakes(name: str, expected: Array, right: Mapping[str, Array], mechanism:
         yield Hypothesis("is measured along n2, not along b2", "turn it into the base frame", tip[1] - rigid)
     if name == "tip_acceleration":
         yield from _accelerations(right["time"], tip, right["tip_deflection"])
+
+
+def _forces(normal: Array, right: Mapping[str, Array], mechanism: Mechanism) -> Iterator[Hypothesis]:
+    """Hypotheses of other forces of a slider with rollers or friction."""
+    slider = mechanism.slider
+    if not slider.is_rigid:
+        for roller, values in (("plus", np.maximum(normal, 0.0)), ("minus", np.minimum(normal, 0.0))):
+            yield Hypothesis(f"is that of the {roller} roller alone", "add the force of the other one", values)
+    if slider.has_friction:
+        acts = np.tanh(np.gradient(right["slider_position"], right["time"]) / slider.friction_speed)
+        friction = (slider.friction_force + slider.friction * np.abs(normal)) * acts
+        advice = "take the part along the follower's normal"
+        yield Hypothesis("is the friction along the follower", advice, friction)
+        yield Hypothesis("is the size of normal force and friction together", advice, np.hypot(normal, friction))
 
 
 def _of_angles(y: Array) -> Iterator[Hypothesis]:

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 LEAST_DIFFERENCE: Final = 0.02
 #: What to do about a column that is late.
 _SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
+#: Least relative difference in the duration of a turn that is told: an engine that is 10 % off in the deflection keeps it to 1e-4.
+SLOW: Final = 3e-3
 #: Key of the sentence on a quantity of the scene, and of the sentence that nothing explains the difference.
 QUANTITIES: Final = "quantities"
 UNEXPLAINED_COLUMNS: Final = "unexplained"
@@ -38,7 +40,8 @@ class Causes(NamedTuple):
     """Causes of the differences of a table's columns.
 
     Attributes:
-        sure: column -> a sentence on its noise, or on a mistake; "crank_angle" -> that all columns are late.
+        sure: column -> a sentence on its noise, or on a mistake; "crank_angle" -> that all columns are late; "time" -> that a turn takes
+            longer or shorter.
         fitted: column -> a sentence on a mistake that another motion may look like: one with a fitted number, or a small one.
         differing: column -> its relative difference, where it needs an explanation and `sure` has none.
         open: whether a quantity of the scene may be the cause: most of the columns that vibrate differ, and are not all late alike.
@@ -89,6 +92,9 @@ def causes(run: Run, other: Run, case: Case) -> Causes:
     off_by = column_differences(run, other)
     lag, left = _common_lag([grids[name] for name in vibrating])
     sure = dict(noises)
+    if abs(later := float(np.ptp(run.cycle["time"]) / np.ptp(other.cycle["time"])) - 1.0) > SLOW:
+        pace = f"{100.0 * abs(later):.2g} % {'longer' if later > 0.0 else 'shorter'}"
+        sure["time"] = f"a turn of the crank takes {pace} in it than in {other.engine}: its clock or its drive is another one"
     if lag:
         grids = {name: (_late(recorded, -lag), expected) for name, (recorded, expected) in grids.items()}
         sure["crank_angle"] = _told_lag(lag, left, run)
@@ -112,7 +118,7 @@ def causes(run: Run, other: Run, case: Case) -> Causes:
     told = {name: f"{each.cause}; {each.advice}" for name, each in found.items() if each is not None}
     sure |= {name: told[name] for name, each in found.items() if each is not None and not each.fitted}
     if is_open():  # a small mistake of a column may be one of the motion
-        sure = {name: sentence for name, sentence in sure.items() if name in noises or mistake(name, None)}
+        sure = {name: sentence for name, sentence in sure.items() if name in noises or name == "time" or mistake(name, None)}
     fitted = {name: sentence for name, sentence in told.items() if name not in sure}
     return Causes(sure, fitted, {} if lag else differing(), is_open())
 

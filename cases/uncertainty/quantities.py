@@ -43,6 +43,8 @@ AS_GOOD: Final = 2.0
 FITTED_ALONE: Final = 3  # quantities that are fitted alone: the best by a linear fit
 BEGUN_FROM: Final = 2  # of these, the best by their fits, with which others are tried together
 PARTNERS: Final = 3  # quantities that are tried with each
+#: Changes of a coordinate from which a quantity is fitted to a steady state that a fit from the case's own values does not explain.
+SCAN: Final = (-0.36, -0.3, -0.24, -0.18, -0.12, -0.06, 0.06, 0.12, 0.18, 0.24, 0.3, 0.36)
 STEPS: Final = 5  # most Gauss-Newton steps for a stretch of the table
 LONGEST_STEP: Final = 0.3  # of a coordinate: a third of a value
 SHARES: Final = (1.0, 0.4, 0.15)  # of a step that are tried, until one lessens what is left
@@ -121,15 +123,32 @@ class _Leads:
             return (replace(exchanged, difference=difference),)
         first_rows = self.model.stretches(self.case.mechanism)[0]
         alone = sorted((self._fitted((place,), begin) for place in self._best(begin, first_rows, ())[:FITTED_ALONE]), key=_left)
+        if alone[0].left > enough and not self.model.begins:
+            alone = sorted((self._fitted((place,), at) for place, at in self._scanned(begin)[:FITTED_ALONE]), key=_left)
         if alone[0].left <= enough:
             return tuple(self._lead(each, difference) for each in alone if each.left <= min(enough, AS_GOOD * alone[0].left))
         pairs = []
-        for one in alone[: BEGUN_FROM if self.model.begins else 1]:
+        for one in alone[:BEGUN_FROM] if self.model.begins else ():
             at = begin.copy()
             at[list(one.places)] = one.at
             pairs += [self._fitted((*one.places, place), at) for place in self._best(at, rows, one.places)[:PARTNERS]]
-        together = min(pairs, key=_left)
-        return (self._lead(together, difference),) if together.left <= EXPLAINED else ()
+        together = min(pairs, key=_left, default=None)
+        return (self._lead(together, difference),) if together and together.left <= EXPLAINED else ()
+
+    def _scanned(self, begin: Array) -> list[tuple[int, Array]]:
+        """Places of quantities with coordinates of all from which to fit them, the best first.
+
+        In the steady state no stretch of a table is short enough for the phases to agree, as it is after the start.
+        """
+        found = list[tuple[float, int, Array]]()
+        for place in range(len(begin)):
+            search = Search(self.case, self.model, [self.frees[place]])
+            tries = [self._tried(search, begin[[place]] + step, self.model.rows) for step in SCAN]
+            if best := min((each for each in tries if each), key=lambda each: rms(each[1]), default=None):
+                at = begin.copy()
+                at[place] = best[0][0]
+                found.append((rms(best[1]), place, at))
+        return [(place, at) for _, place, at in sorted(found, key=lambda each: each[0])]
 
     def _exchanged(self) -> Lead | None:
         """Width and thickness of a rectangle exchanged; None: the section is another one, or cannot be simulated so."""

@@ -91,7 +91,7 @@ def test_what_is_off_by_more_than_is_claimed_is_told_apart(transient: pd.DataFra
     assert {check.channel for check in result.missed if check.quantity in ("minimum", "maximum")} == {"strain_2", "tip_deflection"}
     told = causes(run, in_turn_5, CASE).told(CASE.name)
     assert set(told) == {"strain_2", "tip_deflection"}
-    assert "sign" in told["strain_2"]
+    assert "plain factor of -1.03" in told["strain_2"]
     assert "millimetres" in told["tip_deflection"]
 
 

@@ -144,7 +144,8 @@ def test_for_a_table_of_another_case_none_is_proposed(call: Call, other: Path) -
     assert answer.code == 1
     (case,) = json.loads(answer.output)["cases"]
     told = case["slips"]["tool.csv"]
-    assert set(told) == {"unexplained"}
+    assert set(told) == {"time", "unexplained"}
+    assert told["time"].startswith("a turn of the crank takes 19 % longer in it than in reference")
     assert told["unexplained"].startswith("none of these explains the difference of ")
     assert "thesis-17" not in str(told)
     assert case["places"]["tool.csv"]["reference"].keys() == case["differences"]["tool.csv"]["reference"].keys()
