@@ -29,11 +29,13 @@ from typing import Any, NamedTuple
 import pytest
 
 import quickreturn
+from quickreturn.cases.classes.map import TIMES
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.trials.queries import fastest_at
 from quickreturn.command_line import COMMANDS, main
 from quickreturn.commands.console import ExitCode
-from quickreturn.reports.long_studies import benchmarks
+from quickreturn.reports.chapters.classes import winners_of
+from quickreturn.reports.long_studies import benchmarks, class_map
 from tests.quickreturn.conftest import warm_workers
 from tests.quickreturn.program import TESTS_ALONE
 
@@ -275,6 +277,22 @@ def test_speeds_are_those_of_the_recorded_benchmark(document: str, rounding: flo
                 if shown:
                     measured = fastest[name].seconds, fastest[name].waited_seconds or 0.0
                     assert tuple(map(float, shown.groups())) == pytest.approx(measured, rel=rounding), (name, level)
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/studies.md"])
+def test_counts_of_classes_are_those_of_the_recorded_map(document: str) -> None:
+    """Who is first in how many classes, and the lead, as the page tells them."""
+    recorded, text = class_map(), " ".join(prose(document).split())
+    by_solving, by_waiting = TIMES
+    for level, wanted in ((1e-2, r"([\d.]+) to ([\d.]+) times as long to 1 %|to 1 % it takes ([\d.]+) to ([\d.]+)"), (1e-3, None)):
+        winners = winners_of(recorded, level, by_solving)
+        assert re.search(rf"in {winners.wins['reference']} of (the )?{len(recorded.scenes)} (classes|scenes)", text, re.IGNORECASE)
+        if wanted:
+            (found,) = re.finditer(wanted, text)
+            lead = [float(each) for each in found.groups() if each]
+            assert lead == pytest.approx([min(winners.factors), max(winners.factors)], rel=0.05)
+    wins = winners_of(recorded, 1e-2, by_waiting).wins
+    assert re.search(rf"wins {wins['mujoco']}( classes)?, `fixed-shapes` {wins['fixed-shapes']}, `reference` {wins['reference']}", text)
 
 
 @pytest.mark.parametrize("document", sorted(DOCUMENTS))

@@ -20,6 +20,10 @@ from quickreturn.reports.words import counted, duration, listed, number, percent
 
 #: Strength of the winner's colour in a cell, %: for a runner-up that is as fast, and for one that takes ten times as long or more.
 _PALE, _FULL = 8, 34
+#: What the engine of that name is.
+CHAIN: Final = " (mujoco is this project’s chain and time loop on MuJoCo)"
+#: What an opponent would say of the race.
+CHOSEN: Final = "; all settings are this project’s choice, and reference alone slows its fast modes"
 _SPEED: Final = "crank speed over the lowest bending frequency"
 
 
@@ -46,7 +50,7 @@ def classes(content: Content) -> Chapter | None:
     if not class_map.scenes:
         return None
     scenes = len(class_map.scenes)
-    winners = [_winners(class_map, level, by) for level in LEVELS for by in TIMES]
+    winners = [winners_of(class_map, level, by) for level in LEVELS for by in TIMES]
     own = [name for name in dict.fromkeys(trial.engine for trial in class_map.trials) if is_own(name)]
     facts = {
         "of_record": content.of_record.get("classes"),
@@ -82,7 +86,7 @@ def finding(alone: Winners, waited: Mapping[str, int], scenes: int, missing: int
     else:
         text = f"No engine reaches {level} in any {of_classes}"
     unrecorded = f"; {missing} more classes of the map are not recorded" if missing else ""
-    return f"{text}; by waiting time, {_won(waited)}{unrecorded}"
+    return f"{text}; by waiting time, {_won(waited)}{CHAIN if 'mujoco' in waited else ''}{unrecorded}{CHOSEN if own else ''}"
 
 
 def _won(wins: Mapping[str, int]) -> str:
@@ -113,7 +117,8 @@ def sharp_words(class_map: Map) -> str:
     return f"{errors}{agrees}.{f' In {listed(blunt)} {care}' if blunt else ''}"
 
 
-def _winners(class_map: Map, level: float, by: str) -> Winners:
+def winners_of(class_map: Map, level: float, by: str) -> Winners:
+    """Who is first in how many classes, to an error by a time (see `Winners`)."""
     factors_of = class_map.factors(level, by)
     factors = [factor for factor in next(iter(factors_of.values()), []) if factor < math.inf]
     return Winners(level, by, {name: len(lead) for name, lead in factors_of.items()}, factors)

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.benchmark import Benchmark
+from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.trials.queries import LEVELS, fastest_at
@@ -38,6 +38,7 @@ class Fastest:
     solve_times: Sequence[tuple[str, float]]  # method and s: the fastest, the next of another engine, and the packages
     setup_seconds: float = 0.0  # of the fastest method
     own: bool = False  # whether that is code of this project, compiled for the one mechanism
+    compile_seconds: float | None = None  # of its first run on a machine; None if that was not measured
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ def answer_of(content: Content) -> Answer:
     against = others[0] if others else REFERENCE
     kinds: tuple[Kind, ...] = ("frequency", "amplitude", "extreme")
     spreads = {kind: spread([difference for name in alike for difference in differences(results, name, kind, against)]) for kind in kinds}
-    fastest = fastest_in(content.benchmarks[0], LEVELS[1]) if content.benchmarks else None
+    fastest = fastest_in(content.benchmarks[0], LEVELS[1], content.compiling) if content.benchmarks else None
     return Answer(
         cases=len(results),
         compared=sum(result.passed is not None for result in results),
@@ -98,8 +99,8 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
     return Cubic(frequency, float(np.median(ratios)) if ratios else None)
 
 
-def fastest_in(table: Benchmark, level: float) -> Fastest:
-    """The fastest methods in a scene to an error `level` of the tip deflection."""
+def fastest_in(table: Benchmark, level: float, compiling: Sequence[Compiling] = ()) -> Fastest:
+    """The fastest methods in a scene to an error `level` of the tip deflection; `compiling`: what engines compile for."""
     best = fastest_at(table.trials, level)
     if not best:
         return Fastest(table.case, level, [])
@@ -107,7 +108,9 @@ def fastest_in(table: Benchmark, level: float) -> Fastest:
     others = [entry for entry in ranked[1:] if entry[1] != ranked[0][1]]
     shown = ranked[:1] + others[:1] + [entry for entry in others[1:] if entry[0] in PACKAGES]
     first = next(iter(best.values()))
-    return Fastest(table.case, level, [(name, seconds) for name, _, seconds in shown], first.setup_seconds or 0.0, is_own(first.engine))
+    compiled = next((each.compile_seconds for each in compiling if each.engine == first.engine), None)
+    times = [(name, seconds) for name, _, seconds in shown]
+    return Fastest(table.case, level, times, first.setup_seconds or 0.0, is_own(first.engine), compiled)
 
 
 def is_own(engine: str) -> bool:

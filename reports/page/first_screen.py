@@ -81,9 +81,9 @@ def headline(answer: Answer) -> str:
     alike, engines = len(answer.alike), len(answer.engines)
     if alike > 1:
         of_engines = "" if alike == engines else f" of {in_words(engines)}"
-        return f"{in_words(alike).capitalize()}{of_engines} simulations tell the same story"
+        return f"{in_words(alike).capitalize()}{of_engines} simulations agree within their claims"
     if answer.departing:
-        return "The simulations do not tell the same story"
+        return "The simulations differ by more than they claim"
     return f"{counted(answer.cases, 'set-up')}, {counted(engines, 'engine')}"
 
 
@@ -167,7 +167,8 @@ def _fastest(found: Fastest) -> Figure:
     (name, seconds), *others = found.solve_times
     own = ", made for this mechanism" if found.own else ""
     other = f"; {others[0][0]} takes {times(others[0][1] / seconds)} as long" if others else ""
-    solving = f"to solve {case_label(found.case)} to {percent(found.level, 'g')}, after a set-up of {duration(found.setup_seconds)}"
+    once = f" and, once on a machine, {duration(found.compile_seconds)} of compiling" if found.compile_seconds else ""
+    solving = f"to solve {case_label(found.case)} to {percent(found.level, 'g')}, after a set-up of {duration(found.setup_seconds)}{once}"
     return duration(seconds), f"{solving}: {name}{own}{other}"
 
 

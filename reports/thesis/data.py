@@ -1,8 +1,9 @@
 """The data of a report on runs of the thesis."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
@@ -10,6 +11,7 @@ from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.cases.thesis.experiment.recordings import experiment_tables
+from quickreturn.cases.thesis.experiment.stiffness import stiffness_reading
 from quickreturn.cases.thesis.finding.study import Row
 from quickreturn.cases.thesis.inconsistencies import inconsistencies
 from quickreturn.cases.thesis.modes import ThesisModes, thesis_modes
@@ -21,11 +23,18 @@ from quickreturn.reference_model.mechanism import TorqueDrive
 from quickreturn.reports.page.content import Content, Subject
 from quickreturn.reports.results.runs import of_library
 from quickreturn.reports.thesis import long_studies
+from quickreturn.reports.thesis.axes import axis_comparisons, fits_worse
 from quickreturn.reports.thesis.conclusions import Basis, Conclusion, conclusions
+from quickreturn.reports.thesis.effects import tightened_words
 from quickreturn.reports.thesis.measured import statement_values
 from quickreturn.reports.thesis.runs import thesis_runs
 from quickreturn.reports.thesis.sufficiency import Split, splits
-from quickreturn.reports.words import in_words, percent
+from quickreturn.reports.words import percent, percents
+
+#: What speaks for the model that departs from the others.
+AXES_FIT: Final = (
+    "The axes of the thesis’ figures, the only contact with its measurement that is left, fit the 1999 model better than the others."
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +91,9 @@ class ThesisData(Content):
         """The thesis, unless the report also has other cases."""
         if len(self.thesis_results) < len(self.results):
             return Subject()
-        return Subject("thin aluminium", 0.0, ", and the arm whips", inference(self.splits), on_the_model=True)
+        inferred = inference(self.splits, tightened_words(self.finding))
+        fits = AXES_FIT if fits_worse(axis_comparisons(self.thesis_results)) else ""
+        return Subject("thin aluminium", 0.0, ", and the arm whips", " ".join(filter(None, (fits, inferred))), on_the_model=True)
 
     @property
     def assumed(self) -> Mapping[str, Any]:
@@ -99,15 +110,20 @@ class ThesisData(Content):
         return frozenset(inconsistency.sentence for inconsistency in inconsistencies() if set(inconsistency.runs) == set(RUNS))
 
 
-def inference(splits: Sequence[Split]) -> str:
-    """What makes the frequency too high after the return alone; "" if that was not recorded."""
+def inference(splits: Sequence[Split], against: str) -> str:
+    """What could make the frequency too high after the return alone, and what speaks against it; "" if that was not recorded.
+
+    Args:
+        splits: effects that make the halves differ as the words require.
+        against: what the thesis says against the first of these, a clause.
+    """
     if not splits:
         return ""
-    first = splits[0]
-    posts = ", ".join(percent(post, "+.1f") for post in first.posts)
+    first, below = splits[0], stiffness_reading([]).below
+    faster = percents(*(1.0 / math.sqrt(1.0 - part) - 1.0 for part in below), ".0f")
     return (
-        "Compared with measurements its frequency was right before the return and too high after it: of the effects tried, a roller that"
-        f" is softer on one side makes that difference ({percent(first.pre, '+.1f')} before, {percent(first.post, '+.1f')} after, at"
-        f" {first.strength}; after the return {posts} at the {in_words(len(first.posts))} strengths tried), and none that acts alike on"
-        " both sides does. This is an inference: no measured curve survives."
+        "Compared with measurements its frequency was right before the return and too high after it. Why is open, for no measured curve"
+        f" survives. A roller that is softer on one side would do that ({percent(first.pre, '+.1f')} before,"
+        f" {percent(first.post, '+.1f')} after, at {first.strength}){f', but {against}' if against else ''}. The printed bending"
+        f" stiffness is {percents(*below, '.0f')} below that of aluminium: with the usual one the arm rings {faster} faster in both halves."
     )

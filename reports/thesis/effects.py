@@ -22,7 +22,8 @@ EXCESS: Final = next(each.low for each in statements() if each.id == "post-exces
 DEPTH: Final = 0.06
 #: Effects of friction.
 FRICTION: Final = ("friction", "drag", "pivot")
-#: The effect whose strength is a preload, N: a force of the slider below it leaves both rollers in contact.
+#: The effect whose strength is a preload, N: a force of the slider below it leaves both rollers in contact. Section 3.2 of the thesis says
+#: that the rollers were tightened.
 PRELOAD: Final = "preload"
 
 
@@ -82,6 +83,23 @@ def symmetric_effects_differ(rows: Sequence[Row]) -> bool:
     return any(row.tells_halves_apart for row in rows if row.effect in symmetric and row.engine != SECOND)
 
 
+def tightened_words(rows: Sequence[Row]) -> str:
+    """What the strongest preload leaves of the difference between the halves (a clause); "" if that was not recorded."""
+    strongest = _strongest_preload(rows)
+    if strongest is None or strongest.apart is None:
+        return ""
+    apart, asked = strongest.apart, 1.0 / EXCESS - 1.0
+    against = "less than" if apart > asked else "as"
+    return (
+        f"section 3.2 says that the rollers were tightened, and a preload of {strongest.strength} leaves {percent(apart, '+.1f')}"
+        f" between the halves, {against} the words ask ({percent(asked, '+.1f')})"
+    )
+
+
+def _strongest_preload(rows: Sequence[Row]) -> Row | None:
+    return next((row for row in reversed(rows) if row.effect == PRELOAD and row.engine == REFERENCE), None)
+
+
 def odd_words(rows: Sequence[Row]) -> str:
     """What symmetric effects and friction do."""
     moved = {(row.effect, row.strength): gap for row in rows if (gap := row.apart) is not None}
@@ -131,7 +149,7 @@ def _rings(sets: Sequence[Trial]) -> dict[str, list[float]]:
 
 def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> str:
     """How far the strongest preload moves the halves apart, in runs whose slider force it exceeds and in the others; "" if not known."""
-    strongest = next((row for row in reversed(rows) if row.effect == PRELOAD), None)
+    strongest = _strongest_preload(rows)
     cycles = {run: result.runs[REFERENCE].cycle for run, result in thesis_runs(results).items() if REFERENCE in result.runs}
     forces = {run: max(abs(cycle["slider_force"])) for run, cycle in cycles.items() if "slider_force" in cycle}
     if strongest is None:

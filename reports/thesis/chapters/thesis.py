@@ -17,7 +17,7 @@ from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.thesis.axes import axis_comparisons, fits_worse
 from quickreturn.reports.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion
 from quickreturn.reports.thesis.data import ThesisData
-from quickreturn.reports.thesis.effects import effect_facts, symmetric_effects_differ
+from quickreturn.reports.thesis.effects import effect_facts, symmetric_effects_differ, tightened_words
 from quickreturn.reports.thesis.sufficiency import Split
 from quickreturn.reports.thesis.unprinted import scatter_facts
 from quickreturn.reports.words import HALF, channel_name, counted, number, percent, percents
@@ -48,21 +48,23 @@ def thesis(content: ThesisData) -> Chapter:
         "statements": statements(conclusions),
     }
     splits = content.splits if facts["effects_plot"] else []
-    text = finding(splits, symmetric_effects_differ(content.finding), of_halves, [each.outcome for each in conclusions])
+    against = tightened_words(content.finding)
+    text = finding(splits, against, symmetric_effects_differ(content.finding), of_halves, [each.outcome for each in conclusions])
     return Chapter("thesis", "What the thesis saw", text, facts)
 
 
-def finding(splits: Sequence[Split], symmetric: bool, ratios: Mapping[str, Sequence[float]], outcomes: Sequence[str]) -> str:
+def finding(splits: Sequence[Split], against: str, symmetric: bool, ratios: Mapping[str, Sequence[float]], outcomes: Sequence[str]) -> str:
     """What makes the halves differ, or else how stiff the single cubic is; and the verdicts on the statements.
 
     Args:
         splits: effects that make the halves differ as the words require, those with the fewest choices first.
+        against: what the thesis says against the first of these (a clause), "" for nothing.
         symmetric: whether an effect that acts alike on both sides moves the halves apart.
         ratios: half -> frequencies of the single cubic over the converged ones.
         outcomes: verdict on each statement.
     """
     if splits:
-        text = _splitting(splits, symmetric)
+        text = _splitting(splits, against, symmetric)
     elif all(ratios.values()):
         text = _stiffness(ratios)
     else:
@@ -72,13 +74,14 @@ def finding(splits: Sequence[Split], symmetric: bool, ratios: Mapping[str, Seque
     return f"{text}; {counted(len(outcomes), 'statement')}: {', '.join(verdicts)}"
 
 
-def _splitting(splits: Sequence[Split], symmetric: bool) -> str:
+def _splitting(splits: Sequence[Split], against: str, symmetric: bool) -> str:
     first, only = splits[0], all(split.one_sided for split in splits)
     which = "a roller that is softer on one side" if only else "one that is not symmetric"
+    but = f"; but {against}" if against else ""
     none = "" if symmetric else "; no symmetric effect tried moves them apart by more than the measurement leaves open"
     return (
-        f"Of the effects tried, only {which} makes the halves differ as it says: at {first.strength} by {percent(first.pre, '+.1f')} before"
-        f" and {percent(first.post, '+.1f')} after the return (medians){none}"
+        f"What made the halves differ is open. Of the effects tried one at a time, {which} would: at {first.strength} by"
+        f" {percent(first.pre, '+.1f')} before and {percent(first.post, '+.1f')} after the return (medians){but}{none}"
     )
 
 

@@ -13,7 +13,9 @@ SOLVED = Winners(1e-2, "solve time", {"a": 20, "b": 9}, (1.43, 12.0, 48.4))
 def test_the_heading_tells_the_winner_its_lead_and_who_is_done_first() -> None:
     told = plain(finding(SOLVED, {"b": 15, "a": 14}, 30, 2, ["a"]))
     first = "a, this project’s own code, solves fastest to 1 % in 20 of 30 classes of machines (the next takes 1.4 to 48 times as long)"
-    assert told == f"{first}; by waiting time, b in 15, a in 14; 2 more classes of the map are not recorded"
+    waited = "by waiting time, b in 15, a in 14; 2 more classes of the map are not recorded"
+    assert told == f"{first}; {waited}; all settings are this project’s choice, and reference alone slows its fast modes"
+    assert "mujoco in 3 (mujoco is this project’s chain and time loop on MuJoCo)" in plain(finding(SOLVED, {"mujoco": 3}, 30, 0, []))
     one = dataclasses.replace(SOLVED, factors=(3.5,))
     assert "a solves fastest to 1 % in 20 of 30 classes of machines (the next takes 3.5 times as long);" in plain(
         finding(one, {}, 30, 0, [])

@@ -5,7 +5,8 @@ from typing import Any
 
 from quickreturn.cases.thesis.finding.effects import effects
 from quickreturn.cases.thesis.finding.study import CONFIRMED_RUNS, SECOND, Row
-from quickreturn.reports.thesis.effects import odd_words, quoted, ring_words, second_words, set_words, splitting_words
+from quickreturn.reports.thesis.effects import odd_words, quoted, ring_words, second_words, set_words, splitting_words, tightened_words
+from quickreturn.reports.thesis.long_studies import finding
 from quickreturn.reports.thesis.sufficiency import Split, trials
 from tests.reports.pages import plain
 from tests.reports.thesis.made_up_finding import made_up_finding
@@ -65,3 +66,11 @@ def test_the_second_formulation_is_held_against_the_first() -> None:
 def test_statements_are_quoted() -> None:
     assert quoted(["one", "two"]) == "“one” “two”"
     assert quoted([]) == ""
+
+
+def test_what_the_thesis_says_against_a_soft_roller_is_told_with_what_a_preload_leaves() -> None:
+    """Section 3.2 has the rollers tightened; the recorded study has a preload of 6 N, which leaves less than the 2 % that the words ask."""
+    told = plain(tightened_words(finding()))
+    assert told.startswith("section 3.2 says that the rollers were tightened, and a preload of 6 N leaves −1.")
+    assert told.endswith(" between the halves, less than the words ask (−2.0 %)")
+    assert tightened_words([]) == ""

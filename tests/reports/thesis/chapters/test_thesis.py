@@ -20,12 +20,13 @@ SOFT, FRICTION = (Split(BY_ID[name], "20 kN/m", 0.002, -0.0204) for name in ("po
 
 def test_the_heading_names_what_makes_the_halves_differ() -> None:
     changes = "at 20 kN/m by +0.2 % before and −2.0 % after the return (medians)"
-    soft = f"Of the effects tried, only a roller that is softer on one side makes the halves differ as it says: {changes}"
+    begin = "What made the halves differ is open. Of the effects tried one at a time, {} would: {}"
+    soft = begin.format("a roller that is softer on one side", changes)
     alike = "no symmetric effect tried moves them apart by more than the measurement leaves open"
-    assert plain(finding([SOFT], False, {}, OUTCOMES)) == f"{soft}; {alike}; {VERDICTS}"
-    assert plain(finding([SOFT], True, {}, OUTCOMES)) == f"{soft}; {VERDICTS}"
-    other = f"Of the effects tried, only one that is not symmetric makes the halves differ as it says: {changes}"
-    assert plain(finding([SOFT, FRICTION], True, {}, OUTCOMES)) == f"{other}; {VERDICTS}"
+    assert plain(finding([SOFT], "", False, {}, OUTCOMES)) == f"{soft}; {alike}; {VERDICTS}"
+    assert plain(finding([SOFT], "it was tightened", True, {}, OUTCOMES)) == f"{soft}; but it was tightened; {VERDICTS}"
+    other = begin.format("one that is not symmetric", changes)
+    assert plain(finding([SOFT, FRICTION], "", True, {}, OUTCOMES)) == f"{other}; {VERDICTS}"
 
 
 @pytest.mark.parametrize(
@@ -37,15 +38,15 @@ def test_the_heading_names_what_makes_the_halves_differ() -> None:
     ],
 )
 def test_the_heading_without_a_study_says_how_stiff_the_cubic_is(pre: list[float], post: list[float], words: str) -> None:
-    told = plain(finding([], True, {"pre": pre, "post": post}, OUTCOMES))
+    told = plain(finding([], "", True, {"pre": pre, "post": post}, OUTCOMES))
     assert told == f"Its one cubic is too {words} runs that resolve it); {VERDICTS}"
 
 
 def test_the_heading_counts_the_verdicts_alone_where_nothing_is_resolved() -> None:
-    assert plain(finding([], True, {"pre": [1.1], "post": []}, OUTCOMES)) == f"Its statements, checked one by one; {VERDICTS}"
-    told = plain(finding([], True, {"pre": [], "post": []}, [HOLDS, HOLDS, NOT, NOT]))
+    assert plain(finding([], "", True, {"pre": [1.1], "post": []}, OUTCOMES)) == f"Its statements, checked one by one; {VERDICTS}"
+    told = plain(finding([], "", True, {"pre": [], "post": []}, [HOLDS, HOLDS, NOT, NOT]))
     assert told == "Its statements, checked one by one; 4 statements: 2 hold, 2 do not hold"
-    assert plain(finding([], True, {"pre": [], "post": []}, [NOT])).endswith("; 1 statement: 1 does not hold")
+    assert plain(finding([], "", True, {"pre": [], "post": []}, [NOT])).endswith("; 1 statement: 1 does not hold")
 
 
 def test_the_heading_is_about_the_study_that_is_recorded() -> None:
@@ -53,7 +54,7 @@ def test_the_heading_is_about_the_study_that_is_recorded() -> None:
     told, (soft, *_) = finding_of(one_run(finding=study), "thesis"), splits(study)
     assert soft.strength == "20 kN/m"
     assert told.startswith(
-        "Of the effects tried, only a roller that is softer on one side makes the halves differ as it says: at 20 kN/m by "
+        "What made the halves differ is open. Of the effects tried one at a time, a roller that is softer on one side would: at 20 kN/m by "
     )
     assert "no symmetric effect tried" in told
     assert finding_of(one_run(), "thesis").startswith("Its one cubic is too stiff before and after the return alike (1.13 and 1.1")
