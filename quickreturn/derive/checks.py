@@ -29,8 +29,6 @@ ROUNDED: Final = 500.0
 #: cell of six points: 18 % with four of them, whose frequencies are right to 6e-5; 40 % with five, where the third frequency is off by
 #: 0.8 %. With six the first one is off by 12 %.
 COARSE: Final = 0.25
-#: Half the squared slope of a beam given by its deflection that is told. The end of a cantilever is off by that part: 10.5 % at 10.6 %.
-STEEP: Final = 0.1
 
 
 def check_units(system: System) -> None:
@@ -78,17 +76,6 @@ def check_points(system: System) -> None:
             warnings.warn(
                 f"the Gauss points of beam {beam!r} of {system.name!r} are too few for its shapes: integrals along it are off by"
                 f" {100.0 * error:.2g} %; give more `points`, or more `edges`",
-                stacklevel=4,
-            )
-
-
-def check_slopes(system: System, slopes: NDArray[np.float64]) -> None:
-    """Warn of a beam that bends too far to be given by its deflection; `slopes`: the largest ones, rad, shape (beams, times)."""
-    for (beam, _), largest in zip(system.slopes, np.nan_to_num(slopes).max(axis=1, initial=0.0), strict=True):
-        if (error := 0.5 * largest**2) > STEEP:
-            warnings.warn(
-                f"beam {beam!r} of {system.name!r} has a slope of {largest:.2g}: by its deflection alone its places are off by about"
-                f" {100.0 * error:.2g} %; give tangent=",
                 stacklevel=4,
             )
 

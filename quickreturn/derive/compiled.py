@@ -1,15 +1,16 @@
 """The compiled equations of a system, as functions of numbers in SI units."""
 
+import warnings
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from numbers import Real
-from typing import Any
+from typing import Any, Final
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.derive.checks import check_points, check_slopes, check_units
+from quickreturn.derive.checks import check_points, check_units
 from quickreturn.derive.equations import Equations, Form
 from quickreturn.derive.machine_code import MachineCode
 from quickreturn.derive.system import System, column
@@ -18,6 +19,8 @@ from quickreturn.derive.units import DescriptionError, in_si
 Array = NDArray[np.float64]
 #: Name of a parameter, a coordinate or a rate -> its value.
 Values = Mapping[str, float]
+#: Half the squared slope of a beam given by its deflection that is told. The end of a cantilever is off by that part: 10.5 % at 10.6 %.
+STEEP: Final = 0.1
 
 
 class CompiledEquations:
@@ -101,7 +104,11 @@ class CompiledEquations:
         """Warn of beams that bend too far for their description, in states of which the first entries are the coordinates."""
         n = len(self.system.coordinates)
         at = np.column_stack([self._place(t, y[:n], p) for t, y in zip(times, states, strict=True)])
-        check_slopes(self.system, np.array(self._slopes(at)))
+        for (beam, _), slope in zip(self.system.slopes, np.nan_to_num(np.array(self._slopes(at))).max(axis=1, initial=0.0), strict=True):
+            if (error := 0.5 * slope**2) > STEEP:
+                bent = f"beam {beam!r} of {self.system.name!r} has a slope of {slope:.2g}"
+                told = f"{bent}: by its deflection alone its places are off by about {100.0 * error:.2g} %; give tangent="
+                warnings.warn(told, stacklevel=4)
 
     def jacobian(self, time: float, q: Array, p: Array) -> Array:
         """The Jacobian of the loops by coordinates and time, shape (rows, n + 1)."""
