@@ -5,8 +5,7 @@ command's own text. Results come back through a pipe and this process writes the
 """
 
 import dataclasses
-from collections.abc import Callable, Container, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,13 +32,13 @@ def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quie
     return answers(LocalProcesses(limits=limits, preload=DESCRIBING, quiet=quiet), jobs, title)
 
 
-def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> list[Outcome[T]]:
-    """The answer of each engine to `question(name, *arguments)`; engines in `here` load no library and answer in this process."""
-    jobs = [Job(name, question, (name, *arguments)) for name in engine_names()]
-    with ThreadPoolExecutor(1) as beside:  # while the other processes answer
-        own = {job.name: beside.submit(done, job) for job in jobs if job.name in here}
-        elsewhere = iter(asked([job for job in jobs if job.name not in here], title))
-        return [own[job.name].result() if job.name in here else next(elsewhere) for job in jobs]
+def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> Iterator[Outcome[T]]:
+    """The answer of each engine to `question(name, *arguments)`, as it comes; engines in `here` load no library and answer here."""
+    jobs, elsewhere = [Job(name, question, (name, *arguments)) for name in engine_names()], None
+    for job in jobs:
+        if job.name not in here and elsewhere is None:
+            elsewhere = iter(asked([each for each in jobs if each.name not in here], title))
+        yield done(job) if elsewhere is None or job.name in here else next(elsewhere)
 
 
 def value_of(outcome: Outcome[T]) -> T:

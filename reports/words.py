@@ -116,8 +116,8 @@ def per_unit(unit: str) -> float:
 def quantity(value: float, unit: Unit) -> str:
     """A number in SI units written in a unit, to four figures: "35.70 MPa"."""
     scaled = value / unit.size
-    places = min(6, max(0, 3 - math.floor(math.log10(abs(scaled))))) if scaled else 0
-    return f"{number(scaled, f'.{places}f')}{TIED}{unit.sign}".removesuffix(f"{TIED}1").rstrip()
+    places = max(0, 3 - math.floor(math.log10(abs(scaled)))) if scaled else 0
+    return f"{number(scaled, f'.{places}f' if places <= 6 else '.4g')}{TIED}{unit.sign}".removesuffix(f"{TIED}1").rstrip()
 
 
 def off_by(error: float, value: float) -> str:

@@ -28,7 +28,7 @@ PRELOAD: Final = (
     "quickreturn.engines.own.simulation",
     "quickreturn.reference_model.cycles.periodic",
     "quickreturn.engines.exudyn.simulation",
-    "quickreturn.engines.mujoco.simulation",
+    "mujoco",  # without our module of it, which is compiled at its import
     "quickreturn.cases.runs.steady_state",
 )
 

@@ -66,6 +66,7 @@ class Store:
         self.written = self.lost = 0  # numbers of results that were written, and that could not be
         self.in_pieces: set[str] = set()  # keys of jobs whose pieces other processes store
         self._tell = tell
+        self.is_new = not self.folder.exists()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             self._clear_abandoned()

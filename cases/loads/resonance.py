@@ -72,7 +72,7 @@ class Resonance:
             return f"{nearest} and hardly drives it: {share_words(self.harmonic, share)}"
         speed, change = units.of("rad/s").text(self.resonant_speed), "faster" if self.detuning > 0.0 else "slower"
         known = "" if share is None else f"; {share_words(self.harmonic, share)}"
-        return f"{nearest}; the two meet at {speed}, {100.0 * abs(self.detuning):.2g} % {change}{known}"
+        return f"{nearest}; the two meet at {speed}, {_percent(abs(self.detuning))} % {change}{known}"
 
 
 def resonance(mechanism: Mechanism, mean_speed: float | None = None) -> Resonance | None:
@@ -109,7 +109,12 @@ def share_of(order: int, cycle: Mapping[str, NDArray[np.float64]]) -> float | No
 
 def share_words(order: int, share: float) -> str:
     """What the harmonics about an order make of the tip's acceleration (a clause)."""
-    return f"harmonics {max(1, order - BESIDE)} to {order + BESIDE} make {100.0 * share:.2g} % of the tip's acceleration"
+    return f"harmonics {max(1, order - BESIDE)} to {order + BESIDE} make {_percent(share)} % of the tip's acceleration"
+
+
+def _percent(share: float) -> str:
+    """A share in percent, to two figures and without an exponent."""
+    return f"{100.0 * share:.0f}" if share >= 0.095 else f"{100.0 * share:.2g}"
 
 
 def ordinal(number: int) -> str:

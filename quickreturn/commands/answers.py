@@ -182,7 +182,7 @@ def _answered(jobs: Sequence[Job[T]], title: str, computing: Computing) -> tuple
     # of a foreign engine the version and code, which the key contains, would load its library here
     jobs = [replace(job, lasts=None) if any(map(is_foreign, job.engines)) else job for job in jobs]
     store = opened_store(console.tell) if computing.store and any(job.lasts for job in jobs) else None
-    console.call().store = store
+    console.keep_in(store)
     executor = LocalProcesses(limits=computing.limits, preload=fork_server.COMPUTING, quiet=computing.quiet)
     outcomes = outcomes_of(jobs, title, executor, store)
     if store is not None and (known := [outcome.job.name for outcome in outcomes if outcome.stored]):

@@ -34,12 +34,11 @@ ENDING: Final = ".toml"
 
 
 def document_of(loaded: Case) -> dict[str, Any]:
-    """The scene in SI units, what follows from it, and the model that each engine builds."""
+    """The scene in SI units, and what follows from it."""
     return {name: getattr(loaded, name) for name in ("name", "title", "tags", "source", "notes")} | {
         "scene": loaded.values,
         "derived": _derived(loaded),
         "units": {section: {name: found.unit for name, found in keys.items()} for section, keys in SECTIONS.items()},
-        "engines": _models(loaded.scene),
     }
 
 
@@ -63,17 +62,15 @@ def _derived(case: Case) -> dict[str, dict[str, Any]]:
     return {name: {"value": value, "unit": unit, "meaning": meaning} for name, (value, unit, meaning) in found.items()}
 
 
-def _models(scene: Scene) -> list[dict[str, Any]]:
-    """What each engine builds, or in "refused" the reason why it does not."""
-    found = []
+def models(scene: Scene) -> Iterator[dict[str, Any]]:
+    """What each engine builds, as it comes, or in "refused" the reason why it does not."""
     for outcome in asked_of_all(model, (scene,), "models", LIGHT - {"exudyn"}):
         built = vars(outcome.value) if outcome.value else {}
-        found.append({"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built})
-    return found
+        yield {"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built}
 
 
 def print_document(document: dict[str, Any], case: Case) -> None:
-    """Print the document of a case, which may have lines of `resonances`, in the case's units."""
+    """Print the document of a case, which may have lines of `resonances`, in the case's units; then what engines build, as it comes."""
     click.echo(f"{document['name']}: {document['title']}")
     for note in document["notes"]:
         click.echo(f"note: {note}")
@@ -85,7 +82,7 @@ def print_document(document: dict[str, Any], case: Case) -> None:
     print_table([(f"  {name}", *_texts(of["value"], case.units.of(of["unit"])), of["meaning"]) for name, of in derived])
     for line in ("", *document["resonance_curve"]) if "resonance_curve" in document else ():
         click.echo(line)
-    for built in document["engines"]:
+    for built in models(case.scene):
         if built["refused"]:
             click.echo(f"\n{built['engine']}: {built['refused']}")
             continue

@@ -65,7 +65,7 @@ def show(
 
         click.echo("\n\n".join(for_other_tools(case, shlex.join(options.given_as(case, overrides))) for case in loaded))
         return
-    from quickreturn.commands.case_document import document_of, print_document, resonances
+    from quickreturn.commands.case_document import document_of, models, print_document, resonances
 
     around: list[dict[str, list[str]]] = [{}] * len(loaded)
     if resonance:
@@ -73,6 +73,7 @@ def show(
             around = resonances(loaded, workshop)
     documents = [document_of(case) | more for case, more in zip(loaded, around, strict=True)]
     if as_json:
+        documents = [document | {"engines": [*models(case.scene)]} for case, document in zip(loaded, documents, strict=True)]
         print_json(documents[0] if len(documents) == 1 else documents)
         return
     for number, (case, document) in enumerate(zip(loaded, documents, strict=True)):

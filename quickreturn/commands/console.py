@@ -26,11 +26,12 @@ class ExitCode(IntEnum):
 
 @dataclass
 class Call:
-    """The present call: whether progress is not reported, the set of units for people, the store of its results once that is open."""
+    """The present call: whether progress is not reported, units for people, the store once it is open, whether compiling was told."""
 
     quiet: bool = False
     units: str | None = None
     store: "Store | None" = None
+    told_of_compiling: bool = False
 
     @property
     def lost(self) -> bool:
@@ -53,6 +54,13 @@ def begin(what: str) -> None:
     if not call().quiet:
         with contextlib.suppress(OSError):  # nobody listens
             click.echo(f"  {what}", err=True)
+
+
+def keep_in(store: "Store | None") -> None:
+    """Note the store of the present call; a new folder is announced, and how to choose another."""
+    call().store = store
+    if store is not None and store.is_new:
+        begin(f"results are kept in the new folder {store.folder.resolve()}; QUICKRETURN_STORE names another one")
 
 
 def tell(sentence: str) -> None:

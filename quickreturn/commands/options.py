@@ -16,6 +16,7 @@ from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_n
 from quickreturn.commands import console
 from quickreturn.computing import Computing
 from quickreturn.engines.settings import ANY_ENGINE
+from quickreturn.reference_model.native import cache_folder
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
@@ -239,10 +240,19 @@ def load(case: str, overrides: dict[str, str], duration: float | None = None, ou
             given = f"{_option(key)} ({seconds:g} s) and --set simulation.{key}={as_written(overrides[f'simulation.{key}'])}"
             raise click.UsageError(f"{given} are both given; give one of them")
     loaded = in_units(load_case(case, overrides))
+    _tell_of_compiling()  # before the slow imports of a command
     try:
         return with_times(loaded, duration, output_step)
     except CaseError as wrong:
         raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
+
+
+def _tell_of_compiling() -> None:
+    """Say, once in a call, that an engine's first run compiles, if no compiled code is kept yet."""
+    present = console.call()
+    if not present.told_of_compiling and (sentence := cache_folder.notice_if_none()):
+        present.told_of_compiling = True
+        console.begin(sentence)
 
 
 def in_units(case: "Case") -> "Case":
@@ -315,7 +325,8 @@ class Announced(Computing):
         from quickreturn.cases.jobs import fork_server
 
         with super().opened(cases, engines) as workshop:
-            console.call().store = workshop.store
+            console.keep_in(workshop.store)
+            _tell_of_compiling()
             if cases and self.cluster is None:
                 fork_server.get_ready(fork_server.PRELOAD)
             tell_doubts(cases)

@@ -41,6 +41,13 @@ def choose_cache_folder() -> None:
     os.environ[VARIABLE] = temporary
 
 
+def notice_if_none() -> str:
+    """A sentence that the first run of an engine compiles, if no compiled code is kept yet; "" otherwise."""
+    if any(Path(os.environ.get(VARIABLE, "")).glob("*.object")):
+        return ""
+    return "no compiled code is kept yet: an engine's first run begins with compiling, once for this machine, up to two minutes"
+
+
 def warning_if_not_kept() -> str:
     """A sentence that compiled code is not kept, and what to do about it; "" if it is kept."""
     if _TEMPORARY not in os.environ.get(VARIABLE, ""):

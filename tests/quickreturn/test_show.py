@@ -3,11 +3,14 @@
 import json
 import math
 import re
+from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from quickreturn.cases.sweep.rows import Row
+from quickreturn.command_line import main
 from quickreturn.commands.case_document import _stability
 from quickreturn.commands.console import ExitCode
 from tests.quickreturn.conftest import Call
@@ -44,6 +47,37 @@ def test_a_length_in_metres_in_place_of_millimetres_is_said(call: Call) -> None:
     answer = call("show", "hard-shaper-steel", "--set", "follower.length=602.7 m")
     assert answer.code == 0
     assert "follower.length is 602.7 m" in answer.output
+
+
+def test_the_scene_stands_there_before_an_engine_has_answered(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Engines may take a minute of compiling on a new machine; each is shown as it comes."""
+    seen = []
+
+    def slow(*_: object) -> Iterator[dict[str, object]]:
+        for engine in ("one", "two"):
+            seen.append(capfd.readouterr().out)
+            yield {"engine": engine, "refused": "as told"}
+
+    monkeypatch.setattr("quickreturn.commands.case_document.models", slow)
+    assert main(("--quiet", "show", "thesis-24")) == ExitCode.GOOD
+    assert "pivot_distance" in seen[0]
+    assert "what follows" in seen[0]
+    assert seen[1] == "\none: as told\n"
+
+
+def test_a_command_on_a_machine_without_compiled_code_says_at_once_that_it_compiles(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Before its imports and its first job; with code in the folder it says nothing, nor with --quiet."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr("quickreturn.commands.case_document.models", lambda scene: iter(()))
+    told = []
+    for arguments in (("show", "thesis-24"), ("--quiet", "show", "thesis-24")):
+        assert main(arguments) == ExitCode.GOOD
+        told.append(capfd.readouterr().err)
+    (tmp_path / "kernel.object").touch()
+    assert main(("show", "thesis-24")) == ExitCode.GOOD
+    assert ["compiling, once for this machine" in each for each in (*told, capfd.readouterr().err)] == [True, False, False]
 
 
 def test_how_far_the_speed_is_from_a_resonance(call: Call) -> None:
