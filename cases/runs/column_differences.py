@@ -76,8 +76,8 @@ def column_differences(run: Run, other: Run) -> dict[str, float]:
 
 def places(run: Run, other: Run) -> dict[str, float]:
     """Column -> crank angle, deg from 0 to 360, at which a table differs most from an engine."""
-    ends = other.cycle["crank_angle"][[0, -1]]
-    angles = np.degrees(np.linspace(*ends, GRID, endpoint=False)) % 360.0
+    first, last = other.cycle["crank_angle"][[0, -1]]
+    angles = np.degrees(np.linspace(first, last, GRID, endpoint=False)) % 360.0
     return {name: float(angles[np.argmax(np.abs(recorded - expected))]) for name, (recorded, expected) in _on_grid(run, other).items()}
 
 

@@ -38,7 +38,7 @@ CANDIDATES: Final = (
 EXPLAINED: Final = 0.01
 #: Part of the difference up to which quantities explain most of it.
 MOSTLY: Final = 0.15
-#: Largest ratio of what a quantity leaves to what the best one leaves, for both to be told.
+#: Largest ratio of what a quantity leaves to what the best one leaves, for both to be told; two together leave as much less.
 AS_GOOD: Final = 2.0
 FITTED_ALONE: Final = 3  # quantities that are fitted alone: the best by a linear fit
 BEGUN_FROM: Final = 2  # of these, the best by their fits, with which others are tried together
@@ -125,15 +125,17 @@ class _Leads:
         alone = sorted((self._fitted((place,), begin) for place in self._best(begin, first_rows, ())[:FITTED_ALONE]), key=_left)
         if alone[0].left > enough and not self.model.begins:
             alone = sorted((self._fitted((place,), at) for place, at in self._scanned(begin)[:FITTED_ALONE]), key=_left)
-        if alone[0].left <= enough:
-            return tuple(self._lead(each, difference) for each in alone if each.left <= min(enough, AS_GOOD * alone[0].left))
         pairs = []
-        for one in alone[:BEGUN_FROM] if self.model.begins else ():
+        for one in alone[:BEGUN_FROM] if self.model.begins and alone[0].left > EXPLAINED else ():
             at = begin.copy()
             at[list(one.places)] = one.at
             pairs += [self._fitted((*one.places, place), at) for place in self._best(at, rows, one.places)[:PARTNERS]]
         together = min(pairs, key=_left, default=None)
-        return (self._lead(together, difference),) if together and together.left <= EXPLAINED else ()
+        if together and together.left <= min(EXPLAINED, alone[0].left / AS_GOOD):
+            return (self._lead(together, difference),)
+        if alone[0].left > enough:
+            return ()
+        return tuple(self._lead(each, difference) for each in alone if each.left <= min(enough, AS_GOOD * alone[0].left))
 
     def _scanned(self, begin: Array) -> list[tuple[int, Array]]:
         """Places of quantities with coordinates of all from which to fit them, the best first.

@@ -107,3 +107,24 @@ def test_compare_leads_on_to_a_calibration(tmp_path: Path, monkeypatch: pytest.M
     assert told.startswith("follower.bending_stiffness of about 4.59 N*m^2 in place of 6.11 N*m^2 would explain the difference")
     assert f"`quickreturn calibrate thesis-24 {path} --free follower.bending_stiffness` fits that" in told
     assert told in repr(compared)
+
+
+def test_width_and_thickness_exchanged_are_told_as_that_and_not_as_a_factor() -> None:
+    """The gauges see the other side of the section; the stiffness is given by itself."""
+    follower = load_case("thesis-24").mechanism.follower
+    table = made({"follower.thickness": follower.width / follower.thickness, "follower.width": follower.thickness / follower.width})
+    (lead,) = leads(load_case("thesis-24"), table)
+    assert lead.keys == ("follower.thickness", "follower.width")
+    assert lead.values == pytest.approx((follower.width, follower.thickness))
+    assert lead.left < EXPLAINED
+
+
+@pytest.mark.parametrize("factor", [pytest.param(0.87, marks=pytest.mark.verify), 0.94])
+def test_a_softer_arm_is_found_in_a_steady_table(factor: float) -> None:
+    """0.87 is too far for the phases of a steady table to agree: the search begins at several values."""
+    scene, chosen = load_case("thesis-20").mechanism, engine("reference")
+    softer = changed(scene, {"follower.bending_stiffness": factor * scene.follower.bending_stiffness})
+    run = run_once(chosen, softer, standard_start(softer), 14.0, 2e-3, chosen.settings_for(1e-3, softer)).trajectory
+    names = ("time", "crank_angle", "tip_acceleration", "strain_1", "strain_2", "strain_3")
+    found = named(table_of({name: run[name][run["time"] >= 12.0] for name in names}, "table"), "thesis-20")
+    assert found["follower.bending_stiffness"] == pytest.approx(factor, rel=0.01)
