@@ -50,8 +50,8 @@ def columns_used(shown: str, written: Dialect, mapping: ColumnMapping) -> tuple[
     for number in range(written.width):
         heading = str(number + 1) if headings is None else headings[number]
         name, unit = name_and_unit(shown, written.place, heading, "time [s]") if headings is not None else (heading, None)
-        key = next((each for each in (heading, name, str(number + 1)) if each in targets), None)
-        target = own_name(shown, written.place, heading, headings) if key is None and headings is not None else targets.pop(key or "", None)
+        given = [targets.pop(each) for each in [*targets] if each in (heading, name, str(number + 1))]  # an option after the file
+        target = given[-1] if given else own_name(shown, written.place, heading, headings) if headings is not None else None
         if target is None or target.column == IGNORED:
             (ignored if target is not None or headings is None or not _is_misspelt(name, heading, unit) else unknown).append(
                 heading or f"column {number + 1}"

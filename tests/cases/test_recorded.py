@@ -375,3 +375,10 @@ def test_a_straight_line_is_taken_off(tmp_path: Path, text: str, offset: float, 
     path.write_text("time [ms],gauge\n" + "\n".join(",".join(map(repr, row)) for row in rows.tolist()))
     table = read_table(path, [f"gauge = 2 * strain_1 [microstrain] {text}"])
     assert table.columns["strain_1"] == pytest.approx(1e-6 * right, abs=1e-15)
+
+
+def test_an_option_takes_the_place_of_the_mapping_beside_the_table(tmp_path: Path) -> None:
+    path = tmp_path / "rig.csv"
+    path.write_text("time [s],phi [deg]\n0,180\n1,190\n")
+    path.with_suffix(".toml").write_text('[columns]\n"phi [deg]" = "-"\n')
+    assert read_table(path, ["phi = crank_angle [deg]"]).columns["crank_angle"] == pytest.approx(np.radians([180.0, 190.0]))
