@@ -118,7 +118,7 @@ def mean_crank_speed(mechanism: Mechanism) -> float:
     if not isinstance(drive, TorqueDrive) or drive.torque == 0.0:
         return drive.initial_speed
     way, at = math.copysign(1.0, drive.torque), np.arange(TURN_ANGLES)
-    angle, apart = way * 2.0 * math.pi / TURN_ANGLES * at, np.subtract.outer(at, at)
+    angle, apart = np.asarray(way * 2.0 * math.pi / TURN_ANGLES * at, dtype=np.float64), np.subtract.outer(at, at)
     slope = 0.5 * (-1.0) ** apart / np.sin(np.pi * apart / TURN_ANGLES + (apart == 0)) * (apart != 0)  # of a trigonometric polynomial
 
     def excess(speed: Array, acceleration: Array) -> Array:
