@@ -5,7 +5,7 @@ Each is a job: it comes from the store if it is there, and is computed like all 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from quickreturn.cases.jobs.job import Job, Outcome
 from quickreturn.cases.jobs.records import can_be_stored
@@ -19,7 +19,6 @@ from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import what_moves_nothing
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
@@ -105,14 +104,6 @@ class Frequencies:
     version: str  # of the engine
     settings: dict[str, Any]
     values: list[list[float]]
-
-    witnesses: ClassVar[Witnesses] = {
-        "values": Witness(
-            "roots of the transcendental determinant of the overhung beam",
-            1e-9,
-            "tests/reference_model/test_natural_modes.py::test_frequencies_are_roots_of_the_transcendental_determinant",
-        )
-    }
 
 
 def frequencies_job(

@@ -11,7 +11,7 @@ engine that converges to a wrong model is found by comparison with other engines
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 from quickreturn.engines import progress
 from quickreturn.engines.base import (
@@ -40,7 +40,6 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.mechanism import Scene
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 #: Assumed time of the next run over that of the longest so far: half the step and twice the elements. It is not begun if less time is left.
 LONGER: Final = 4.0
@@ -99,30 +98,6 @@ class Result:
     estimate_seconds: float
     description: ModelDescription
     runs: Mapping[Settings, CompletedRun] = field(default_factory=dict, repr=False)
-
-    witnesses: ClassVar[Witnesses] = {
-        **dict.fromkeys(
-            ("error_estimate", "error_estimates", "error_parts"),
-            Witness(
-                "solutions that another engine confirms: claims that do not hold",
-                0.05,
-                "tests/verification/test_accuracy_campaign.py::test_claims_hold",
-            ),
-        ),
-        "largest_errors": Witness(
-            "largest stresses of `mujoco` and `exudyn`: differences beyond the claims",
-            0.0,
-            "tests/verification/test_stress.py::test_the_largest_stress_of_three_engines_is_within_their_claims",
-        ),
-        **dict.fromkeys(
-            ("setup_seconds", "solve_seconds", "compile_seconds", "estimate_seconds"),
-            Witness(
-                "the clock of the caller: no part takes longer than the call",
-                0.0,
-                "tests/engines/test_accurate.py::test_no_part_of_a_call_takes_longer_than_the_call",
-            ),
-        ),
-    }
 
     @property
     def delivered(self) -> Settings:

@@ -17,15 +17,12 @@ no mass here, only an inertia, so that its own weight is not in the force at P.
 """
 
 from dataclasses import dataclass
-from functools import partial
 from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-
-from quickreturn.reference_model.witnesses import Witness
 
 Array = NDArray[np.float64]
 #: Rows (k,) of `ROW`.
@@ -38,7 +35,6 @@ class Observable:
 
     unit: str  # SI
     meaning: str  # in words
-    witness: Witness  # confirms it
     required: bool = False  # whether every engine delivers it
     of_slider: bool = False  # whether it means nothing without crank and slider
     recorded: bool = True  # whether it is in the rows that compiled models fill
@@ -47,118 +43,62 @@ class Observable:
 #: Number of interior places of the centre line at which the deflection is given.
 PLACES: Final = 11
 
-#: The three engines have equations, coordinates and formulas of the columns of their own; the difference is relative to the RMS.
-_ENGINES: Final = partial(
-    Witness,
-    "`mujoco` and `exudyn` beside `reference` in four scenes",
-    test="tests/verification/test_witnesses.py::test_engines_with_files_of_their_own_confirm_every_column",
-)
-
-#: The same where base and tip are heavy. In run 24 they ask for a thousandth of the arm's moment, which ringing of Exudyn's cable hides.
-_HEAVY_ENDS: Final = Witness(
-    "`mujoco` and `exudyn` beside `reference` with a heavy base and a heavy tip",
-    3e-3,
-    "tests/engines/test_end_moments.py::test_three_engines_ask_for_the_same_moments_at_the_ends",
-)
-
-_SPRING: Final = Witness(
-    "`mujoco`, `exudyn` and `derived` beside `reference` with a spring",
-    1e-3,
-    "tests/engines/test_spring.py::test_engines_agree_about_a_spring_within_what_they_claim",
-)
-
 #: Name -> column, in the order of tables: those that every engine delivers first.
 COLUMNS: Final = MappingProxyType(
     {
-        "time": Observable(
-            "s",
-            "since the start",
-            Witness("the grid that is asked for", 0.0, "tests/properties/test_output.py::test_the_output_step_does_not_show"),
-            required=True,
-            recorded=False,
-        ),
-        "crank_angle": Observable("rad", "q1, counter-clockwise from n1, continuous", _ENGINES(5e-8), required=True, of_slider=True),
-        "crank_speed": Observable("rad/s", "of the crank", _ENGINES(2e-7), required=True, of_slider=True),
+        "time": Observable("s", "since the start", required=True, recorded=False),
+        "crank_angle": Observable("rad", "q1, counter-clockwise from n1, continuous", required=True, of_slider=True),
+        "crank_speed": Observable("rad/s", "of the crank", required=True, of_slider=True),
         "follower_angle": Observable(
-            "rad", "q2, tangent at the base, continuous; with the crank at 180 deg it is near 180 deg", _ENGINES(1e-6), required=True
+            "rad", "q2, tangent at the base, continuous; with the crank at 180 deg it is near 180 deg", required=True
         ),
-        "slider_position": Observable("m", "arc length s of the slider from P", _ENGINES(2e-7), required=True, of_slider=True),
-        "tip_x": Observable("m", "place of x = L from O along n1", _ENGINES(1e-6), required=True),
-        "tip_y": Observable("m", "place of x = L from O along n2", _ENGINES(5e-6), required=True),
-        "tip_deflection": Observable("m", "distance of x = L from the base tangent, along b2", _ENGINES(1.5e-4), required=True),
-        "tip_acceleration": Observable(
-            "m/s^2",
-            "absolute acceleration of x = L along the beam's normal there",
-            _ENGINES(9e-3),  # the pivot's friction excites more modes than `reference` has: 1.3e-3 without it
-            required=True,
-        ),
+        "slider_position": Observable("m", "arc length s of the slider from P", required=True, of_slider=True),
+        "tip_x": Observable("m", "place of x = L from O along n1", required=True),
+        "tip_y": Observable("m", "place of x = L from O along n2", required=True),
+        "tip_deflection": Observable("m", "distance of x = L from the base tangent, along b2", required=True),
+        "tip_acceleration": Observable("m/s^2", "absolute acceleration of x = L along the beam's normal there", required=True),
         "strain_1": Observable(
             "1",
             "surface strain at the first gauge: curvature x its distance from the axis of bending, positive where W'' > 0",
-            _ENGINES(3e-4),
             required=True,
         ),
-        "strain_2": Observable("1", "at the second gauge", _ENGINES(2e-4), required=True),
-        "strain_3": Observable("1", "at the third gauge", _ENGINES(2e-4), required=True),
+        "strain_2": Observable("1", "at the second gauge", required=True),
+        "strain_3": Observable("1", "at the third gauge", required=True),
         "slider_force": Observable(
-            "N",
-            "normal force on the follower at the slider, positive along the normal n = (-W', ...)",
-            _ENGINES(3e-3),
-            required=True,
-            of_slider=True,
+            "N", "normal force on the follower at the slider, positive along the normal n = (-W', ...)", required=True, of_slider=True
         ),
-        "crank_torque": Observable(
-            "N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", _ENGINES(5e-3), of_slider=True
-        ),
-        "kinetic_energy": Observable("J", "all bodies", _ENGINES(2e-7)),
-        "strain_energy": Observable("J", "follower (and joint spring, and spring with its stops)", _ENGINES(1.5e-4)),
-        "dissipated_energy": Observable("J", "by all dampings since the start", _ENGINES(1e-4)),
-        "constraint_gap": Observable("m", "distance of the slider from the centre line", _ENGINES(3e-4), of_slider=True),
-        "gravity_energy": Observable("J", "potential energy of gravity, all bodies, zero at the height of O", _ENGINES(3e-7)),
-        "drive_work": Observable("J", "work of the drive torque and of the force on the tip since the start", _ENGINES(2e-5)),
-        "base_torque": Observable(
-            "N m",
-            "torque that turns the base as prescribed",
-            Witness(
-                "deflections in cubic elements beside the tangent angle in modes",
-                1e-5,
-                "tests/reference_model/test_follower_alone.py::test_two_formulations_agree",
-            ),
-            recorded=False,
-        ),
-        "axial_stretch": Observable(
-            "m",
-            "length of the centre line less that of the undeformed follower",
-            Witness(
-                "the closed form of a spinning rod",
-                1e-3,
-                "tests/verification/test_literature.py::test_every_engine_meets_theory_and_print_in_the_manoeuvre",
-            ),
-            recorded=False,
-        ),
+        "crank_torque": Observable("N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", of_slider=True),
+        "kinetic_energy": Observable("J", "all bodies"),
+        "strain_energy": Observable("J", "follower (and joint spring, and spring with its stops)"),
+        "dissipated_energy": Observable("J", "by all dampings since the start"),
+        "constraint_gap": Observable("m", "distance of the slider from the centre line", of_slider=True),
+        "gravity_energy": Observable("J", "potential energy of gravity, all bodies, zero at the height of O"),
+        "drive_work": Observable("J", "work of the drive torque and of the force on the tip since the start"),
+        "base_torque": Observable("N m", "torque that turns the base as prescribed", recorded=False),
+        "axial_stretch": Observable("m", "length of the centre line less that of the undeformed follower", recorded=False),
         **{
-            f"shape_{k:02d}": Observable("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2", _ENGINES(7e-3))
+            f"shape_{k:02d}": Observable("m", f"distance of x = {k}/{PLACES + 1} L from the base tangent, along b2")
             for k in range(1, PLACES + 1)
         },
         **{
-            f"moment_{k:02d}": Observable("N m", f"bending moment at x = {k}/{PLACES + 1} L, positive where W'' > 0", _ENGINES(1e-3))
+            f"moment_{k:02d}": Observable("N m", f"bending moment at x = {k}/{PLACES + 1} L, positive where W'' > 0")
             for k in range(1, PLACES + 1)
         },
-        "moment_slider": Observable("N m", "bending moment at the slider, on its outboard side", _ENGINES(3e-4), of_slider=True),
-        "moment_inboard": Observable("N m", "the same on its inboard side", _ENGINES(3e-4), of_slider=True),
-        "moment_base": Observable("N m", "bending moment at the base, x = 0", _HEAVY_ENDS),
-        "moment_tip": Observable("N m", "bending moment at the flexible end, x = L", _HEAVY_ENDS),
-        "axial_base": Observable("N", "normal force in the arm at the base, x = 0, positive where it pulls", _ENGINES(1.5e-3)),
-        "axial_inboard": Observable("N", "the same at the slider, on its inboard side", _ENGINES(1.5e-3), of_slider=True),
-        "axial_slider": Observable("N", "the same on its outboard side", _ENGINES(1.5e-3), of_slider=True),
-        "axial_tip": Observable("N", "the same at the flexible end, x = L", _ENGINES(1.5e-3)),
-        "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1", _ENGINES(2e-3)),
-        "pivot_force_y": Observable("N", "the same along n2", _ENGINES(6e-3)),
-        "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", _ENGINES(5e-5), of_slider=True),
-        "crank_force_y": Observable("N", "the same along n2", _ENGINES(1e-4), of_slider=True),
-        "follower_rate": Observable("rad/s", "rate of `follower_angle`", _ENGINES(6e-4)),
-        "follower_acceleration": Observable("rad/s^2", "rate of `follower_rate`", _HEAVY_ENDS),
-        "spring_force": Observable("N", "force of the spring with its damper and stops, positive where it pulls", _SPRING),
+        "moment_slider": Observable("N m", "bending moment at the slider, on its outboard side", of_slider=True),
+        "moment_inboard": Observable("N m", "the same on its inboard side", of_slider=True),
+        "moment_base": Observable("N m", "bending moment at the base, x = 0"),
+        "moment_tip": Observable("N m", "bending moment at the flexible end, x = L"),
+        "axial_base": Observable("N", "normal force in the arm at the base, x = 0, positive where it pulls"),
+        "axial_inboard": Observable("N", "the same at the slider, on its inboard side", of_slider=True),
+        "axial_slider": Observable("N", "the same on its outboard side", of_slider=True),
+        "axial_tip": Observable("N", "the same at the flexible end, x = L"),
+        "pivot_force_x": Observable("N", "force of the bearing P on the follower's base, along n1"),
+        "pivot_force_y": Observable("N", "the same along n2"),
+        "crank_force_x": Observable("N", "force of the bearing O on the crank, along n1", of_slider=True),
+        "crank_force_y": Observable("N", "the same along n2", of_slider=True),
+        "follower_rate": Observable("rad/s", "rate of `follower_angle`"),
+        "follower_acceleration": Observable("rad/s^2", "rate of `follower_rate`"),
+        "spring_force": Observable("N", "force of the spring with its damper and stops, positive where it pulls"),
     }
 )
 SHAPE: Final = tuple(name for name in COLUMNS if name.startswith("shape_"))

@@ -35,7 +35,6 @@ ONLY_TALK: Final = (
     "quickreturn.cases.shown",
     "quickreturn.cases.whole_file",
     "quickreturn.engines.progress",
-    "quickreturn.reference_model.witnesses",
 )
 
 #: Libraries that compute; an engine's own library is named by `Engine.version`.

@@ -12,14 +12,13 @@ does not count. (Budynas and Nisbett, Shigley's Mechanical Engineering Design, 1
 """
 
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.measures.number import Number
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
@@ -36,14 +35,6 @@ class Fatigue:
     amplitude: float  # half of the range of the stress beside the notch in a turn, Pa
     mean: float  # mean of its extremes, Pa; tension is positive
     ranges: tuple[float, ...]  # of the cycles counted there in a turn, Pa, the largest first
-
-    witnesses: ClassVar[Witnesses] = {
-        **dict.fromkeys(
-            ("equivalent", "notch_factor", "amplitude", "mean"),
-            Witness("Goodman's line by hand", 1e-9, "tests/cases/test_fatigue.py::test_the_factor_is_that_of_goodmans_line"),
-        ),
-        "ranges": Witness("the example of ASTM E1049", 0.0, "tests/cases/test_fatigue.py::test_cycles_are_those_of_the_standard"),
-    }
 
 
 def goodman_ratio(follower: Follower) -> float:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_angles
 from quickreturn.reference_model.rigid import mean_crank_speed
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
     from quickreturn.cases.shown import Units
@@ -39,11 +38,6 @@ class Resonance:
     first_mode: float  # mean over the turn of the first frequency with the crank held, Hz
     lowest: float  # least of these frequencies, Hz
     crank: float  # turns of the crank per second, Hz
-
-    witnesses: ClassVar[Witnesses] = dict.fromkeys(
-        ("first_mode", "lowest", "crank"),
-        Witness("the textbook's pinned beam", 1e-6, "tests/cases/test_loads.py::test_resonance_of_a_uniform_beam_is_that_of_the_textbook"),
-    )
 
     @property
     def ratio(self) -> float:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Scene
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
@@ -43,18 +42,6 @@ class Factor:
     lowest: float | None  # of the largest stress that the claim allows
     highest: float | None  # of the least one; infinite where that is zero
     error: float | None  # of the stress, as a part of it
-
-    witnesses: ClassVar[Witnesses] = {
-        "value": Witness("the closed form of a rigid arm", 1e-6, "tests/cases/test_loads.py::test_forces_and_safety"),
-        **dict.fromkeys(
-            ("lowest", "highest", "error"),
-            Witness(
-                "intervals inverted by hand",
-                1e-6,
-                "tests/cases/test_loads.py::test_the_interval_of_a_factor_is_that_of_the_stress_inverted",
-            ),
-        ),
-    }
 
     @property
     def judged(self) -> bool:
@@ -89,11 +76,6 @@ class ArmStress:
     places: Array  # arc lengths from P, m, shape (places,)
     lowest: Array  # least stress at each place over the rows, shape (places,), at the surface that is longer where W'' > 0
     highest: Array  # greatest stress, likewise
-
-    witnesses: ClassVar[Witnesses] = dict.fromkeys(
-        ("axial", "mean", "places", "lowest", "highest"),
-        Witness("the closed form of a rigid arm", 0.02, "tests/cases/test_loads.py::test_largest_stress_and_amplitude_of_a_rigid_arm"),
-    )
 
 
 def section_modulus(follower: Follower) -> float:

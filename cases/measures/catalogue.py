@@ -1,4 +1,4 @@
-"""The catalogue of measures of a settled motion: name, unit, meaning, witness, and the number with its error.
+"""The catalogue of measures of a settled motion: name, unit, meaning, and the number with its error.
 
 `run` with its JSON document and the page's tables, `sweep`, and the resonance curve take their measures from here.
 """
@@ -19,32 +19,17 @@ from quickreturn.cases.loads import Claimed, Factor, Loads, drive, loads_of
 from quickreturn.cases.loads.drive import Turn
 from quickreturn.cases.loads.peak import of_vector
 from quickreturn.cases.loads.stress import ArmStress
-from quickreturn.cases.measures.cycle import AMPLITUDE, FREQUENCY, HALVES
+from quickreturn.cases.measures.cycle import HALVES
 from quickreturn.cases.measures.extremes import extremes
 from quickreturn.cases.measures.number import NO_NUMBER, Number
-from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, TableColumn, by_spacing, harmonic_parts, mean_speed, rms_over_time
+from quickreturn.cases.measures.of_turn import OF_TURN, OfTurn, TableColumn, by_spacing, harmonic_parts, mean_speed, rms_over_time
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.estimates import NUMBER, TIME
 from quickreturn.cases.runs.request import PeriodicOrbit, Run
-from quickreturn.engines.accurate import Result
 from quickreturn.reference_model.columns import AXIAL, COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.witnesses import Witness
 
 ARGUMENT: Final = Argument("measures")
-
-_TESTS: Final = "tests/verification/test_witnesses.py::test_"
-_GAUGES: Final = partial(
-    Witness, "strain gauges of `mujoco` at the place", test=f"{_TESTS}gauges_of_a_link_chain_confirm_the_stress_along_the_arm"
-)
-_MARCHES: Final = partial(
-    Witness, "the decay of disturbances in `mujoco`", test=f"{_TESTS}disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier"
-)
-
-#: Stress at the place that is worst for fatigue, and safety factors.
-_BY_HAND: Final = Witness(
-    "Goodman's line by hand on a rigid arm", 2e-3, "tests/cases/test_fatigue.py::test_the_factor_is_that_of_goodmans_line"
-)
 
 #: Meaning of the measure `multiplier`.
 MULTIPLIER: Final = "largest modulus of the Floquet multipliers of crank speed and the two lowest modes (higher modes may ring longer)"
@@ -98,7 +83,6 @@ class Measure:
     unit: str  # SI
     meaning: str  # in words
     of: Callable[[SettledMotion], Number]  # computes it; `NO_NUMBER` where the motion has none
-    witness: Witness  # confirms it
     columns: tuple[str, ...] = ()  # columns of the cycle that it needs
     vibration: bool = False  # whether the first mode must be fitted for it, which takes longest
     multipliers: bool = False  # whether it needs the multiplier of the whole model, which takes some more turns
@@ -130,11 +114,8 @@ def of_columns(name: str, unit: str) -> Iterator[Measure]:
         ("max", f"greatest value of {name} in a turn", partial(_extreme, 1)),
         ("rms", f"root mean square of {name} over a turn", _rms),
     )
-    # run 24's bodies at the ends are light: the moment at the tip is 3e-4 of that in the arm, the base follows its fast vibrations; both
-    # differ more in their own size
-    witness = PLAIN(3e-3 if name in ("moment_tip", "follower_acceleration") else 5e-4)
     for kind, meaning, of in kinds:
-        yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), witness, (name,), size=kind in ("peak", "rms"))
+        yield Measure(f"{kind}.{name}", unit, meaning, partial(_where_given, name, of), (name,), size=kind in ("peak", "rms"))
 
 
 def _where_given(column: str, of: Callable[[str, SettledMotion], Number], motion: SettledMotion) -> Number:
@@ -276,22 +257,16 @@ def _declared() -> Iterator[Measure]:
             yield from of_columns(name, column.unit)
     for name, where in (("pivot_force", "P"), ("crank_force", "O")):
         yield Measure(
-            f"peak.{name}",
-            "N",
-            f"largest force of the bearing {where}",
-            partial(_bearing, name),
-            PLAIN(5e-4),
-            (f"{name}_x", f"{name}_y"),
-            size=True,
+            f"peak.{name}", "N", f"largest force of the bearing {where}", partial(_bearing, name), (f"{name}_x", f"{name}_y"), size=True
         )
     stresses: tuple[tuple[str, str, Callable[[ArmStress], Number]], ...] = (
         ("peak", "largest stress along the arm, by bending and the normal force", lambda stress: stress.largest),
         ("amplitude", "half the range of the stress in a turn, where that is largest", lambda stress: stress.amplitude),
     )
     for name, meaning, of in stresses:
-        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, of), _GAUGES(5e-4), tuple(COLUMNS), size=True)
+        yield Measure(f"{name}.stress", "Pa", meaning, partial(_stress, of), tuple(COLUMNS), size=True)
     meaning = "largest magnitude of the stress along the arm by the normal force alone"
-    yield Measure("peak.axial_stress", "Pa", meaning, _axial_stress, PLAIN(5e-4), AXIAL, size=True)
+    yield Measure("peak.axial_stress", "Pa", meaning, _axial_stress, AXIAL, size=True)
     of_fatigue: tuple[tuple[str, str, str, Callable[[SettledMotion], Number]], ...] = (
         (
             *("equivalent.stress", "Pa", "amplitude of the fully reversed stress that is as bad as the worst cycle, with notches and mean"),
@@ -305,34 +280,31 @@ def _declared() -> Iterator[Measure]:
         ("factor.fatigue", "1", "fatigue strength over the equivalent stress", partial(_factor, "fatigue_factor")),
     )
     for name, unit, meaning, taken in of_fatigue:
-        yield Measure(name, unit, meaning, taken, _BY_HAND, tuple(COLUMNS), of_material=True)
+        yield Measure(name, unit, meaning, taken, tuple(COLUMNS), of_material=True)
     for half in HALVES:
         meaning = f"frequency of the first mode, {half}-return, over all channels"
         in_tables = TableColumn(f"f₁ {half}", ".2f", in_terminal=".3f")
-        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), FREQUENCY, CHANNELS, True, in_tables=in_tables)
+        yield Measure(f"{half}.frequency", "Hz", meaning, partial(_consensus, half), CHANNELS, True, in_tables=in_tables)
         for channel in CHANNELS:
-            for what, unit, words, witness in (
-                ("frequency", "Hz", "frequency", FREQUENCY),
-                ("amplitude", COLUMNS[channel].unit, "RMS of the envelope", AMPLITUDE),
-            ):
+            for what, unit, words in (("frequency", "Hz", "frequency"), ("amplitude", COLUMNS[channel].unit, "RMS of the envelope")):
                 meaning = f"{words} of the first mode, {half}-return, in {channel}"
                 of = partial(_vibration, half, channel, f"first_mode_{what}")
-                yield Measure(f"{half}.{what}.{channel}", unit, meaning, of, witness, CHANNELS, True)
+                yield Measure(f"{half}.{what}.{channel}", unit, meaning, of, CHANNELS, True)
     for name, meaning, number in (
         ("multiplier", MULTIPLIER, lambda orbit: (math.hypot(*orbit.multipliers[0]), orbit.multiplier_error)),
         ("multiplier.real", "real part of that multiplier", lambda orbit: (orbit.multipliers[0][0], orbit.multiplier_distance)),
         ("multiplier.imag", "imaginary part of that multiplier", lambda orbit: (orbit.multipliers[0][1], orbit.multiplier_distance)),
     ):
-        yield Measure(name, "1", meaning, partial(_multiplier, number), _MARCHES(5e-5), multipliers=True)
-    yield Measure("period", "s", "time of a turn", _period, PLAIN(2e-5))
+        yield Measure(name, "1", meaning, partial(_multiplier, number), multipliers=True)
+    yield Measure("period", "s", "time of a turn", _period)
     for name, meaning in (
         ("drive_work", "work of the drive, and of a force on the tip, in a turn"),
         ("dissipated_energy", "energy dissipated in a turn"),
     ):
-        yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), PLAIN(2e-5), (name,))
+        yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), (name,))
     for sign, name, does in ((1.0, "drive_power", "gives"), (-1.0, "returned_power", "takes back")):
         meaning, needs = f"largest power that the drive {does} in a turn", ("time", "crank_angle", *drive.POWER)
-        yield Measure(f"peak.{name}", "W", meaning, partial(_power, sign), PLAIN(2e-5), needs)
+        yield Measure(f"peak.{name}", "W", meaning, partial(_power, sign), needs)
     for order in range(1, drive.HARMONICS + 1):
         of_order, (part, _) = f"harmonic {order} of the drive's torque over the crank angle", harmonic_parts(order)
         for ending, unit, meaning in (
@@ -340,25 +312,18 @@ def _declared() -> Iterator[Measure]:
             (".phase", "rad", f"{order} times the crank angle at which {of_order} is largest"),
         ):
             of = partial(_harmonic, order, bool(ending))
-            yield Measure(f"torque.harmonic_{order}{ending}", unit, meaning, of, part.witness, part.columns)
+            yield Measure(f"torque.harmonic_{order}{ending}", unit, meaning, of, part.columns)
     yield Measure(
         "flywheel.inertia",
         "kg m^2",
         "inertia about O of crank and flywheel with which the speed fluctuates by crank.wanted_fluctuation under a motor's constant torque",
         _flywheel,
-        Witness("a free crank with this inertia", 0.005, "tests/cases/test_drive.py::test_a_crank_with_the_flywheel_fluctuates_as_wanted"),
         (*drive.POWER, "time", "crank_angle"),
     )
     for one in OF_TURN:
         of = partial(_of_turn, one)
-        yield Measure(one.name, one.unit, one.meaning, of, one.witness, one.columns, size=one.size, in_tables=one.in_tables)
-    yield Measure(
-        "solve_seconds",
-        "s",
-        "wall time of the solve",
-        _solve_seconds,
-        Result.witnesses["solve_seconds"],
-    )
+        yield Measure(one.name, one.unit, one.meaning, of, one.columns, size=one.size, in_tables=one.in_tables)
+    yield Measure("solve_seconds", "s", "wall time of the solve", _solve_seconds)
 
 
 #: Name -> measure, in the order in which they are listed.

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from quickreturn.cases.measures.number import Number, or_nan
 from quickreturn.cases.measures.second_mode import agreeing, second_mode_frequency
 from quickreturn.cases.measures.time_scale import TimeScale
 from quickreturn.engines.error_parts import ErrorPart
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
@@ -26,26 +25,6 @@ HALVES = ("pre", "post")
 VIBRATION: Final = ("first_mode_frequency", "first_mode_amplitude")
 EXTREMES: Final = ("minimum", "maximum")
 NO_VIBRATION = (FirstMode("the model has no vibration in this channel"), None)
-_KNOWN: Final = "half cycles made of a known vibration"
-_ACCURACY: Final = "tests/verification/test_measures_accuracy.py::test_bias_spread_and_reach"
-#: Frequency and amplitude of the first mode; that of an amplitude is the spread.
-FREQUENCY: Final = Witness(
-    "the phase of a small free vibration about the motion, without a fit",
-    8e-3,
-    "tests/cases/measures/test_simulated.py::test_frequencies_of_steady_states_lie_within_their_claims",
-)
-AMPLITUDE: Final = Witness(_KNOWN, 0.03, _ACCURACY)
-#: Part of the errors that exceed twice what is claimed.
-CLAIMED: Final = Witness(f"{_KNOWN}: errors beyond twice the uncertainty", 0.05, _ACCURACY)
-_EXTREME: Final = Witness("a sine", 1e-6, "tests/cases/measures/test_cycle.py::test_extremes_belong_to_their_half")
-_CORNER: Final = Witness(
-    "corners between samples", 0.0, "tests/cases/measures/test_cycle.py::test_a_corner_between_samples_is_missed_by_no_more_than_is_said"
-)
-_MACHINES: Final = Witness(
-    "`reference`, `exudyn` and `mujoco` on random machines: differences beyond both claims",
-    0.0,
-    "tests/verification/test_sensible_machines.py::test_two_hundred_machines_settle_and_engines_agree",
-)
 END_TOLERANCE = np.radians(5.0)  # largest distance, rad, of the first and last crank angle from that of the slider's farthest place
 
 
@@ -74,19 +53,6 @@ class ChannelMeasures:
     minimum_estimate: float | None = None
     maximum_estimate: float | None = None
     parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)
-
-    witnesses: ClassVar[Witnesses] = {
-        "first_mode_frequency": FREQUENCY,
-        "first_mode_frequency_uncertainty": CLAIMED,
-        "first_mode_amplitude": AMPLITUDE,
-        "first_mode_amplitude_uncertainty": CLAIMED,
-        "second_mode_frequency": Witness(
-            _KNOWN, 0.01, "tests/cases/measures/test_cycle.py::test_strong_second_mode_is_found_where_channels_agree"
-        ),
-        **dict.fromkeys(("minimum", "maximum"), _EXTREME),
-        **dict.fromkeys(("minimum_uncertainty", "maximum_uncertainty"), _CORNER),
-        **dict.fromkeys([f"{name}_estimate" for name in (*VIBRATION, *EXTREMES)], _MACHINES),
-    }
 
     def number(self, quantity: str) -> Number | None:
         """The number called `quantity`, one of `VIBRATION` and `EXTREMES`, with its claims; None where it is not resolvable."""

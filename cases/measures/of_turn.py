@@ -15,16 +15,8 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.loads import drive
 from quickreturn.cases.loads.drive import Turn
-from quickreturn.reference_model.witnesses import Witness
 
 Array = NDArray[np.float64]
-
-#: Witness of what numpy computes from a turn, but for the largest difference.
-PLAIN: Final = partial(
-    Witness,
-    "plain numpy on rows of 0.1 ms of `mujoco`",
-    test="tests/verification/test_witnesses.py::test_plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn",
-)
 
 
 @dataclass(frozen=True)
@@ -48,7 +40,6 @@ class OfTurn:
     meaning: str  # in words
     columns: tuple[str, ...]  # columns that the function needs
     of: Callable[[Turn], float]  # gives the number, SI
-    witness: Witness  # confirms it
     size: bool = False  # whether it is a size, which is not negative
     # size of what goes to and fro, of which a part is left to the steady state; None: the number itself
     scale: Callable[[Turn], float] | None = None
@@ -90,11 +81,6 @@ def variation_of_speed(turn: Turn) -> float:
 #: Columns for the torque of the drive at the shaft and its power over time, and for the torque over the crank angle.
 _POWER: Final = ("time", *drive.POWER)
 _OVER_ANGLE: Final = ("time", "crank_angle", "crank_torque")
-_WORK: Final = Witness(
-    "the virtual work of a rigid machine by quadrature",
-    1e-5,
-    "tests/cases/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work",
-)
 
 
 def harmonic_parts(order: int) -> tuple[OfTurn, OfTurn]:
@@ -102,7 +88,7 @@ def harmonic_parts(order: int) -> tuple[OfTurn, OfTurn]:
 
     def part(name: str, words: str, wave: Callable[[Array], Array]) -> OfTurn:
         meaning, of = f"part of harmonic {order} of the drive's torque in phase with the {words}", partial(drive.harmonic, order, wave)
-        return OfTurn(f"torque.harmonic_{order}.{name}", "N m", meaning, _OVER_ANGLE, of, _WORK, scale=drive.rms_torque, prescribed=True)
+        return OfTurn(f"torque.harmonic_{order}.{name}", "N m", meaning, _OVER_ANGLE, of, scale=drive.rms_torque, prescribed=True)
 
     return part("cos", "cosine", np.cos), part("sin", "sine", np.sin)
 
@@ -117,7 +103,6 @@ def _of_bearings() -> Iterator[OfTurn]:
                 f"constant load that fatigues a {kind} bearing as {force} does over the angle that the bearing turns",
                 ("time", *dict.fromkeys((*parts, *angles))),
                 partial(drive.equivalent_load, force, exponent),
-                PLAIN(5e-4),
                 size=True,
             )
 
@@ -130,7 +115,6 @@ OF_TURN: Final = (
         "mean speed of the crank in a turn",
         ("time", "crank_angle"),
         mean_speed,
-        PLAIN(2e-5),
         size=True,
         in_tables=TableColumn("mean", ".3f", group="crank speed", key="crank_speed"),
     ),
@@ -140,17 +124,14 @@ OF_TURN: Final = (
         "range of the crank's speed in a turn over its mean",
         ("time", "crank_angle", "crank_speed"),
         variation_of_speed,
-        PLAIN(5e-4),
         size=True,
         in_tables=TableColumn("max − min", ".1f", "%", "crank speed", "crank_speed_variation"),
     ),
-    OfTurn("mean.crank_torque", "N m", "mean torque of the drive at the shaft", _POWER, drive.mean_torque, _WORK, scale=drive.rms_torque),
-    OfTurn("mean.drive_power", "W", "mean power of the drive at the shaft", _POWER, drive.mean_power, PLAIN(2e-5), scale=drive.rms_power),
-    OfTurn("rms.drive_power", "W", "root mean square of the power of the drive", _POWER, drive.rms_power, PLAIN(2e-5), size=True),
-    OfTurn("turn.driven_energy", "J", "energy that the drive gives", _POWER, partial(drive.energy, 1.0), _WORK, scale=drive.to_and_fro),
-    OfTurn(
-        "turn.returned_energy", "J", "energy that the drive takes back", _POWER, partial(drive.energy, -1.0), _WORK, scale=drive.to_and_fro
-    ),
+    OfTurn("mean.crank_torque", "N m", "mean torque of the drive at the shaft", _POWER, drive.mean_torque, scale=drive.rms_torque),
+    OfTurn("mean.drive_power", "W", "mean power of the drive at the shaft", _POWER, drive.mean_power, scale=drive.rms_power),
+    OfTurn("rms.drive_power", "W", "root mean square of the power of the drive", _POWER, drive.rms_power, size=True),
+    OfTurn("turn.driven_energy", "J", "energy that the drive gives", _POWER, partial(drive.energy, 1.0), scale=drive.to_and_fro),
+    OfTurn("turn.returned_energy", "J", "energy that the drive takes back", _POWER, partial(drive.energy, -1.0), scale=drive.to_and_fro),
     *(part for order in range(1, drive.HARMONICS + 1) for part in harmonic_parts(order)),
     OfTurn(
         "flywheel.energy",
@@ -158,19 +139,10 @@ OF_TURN: Final = (
         "range of the integral of the drive's torque about its mean over the crank angle",
         _OVER_ANGLE,
         drive.energy_fluctuation,
-        _WORK,
         size=True,
         scale=drive.to_and_fro,
         prescribed=True,
     ),
     *_of_bearings(),
-    OfTurn(
-        "turn.pivot_angle",
-        "rad",
-        "angle that the bearing P turns in a turn",
-        ("time", "follower_angle"),
-        drive.pivot_angle,
-        PLAIN(2e-5),
-        size=True,
-    ),
+    OfTurn("turn.pivot_angle", "rad", "angle that the bearing P turns in a turn", ("time", "follower_angle"), drive.pivot_angle, size=True),
 )

@@ -4,16 +4,14 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.resonance_curve.range import Range
 from quickreturn.cases.runs import endings
-from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.runs.stability import UNSTABLE
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 Array = NDArray[np.float64]
 
@@ -22,19 +20,6 @@ MULTIPLIER_TOLERANCE: Final = 1e-3
 
 #: Modes that a harmonic of the crank's speed may drive, in words.
 MODES: Final = ("first", "second")
-
-_OF_CURVES: Final = "tests/quickreturn/studies/test_resonance.py"
-#: Difference over the range of the parameter.
-_FOLDS: Final = Witness(
-    "maps whose folds have a closed form",
-    4e-4,
-    "tests/reference_model/cycles/test_continuation.py::test_both_folds_of_a_cubic",
-)
-_MARCHES: Final = Witness(
-    "marches of `mujoco` and `exudyn` from a neighbouring speed",
-    0.02,
-    "tests/verification/test_resonance.py::test_a_march_from_a_neighbouring_speed_settles_on_the_curve",
-)
 
 
 @dataclass(frozen=True)
@@ -48,14 +33,6 @@ class SpecialPoint:
     at: int  # number of the point on the curve
     reason: str = ""  # why the curve ends there (a clause); "" if it goes on
 
-    witnesses: ClassVar[Witnesses] = {
-        "value": _FOLDS,
-        "tolerance": _FOLDS,
-        "error": Witness(
-            "a model with more modes: errors beyond the claim", 0.0, f"{_OF_CURVES}::test_the_claims_hold_against_a_model_with_more_modes"
-        ),
-    }
-
 
 @dataclass(frozen=True)
 class ResonancePeak:
@@ -66,8 +43,6 @@ class ResonancePeak:
     at: int  # number of the point on the curve
     order: int  # multiple of the crank's speed that drives a mode there: it is nearest to the mean frequency with the crank held
     mode: int = 1  # number of this mode
-
-    witnesses: ClassVar[Witnesses] = dict.fromkeys(("value", "height"), _MARCHES)
 
     @property
     def name(self) -> str:
@@ -95,12 +70,6 @@ class ResonanceCurve:
     special: tuple[SpecialPoint, ...]  # in order of arclength
     peaks: tuple[ResonancePeak, ...]  # likewise
     settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
-
-    witnesses: ClassVar[Witnesses] = {
-        **dict.fromkeys(("values", "arclength", "measures"), _MARCHES),
-        **dict.fromkeys(("errors", "value_errors"), SpecialPoint.witnesses["error"]),
-        "multipliers": PeriodicOrbit.witnesses["multipliers"],
-    }
 
     def stability(self, at: int) -> str:
         """Whether a point is stable, "neutral" where its largest multiplier is 1 within its error, or how it is unstable."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from quickreturn.engines.error_parts import ESTIMATED, TIP, ErrorPart
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 #: Largest ratio of an engine's period to that of `reference`.
 LARGEST_PERIOD_RATIO: Final = 1.01
@@ -82,27 +81,6 @@ class PeriodicOrbit:
     iterations: int  # of the search
     multiplier_error: float | None = None  # of the modulus of the first multiplier; None: unknown
     multiplier_distance: float | None = None  # likewise of its real and imaginary part
-
-    witnesses: ClassVar[Witnesses] = {
-        "period": Witness(
-            "a march of `mujoco`",
-            2e-5,
-            "tests/verification/test_witnesses.py::test_plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn",
-        ),
-        "multipliers": Witness(
-            "the decay of disturbances in `mujoco`",
-            5e-5,
-            "tests/verification/test_witnesses.py::test_disturbed_marches_of_a_link_chain_confirm_the_largest_multiplier",
-        ),
-        **dict.fromkeys(
-            ("multiplier_error", "multiplier_distance"),
-            Witness(
-                "the error against eigenvalues of the whole Jacobian of 8 modes, over the claim",
-                0.98,
-                "tests/cases/runs/test_stability.py::test_multipliers_of_all_runs_are_within_their_claims",
-            ),
-        ),
-    }
 
     @classmethod
     def of(cls, state: SteadyState, multiplier: Multiplier | None = None) -> "PeriodicOrbit":

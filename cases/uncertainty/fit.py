@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 import numpy as np
 from scipy import stats
@@ -12,7 +12,6 @@ from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.keys import text_of, unit_given
 from quickreturn.cases.text.copies import LONGEST_NAME
 from quickreturn.cases.uncertainty.parameters import Parameter, changes
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 PROBABILITY: Final = 0.95
 #: Smooth part of the squared residuals above which a note is printed.
@@ -34,23 +33,6 @@ class FittedParameter:
     table_error: float  # largest change of the value by the error that the table's numbers are taken to have
     determined: bool  # whether the table determines it
     at_end: bool  # whether it lies at the end of its range
-
-    witnesses: ClassVar[Witnesses] = {
-        **dict.fromkeys(
-            ("value", "low", "high", "table_error"),
-            Witness(
-                "scipy's least squares on residuals with differences of its own, and closed forms of one parameter, in half widths",
-                2.3e-4,
-                "tests/cases/uncertainty/test_calibration.py::"
-                "test_value_and_interval_are_those_of_a_fit_that_shares_nothing_but_the_engine",
-            ),
-        ),
-        "simulation_error": Witness(
-            "parameters with which three engines made tables: intervals that miss them",
-            0.03,
-            "tests/cases/uncertainty/test_calibration.py::test_intervals_contain_the_truth_for_tables_of_any_origin",
-        ),
-    }
 
     @property
     def shown(self) -> tuple[str, ...]:

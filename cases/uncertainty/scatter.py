@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.uncertainty.chaos import DRAWN, HALF_WIDTH, SEED, Surrogate
 from quickreturn.cases.uncertainty.parameters import Distribution, Parameter
-from quickreturn.reference_model.witnesses import Witness, Witnesses
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -70,21 +69,6 @@ class Quantile(Estimate):
 
     probability: float
 
-    witnesses: ClassVar[Witnesses] = dict.fromkeys(
-        ("value", "error"),
-        Witness(
-            "the closed form of uniform numbers",
-            0.15,
-            "tests/cases/uncertainty/test_propagation.py::test_the_error_of_a_quantile_is_what_other_samples_show",
-        ),
-    ) | {
-        "simulation": Witness(
-            "values that are off by known errors",
-            1e-12,
-            "tests/cases/uncertainty/test_propagation.py::test_errors_of_the_simulation_move_every_number_by_as_much",
-        )
-    }
-
 
 @dataclass(frozen=True)
 class Share:
@@ -95,15 +79,6 @@ class Share:
     first_error: float
     total: float
     total_error: float
-
-    witnesses: ClassVar[Witnesses] = dict.fromkeys(
-        ("first", "first_error", "total", "total_error"),
-        Witness(
-            "the closed form of a polynomial",
-            1e-9,
-            "tests/cases/uncertainty/test_propagation.py::test_the_shares_of_a_polynomial_are_those_of_its_closed_form",
-        ),
-    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -30,6 +30,7 @@ from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 from tests.verification.random_machines import sensible_machines
+from tests.witnesses import WITNESSES
 
 Array = NDArray[np.float64]
 SPEED: Final = 12.0  # rad/s
@@ -219,7 +220,7 @@ def test_the_drive_of_a_rigid_machine_does_the_virtual_work() -> None:
         assert abs(value - exact[name]) <= error + 1e-12, name
         if not name.endswith(".phase"):
             size = exact["rms.crank_torque"] if name.startswith(("torque.", "mean.")) else abs(exact[name])
-            assert abs(value - exact[name]) <= (1e-6 if name.startswith("torque.") else MEASURES[name].witness.largest) * size, name
+            assert abs(value - exact[name]) <= (1e-6 if name.startswith("torque.") else WITNESSES["measure", name].largest) * size, name
 
 
 @pytest.mark.parametrize("wanted", [0.02, 0.005])
@@ -236,7 +237,7 @@ def test_a_crank_with_the_flywheel_fluctuates_as_wanted(wanted: float) -> None:
     simulation = ReferenceEngine().prepare(free, standard_start(free), ReferenceSettings(tolerance=1e-9))
     speed = simulation.advance(1.05 * math.tau / SPEED, 1.05 * math.tau / SPEED / 2000).columns["crank_speed"]
     # a speed that varies by so much changes the loads of inertia by twice that, in the second order of what it changes here
-    assert np.ptp(speed) / speed.mean() == pytest.approx(wanted, rel=MEASURES["flywheel.inertia"].witness.largest)
+    assert np.ptp(speed) / speed.mean() == pytest.approx(wanted, rel=WITNESSES["measure", "flywheel.inertia"].largest)
 
 
 def test_a_stored_measure_belongs_to_the_wanted_fluctuation() -> None:

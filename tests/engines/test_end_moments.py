@@ -15,10 +15,10 @@ from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns
-from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Base
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import FOLLOWER_ALONE, run_24
+from tests.witnesses import WITNESSES
 
 #: Bodies at both ends that bend the arm there nearly as much as at the slider: in run 24 they ask for a thousandth of that.
 HEAVY = run_24(
@@ -44,7 +44,7 @@ def columns(engine: str) -> Columns:
 @pytest.mark.parametrize("others", [("mujoco",), pytest.param(("mujoco", "exudyn"), marks=pytest.mark.verify)], ids="+".join)
 def test_three_engines_ask_for_the_same_moments_at_the_ends(name: str, others: tuple[str, ...]) -> None:
     """`reference` sums the loads outboard, the others take the laws of the bodies, with angles of a cable's slopes and of links."""
-    right, witness = columns("reference"), COLUMNS[name].witness.largest
+    right, witness = columns("reference"), WITNESSES["column", name].largest
     assert name == "follower_acceleration" or np.max(np.abs(right[name])) > 0.1 * np.max(np.abs(right["moment_06"]))
     size = np.sqrt(np.mean(right[name] ** 2))
     apart = {each: float(np.sqrt(np.mean((columns(each)[name] - right[name]) ** 2)) / size) for each in others}

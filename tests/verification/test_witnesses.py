@@ -1,7 +1,7 @@
 """Outputs beside their witnesses: columns by three engines, measures by plain numpy, stress by dense gauges, multipliers by marching.
 
-Each declaration names the largest difference that was found (`Witness.largest`). A test fails if it finds a larger one, and also if the
-largest one that it finds is less than a fifth of that: then the declaration is older than the code.
+`tests/witnesses.py` names the largest difference that was found (`Witness.largest`). A test fails if it finds a larger one, and also if the
+largest one that it finds is less than a fifth of that: then the table is older than the code.
 """
 
 import dataclasses
@@ -28,18 +28,18 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
-from quickreturn.reference_model.columns import AXIAL, COLUMNS
+from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.scene_values import changed
-from quickreturn.reference_model.witnesses import Witness
 from tests.engines.scenes import run_24
+from tests.witnesses import WITNESSES, Witness
 
 Array = NDArray[np.float64]
 
 DURATION: Final = 0.5  # s
 #: Part of a declared difference that the test must find, or the declaration is out of date.
 FOUND_AGAIN: Final = 0.2
-OF_MEASURES: Final = {name: each.witness for name, each in MEASURES.items()}
+OF_COLUMNS, OF_MEASURES = ({name: each for (of, name), each in WITNESSES.items() if of == kind} for kind in ("column", "measure"))
 #: m, to which a rigid loop is closed, and J of what is zero but for rounding.
 NOTHING: Final = 1e-10
 
@@ -94,7 +94,7 @@ def differences_of_columns() -> dict[str, dict[str, float]]:
 
 @pytest.mark.verify
 def test_engines_with_files_of_their_own_confirm_every_column() -> None:
-    witnesses = of_test("engines_with_files_of_their_own_confirm_every_column", {name: each.witness for name, each in COLUMNS.items()})
+    witnesses = of_test("engines_with_files_of_their_own_confirm_every_column", OF_COLUMNS)
     found = {column: max(differences_of_columns()[column].values()) for column in witnesses}
     assert out_of_date(witnesses, found) == {}
 

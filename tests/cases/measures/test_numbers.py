@@ -9,7 +9,7 @@ import pytest
 from quickreturn.cases.library import library_case
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.measures.number import NO_NUMBER, Number
-from quickreturn.cases.measures.of_turn import OF_TURN, PLAIN, OfTurn, rms_over_time
+from quickreturn.cases.measures.of_turn import OF_TURN, OfTurn, rms_over_time
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.error_parts import ErrorPart
@@ -60,7 +60,7 @@ def test_a_number_of_a_turn_is_off_by_no_more_than_the_spacing_of_rows_says(rows
 
     time = np.linspace(0.0, 0.5, rows)
     turn = {"time": time, "crank_speed": np.sin(24.0 * np.pi * time)}
-    measure = OfTurn("rms.rate", "rad/s^2", "rate of the speed", ("time", "crank_speed"), rms_of_rate, PLAIN(1e-3))
+    measure = OfTurn("rms.rate", "rad/s^2", "rate of the speed", ("time", "crank_speed"), rms_of_rate)
     error = abs(rms_of_rate(turn) - 24.0 * np.pi / np.sqrt(2.0))
     assert 1e-4 < error < measure.by_spacing(turn) < 5.0 * error
 
