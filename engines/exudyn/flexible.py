@@ -102,17 +102,22 @@ class CableModel(Model):
         """
         cable, follower, (q, rates, accelerations) = self._cable, self.assembly.scene.follower, line
         across, (tip_tangent, _, _) = turned(frame[0]), direction(*(values[:, -1, 2:] for values in line))
-        twelfths = cable.length * np.arange(1, PLACES + 1) / (PLACES + 1)
-        places = np.repeat(np.r_[follower.strain_gauges, twelfths][:, None], len(q), axis=1)
+        twelfths, last = cable.length * np.arange(1, PLACES + 1) / (PLACES + 1), cable.nodes[-3:-1]
+        places = np.repeat(np.r_[last, follower.strain_gauges, twelfths][:, None], len(q), axis=1)
         if kinks:
             places = np.vstack([places, kinks[0].place])
-        bent = loaded = cable.curvatures(q, places, *kinks)
+        loaded, damped = cable.curvatures(q, places, *kinks), np.zeros(places.shape)
         if follower.material_damping > 0.0:  # turned and stretched alike a line keeps this curvature: what is left is that of the rates
-            loaded = cable.curvatures(q + follower.material_damping * rates, places, *kinks)
+            bent, loaded = loaded, cable.curvatures(q + follower.material_damping * rates, places, *kinks)
+            damped = loaded - bent
+        outboard, h = cable.length - places, cable.element_length
         by_loads = self._moments_near_tip(line, frame, places, kinks, forces[1]) / cable.bending_stiffness
-        carried = np.where(places > cable.length - cable.element_length, by_loads, loaded)
-        gauges = len(follower.strain_gauges)
-        strains, moments = (bent + carried - loaded)[:gauges], carried[gauges:]
+        loaded = np.where(outboard < h, by_loads, loaded)
+        if self.assembly.scene.tip is None:  # at a free end curvatures and their rates vanish with their slope
+            inner, outer = damped[:2] / outboard[:2] ** 2
+            damped = np.where(outboard < h, outboard**2 * (outer + (outer - inner) * (h - outboard) / h), damped)
+        first = len(last) + len(follower.strain_gauges)
+        strains, moments = (loaded - damped)[len(last) : first], loaded[first:]
         return {
             "follower_rate": frame[1],
             "follower_acceleration": frame[2],

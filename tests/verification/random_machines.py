@@ -13,7 +13,7 @@ import numpy as np
 from numpy.random import Generator
 
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, PrescribedSpeed, SpinUp, TorqueDrive
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace, static_deflection
 from quickreturn.reference_model.slider import Slider
@@ -70,6 +70,31 @@ def braked_machines(seed: int) -> Iterator[Scene]:
     its length squared. Gauges stand within 3 % of both ends.
     """
     return _stiff_enough("braked-{:02d}", np.random.default_rng([seed, 11]), _braked, BRAKED_DURATION)
+
+
+def loaded_machines(seed: int) -> Iterator[Scene]:
+    """`combined_machines` that work against a load, without end, the same ones for the same seed.
+
+    The base's damping takes some 5 to 60 % of what the crank's does; half of the arms have material damping, 0.2 to 10 % of critical in the
+    first vibration; the tip body's centre is up to a tenth of the length inside or beyond the end; a third are without a tip body. Gauges
+    stand within 3 % of both ends.
+    """
+    return _stiff_enough("loaded-{:02d}", np.random.default_rng([seed, 17]), _loaded, BRAKED_DURATION)
+
+
+def arms_alone(seed: int) -> Iterator[FollowerAlone]:
+    """Arms of `loaded_machines` that a prescribed angle of their base spins up, without end, the same ones for the same seed."""
+    generator = np.random.default_rng([seed, 19])
+    while True:
+        machine = _loaded(generator)
+        follower = machine.follower
+        pace = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / follower.length**2
+        yield FollowerAlone(
+            spin_up=SpinUp(speed=pace * log_uniform(generator, 0.02, 0.5), time=2.0 * math.pi / pace * log_uniform(generator, 1.0, 10.0)),
+            base=machine.base,
+            follower=follower,
+            tip=dataclasses.replace(machine.tip, force=(0.0, 0.0)) if machine.tip else None,
+        )
 
 
 def heavy_ends(seed: int) -> Iterator[Scene]:
@@ -183,9 +208,36 @@ def _braked(generator: Generator) -> Mechanism:
             friction_torque=0.0 if kind == "damping" else bending * between(0.01, 0.3),
         ),
         slider=dataclasses.replace(machine.slider, inertia=0.0),  # which no engine models that shares no equations with `reference`
-        follower=dataclasses.replace(
-            follower, strain_gauges=(length * uniform(0.001, 0.03), length * uniform(0.3, 0.7), length * uniform(0.97, 0.995))
-        ),
+        follower=_gauged_at_the_ends(follower, generator),
+    )
+
+
+def _gauged_at_the_ends(follower: Follower, generator: Generator) -> Follower:
+    """The follower with a gauge near either end and one between."""
+    length, uniform = follower.length, generator.uniform
+    gauges = length * uniform(0.001, 0.03), length * uniform(0.3, 0.7), length * uniform(0.97, 0.995)
+    return dataclasses.replace(follower, strain_gauges=gauges)
+
+
+def _loaded(generator: Generator) -> Mechanism:
+    """A machine that works against a load, see `loaded_machines`."""
+    machine, uniform, between = _with_everything(generator), generator.uniform, partial(log_uniform, generator)
+
+    drive = machine.crank.drive
+    follower = _gauged_at_the_ends(machine.follower, generator)
+    length = follower.length
+    rate = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / length**2
+    damping = machine.base.damping
+    if isinstance(drive, TorqueDrive):  # the base swings at up to the crank's pace over (pivot distance / crank length - 1)
+        swing = machine.crank.length / (machine.pivot_distance - machine.crank.length)
+        damping = drive.damping * between(0.05, 0.6) / swing**2
+    tip = machine.tip if uniform() < 0.67 else None
+    return dataclasses.replace(
+        machine,
+        base=dataclasses.replace(machine.base, damping=damping),
+        slider=dataclasses.replace(machine.slider, inertia=0.0),  # as in `braked_machines`
+        follower=dataclasses.replace(follower, material_damping=2.0 * between(2e-3, 0.1) / rate if uniform() < 0.5 else 0.0),
+        tip=dataclasses.replace(tip, center_of_mass=length * uniform(-0.1, 0.1)) if tip else None,
     )
 
 

@@ -15,13 +15,17 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
+from quickreturn.engines.base import Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import rms, scale
+from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.start import standard_start
 from tests.slices import Portion
-from tests.verification.accuracy_campaign import ACCURACIES, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
-from tests.verification.claims import deliveries, judged, left_out, summary
-from tests.verification.random_machines import braked_machines, combined_machines, sensible_machines
+from tests.verification.accuracy_campaign import ACCURACIES, ANSWER, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
+from tests.verification.claims import MARGIN, deliveries, judged, left_out, summary
+from tests.verification.random_machines import arms_alone, braked_machines, combined_machines, loaded_machines, sensible_machines
 from tests.verification.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
 from tests.verification.row import chapter
 
@@ -29,6 +33,8 @@ from tests.verification.row import chapter
 DRAWN = 3
 #: Number of machines with a braked pivot.
 BRAKED = 60
+#: Number of machines with everything at once, and of arms alone.
+LOADED = 60
 #: Others whose claims hold.
 VERIFIED = ("fixed-shapes", "multiplier", "stiff-spring", "derived")
 
@@ -115,6 +121,39 @@ def test_claims_hold_where_the_pivot_is_braked(portion: Portion) -> None:
     table, broken = campaign([(scene, requests) for scene in scenes], Workshop(Store()))
     assert not broken
     check(table, whole=len(scenes) > DRAWN)
+
+
+@pytest.mark.verify
+def test_claims_hold_where_everything_acts_at_once(portion: Portion) -> None:
+    """A drive that works against a load, strong material damping, free ends, tip bodies inside the end, gauges near both ends."""
+    requests = (*(("reference", accuracy) for accuracy in (None, 1e-2, 1e-4)), ("exudyn", None), ("exudyn", 1e-2), ("mujoco", 1e-2))
+    scenes = portion(list(itertools.islice(loaded_machines(SEED), LOADED)), DRAWN)
+    table, broken = campaign([(scene, requests) for scene in scenes], Workshop(Store()))
+    assert not broken
+    check(table, whole=len(scenes) > DRAWN)
+
+
+@pytest.mark.verify
+def test_claims_hold_for_arms_alone(portion: Portion) -> None:
+    """Arms that their base spins up, with all that acts on them, against `reference` with eleven modes; in every column with a claim."""
+    for scene in portion(list(itertools.islice(arms_alone(SEED), LOADED)), DRAWN):
+        duration = 2.0 * scene.spin_up.time
+        step = duration / 400.0
+        truth, less = (
+            simulate_scene(engine("reference"), scene, duration, step, {"modes": modes, "tolerance": "1e-9"}, estimate=False).trajectory
+            for modes in ("11", "9")
+        )
+        for name, accuracy in itertools.product(ENGINES, (None, 1e-2)):
+            try:
+                found = simulate_scene(engine(name), scene, duration, step, accuracy=accuracy, time_limit=ANSWER)
+            except Refusal:
+                continue
+            for column, claim in found.error_estimates.items():
+                size = scale(column, truth.columns) if column in truth.columns else 0.0
+                if claim is None or size == 0.0:
+                    continue
+                error, unknown = (rms(each[column] - truth[column]) / size for each in (found.trajectory, less))
+                assert error <= 1.5 * claim + MARGIN * unknown + 1e-12, f"{scene}: {name}, {column}"
 
 
 @pytest.mark.verify
