@@ -1,11 +1,13 @@
 # Each target sets up .venv by itself where that is missing or out of date.
 PYTHON ?= python3
-VENV := .venv
+VENV ?= .venv
+CONSTRAINTS ?= constraints.txt
 BIN := $(VENV)/bin
 # What a target needs: the package alone, or with an extra.
 READY := $(VENV)/.ready
 TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
+CORE := $(VENV)/.core
 PARALLEL ?= 2
 PROCESSES ?= 3
 # A test process that crashes ends the run: where xdist replaces it the others may wait for ever (3.8 with groups).
@@ -14,7 +16,7 @@ CRASH := --max-worker-restart 0
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test verify verify-status record pack lint docs compile clean
+.PHONY: report test core verify verify-status record pack lint docs compile clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -24,6 +26,11 @@ report: $(READY)
 test: $(TEST)
 	$(MAKE) --jobs $(PARALLEL) lint compile
 	$(BIN)/pytest -n $(PROCESSES) $(CRASH) --dist loadgroup --no-loadscope-reorder
+
+# The quick tests of model, engines and cases with other versions, in an environment of its own:
+# make core VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt, or VENV=.venv-newest PYTHON=python3.14
+core: $(CORE)
+	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup --no-loadscope-reorder --ignore tests/engines/fmu tests/reference_model tests/engines tests/cases
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
 # SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`).
@@ -62,9 +69,10 @@ compile: $(TEST)
 $(READY): EXTRA :=
 $(TEST): EXTRA := [test]
 $(VERIFY): EXTRA := [verify]
-$(READY) $(TEST) $(VERIFY): pyproject.toml constraints.txt
+$(CORE): EXTRA := [core]
+$(READY) $(TEST) $(VERIFY) $(CORE): pyproject.toml $(CONSTRAINTS)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.$(EXTRA)'
+	$(BIN)/python -m pip install --quiet --no-compile --constraint $(CONSTRAINTS) --editable '.$(EXTRA)'
 	touch $@
 
 # Results stay: hours of computing; remove the folder .quickreturn to start from nothing.

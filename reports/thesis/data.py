@@ -120,10 +120,11 @@ def inference(splits: Sequence[Split], against: str) -> str:
     if not splits:
         return ""
     first, below = splits[0], stiffness_reading([]).below
-    faster = percents(*(1.0 / math.sqrt(1.0 - part) - 1.0 for part in below), ".0f")
+    slowest, fastest = (1.0 / math.sqrt(1.0 - part) - 1.0 for part in below)
     return (
         "Compared with measurements its frequency was right before the return and too high after it. Why is open, for no measured curve"
         f" survives. A roller that is softer on one side would do that ({percent(first.pre, '+.1f')} before,"
         f" {percent(first.post, '+.1f')} after, at {first.strength}){f', but {against}' if against else ''}. The printed bending"
-        f" stiffness is {percents(*below, '.0f')} below that of aluminium: with the usual one the arm rings {faster} faster in both halves."
+        f" stiffness is {percents(*below, '.0f')} below that of aluminium: with the usual one the arm rings"
+        f" {percents(slowest, fastest, '.0f')} faster in both halves."
     )
