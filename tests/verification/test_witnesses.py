@@ -29,7 +29,7 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.columns import AXIAL
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
 from tests.engines.scenes import run_24
 from tests.witnesses import WITNESSES, Witness
@@ -153,7 +153,9 @@ def plain(name: str, turn: Columns) -> tuple[float, float]:
         swung = float(np.abs(np.diff(turn["follower_angle"])).sum())
         return swung, swung
     if column.endswith("_power"):
-        power = turn["crank_torque"] * turn["crank_speed"]
+        drive = library_case("thesis-24").mechanism.crank.drive
+        assert isinstance(drive, TorqueDrive)
+        power = (turn["crank_torque"] - drive.damping * turn["crank_speed"]) * turn["crank_speed"]  # a motor's, at its shaft
         size = float(np.abs(power).max())
         mean, mean_square = (float(np.trapezoid(values, time)) / float(np.ptp(time)) for values in (power, power**2))
         peak = max(0.0, float((power if column == "drive_power" else -power).max()))
