@@ -28,9 +28,11 @@ from quickreturn.engines.error_parts import (
     WHERE_GIVEN,
     ErrorPart,
     NoEstimate,
+    add_first_row,
     all_compared,
     parts_of,
     relative_size,
+    starts_suddenly,
     total,
 )
 from quickreturn.engines.one_run import CompletedRun, Remembered, run_once
@@ -239,6 +241,11 @@ class _Runs:
         bends = not follower.is_rigid
         runs = all_compared(pairs, settings, lambda other: self.run(other).trajectory, lambda run: run.columns, bends=bends)
         parts, largest = parts_of(made.trajectory, runs, follower.length)
+        if starts_suddenly(made.trajectory, runs):
+            place = float(made.trajectory["slider_position"][0])
+            finest = self.engine.first_row(self.scene, self._run[0], settings, place)
+            if finest is not None:
+                add_first_row(parts, largest, made.trajectory, finest)
         unchecked = next((each.unchecked for each in runs if each.unchecked), "")
         remark = f"the estimate assumes the slowest convergence: the run that would show how fast the error falls {unchecked}"
         return _Judged(settings, made, parts, largest, remark if unchecked else "", any(trusted))

@@ -221,6 +221,14 @@ class Engine(ABC, Generic[S]):
         `output_step` (s) bounds the time steps of most engines.
         """
 
+    def first_row(self, scene: ModelledScene, start: StartOfScene, settings: S, place: float, /) -> Trajectory | None:
+        """The first row of a run from `start` as finely as the engine gives it, the slider at `place` (m); None: as the run gives it.
+
+        Where a load acts suddenly on a straight follower, accelerations and forces of this row converge far more slowly than the motion:
+        two runs may agree in it while both are far off.
+        """
+        return None
+
     @abstractmethod
     def finer(self, settings: S, excess: Mapping[str, float], output_step: float, /) -> S | None:
         """The next finer settings, for when the estimate misses the accuracy asked; None at the end of the ladder.

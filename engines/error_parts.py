@@ -32,6 +32,9 @@ LEAST_FACTOR: Final = 1.7
 #: Largest assumed error of a finer run over that of the run, however slowly the differences fall: the error is at most four times the
 #: larger difference.
 LARGEST_REST: Final = 0.75
+#: Difference of two runs in the first tip acceleration over its RMS, above which a load acts suddenly: it is at most 5e-5 in four of the
+#: thesis' runs, and 9e-4 or more with weight.
+SUDDEN: Final = 1e-4
 #: RMS of the tip deflection over the follower's length below which the follower counts as rigid.
 NO_DEFLECTION: Final = 1e-12
 
@@ -236,6 +239,31 @@ def parts_of(
     tip = tuple(of_tip(pair) if each is None or rigid else each for pair, each in zip(runs, parts["tip_deflection"], strict=True))
     largest = {name: sum(pair.part(partial(_largest_difference, name)).error for pair in runs) for name in names}
     return {TIP: tip} | {name: some if len(some) == len(runs) else () for name, some in known.items()}, largest
+
+
+def starts_suddenly(delivered: Trajectory, runs: Sequence[Compared[Trajectory]]) -> bool:
+    """Whether the first row depends on the resolution: a load acts at once on the straight follower of a scene with a slider."""
+    if "slider_position" not in delivered.columns:
+        return False
+    name = "tip_acceleration"
+    apart = max((abs(float(pair.run[name][0] - pair.other[name][0])) for pair in runs), default=0.0)
+    return apart > SUDDEN * rms(delivered[name])
+
+
+def add_first_row(parts: dict[str, tuple[ErrorPart, ...]], largest: dict[str, float], delivered: Trajectory, finest: Trajectory) -> None:
+    """Add to the parts of each column that of the first row, of which `finest` shows a part; arguments as of `parts_of` and from it.
+
+    Accelerations of the first row approach their limit no faster than `LARGEST_REST` says. The place of the tip is given by the start.
+    """
+    counts = counted(LARGEST_REST)
+    for name, known in parts.items():
+        if not known or name in (TIP, "tip_deflection"):
+            continue
+        apart = abs(float(delivered[name][0] - finest[name][0]))
+        share = relative_size(apart / math.sqrt(len(delivered)), scale(name, delivered.columns))
+        if share:
+            parts[name] = (*known, ErrorPart("start", {}, {}, share, LARGEST_REST, counts))
+            largest[name] = max(largest[name], counts * apart)
 
 
 def _largest_difference(name: str, run: Trajectory, other: Trajectory) -> float:

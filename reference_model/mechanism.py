@@ -32,7 +32,7 @@ class TorqueDrive:
     torque: float = quantity("N*m", "constant torque of the drive", named=True)
     damping: float = quantity(
         "N*m*s/rad",
-        "friction on the crank's rate, or the fall of a motor's torque with it: so much less reaches the shaft",
+        "of the crank's rate: friction, or what a motor's torque loses with it",
         sign="not negative",
     )
     initial_speed: float = quantity("rad/s", "speed at the start; torque / damping if left out", optional=True)

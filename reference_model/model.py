@@ -66,17 +66,19 @@ class BeamModel:
         self._at = Placed(constants), Placed(self.workspace, facts=FACTS)
 
     @classmethod
-    def following(cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None) -> "BeamModel":
+    def following(
+        cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None, at: float | None = None
+    ) -> "BeamModel":
         """A model whose shapes follow the slider: the first `modes` modes of the follower supported there.
 
         A rigid follower has no shapes, and the follower alone has clamped modes. Unless `slowed_to` is None, an added inertia slows the
-        higher half of the modes, but not below this angular frequency (rad/s), see equation 5.15.
+        higher half of the modes, but not below this angular frequency (rad/s), see equation 5.15. `at`: see `beam.tables.following`.
         """
         if scene.crank is None:
             return cls.alone(scene, modes)
         if scene.follower.is_rigid:
             return cls.staying(scene, no_shapes(scene.follower.length), constraint)
-        tables, reach, family, seconds = beam.following(scene, modes)
+        tables, reach, family, seconds = beam.following(scene, modes, at=at)
         return cls(scene, parameters(scene, modes, tables, reach, constraint, slowed_to=slowed_to), family.angles, seconds)
 
     @classmethod

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, S, gain_of
-from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
+from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, state_of
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint
@@ -31,6 +31,7 @@ from quickreturn.reference_model.state import State
 
 if TYPE_CHECKING:
     from quickreturn.engines.own.found_orbit import FoundOrbit
+    from quickreturn.engines.trajectory import Trajectory
     from quickreturn.reference_model.model import BeamModel
 
 #: Tolerance over the accuracy, where a scene needs fewer modes than run 24.
@@ -59,6 +60,8 @@ STABILIZATION: Final = 100.0
 RATIO: Final = 0.25
 #: Largest number of modes; a run with as many is compared with one of two fewer.
 MOST_MODES: Final = 16
+#: Most modes of a run whose first row is compared with that of the most modes: they must show a part of what is lacking.
+MODES_COMPARED_AT_START: Final = 12
 #: Number of modes from which on the error falls smoothly, and the largest ratio of errors then stated for two more modes; below, `RATIO`.
 MODES_WITH_ORDER: Final = 4
 SLOWEST_RATIO: Final = 0.5
@@ -141,10 +144,11 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """With a compliant joint, which leaves the follower's angle free, or with friction, which needs the normal force."""
         return not scene.slider.is_rigid or scene.slider.has_friction
 
-    def model(self, scene: Scene, settings: ReferenceSettings) -> "BeamModel":
+    def model(self, scene: Scene, settings: ReferenceSettings, at: float | None = None) -> "BeamModel":
         """See `BeamEngine.model`; the slider is eliminated unless its joint is compliant or has friction.
 
-        The follower alone has modes of the beam clamped at its base: with five the error in the library's spin-up is 6e-5.
+        The follower alone has modes of the beam clamped at its base: with five the error in the library's spin-up is 6e-5. `at`: see
+        `BeamModel.following`.
         """
         from quickreturn.reference_model.model import BeamModel
 
@@ -155,7 +159,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         elif scene.slider.has_friction:
             constraint = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
         slowed_to = BLOW_RESOLVED * rate_of_blow(scene) if scene.slider.has_corners else 0.0
-        return BeamModel.following(scene, settings.modes, constraint, slowed_to if settings.added_inertia else None)
+        return BeamModel.following(scene, settings.modes, constraint, slowed_to if settings.added_inertia else None, at)
 
     def joint_line(self, scene: Scene, settings: ReferenceSettings) -> str:
         """Rigid, compliant or with friction."""
@@ -203,6 +207,15 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < MODES_WITH_ORDER else SLOWEST_RATIO, of="modes")
         alike = ALIKE_WITHIN.get(settings.modes, 0.0) if settings.added_inertia else 0.0
         return (Comparison(settings, finer, ratio, further, alike=alike, of="modes"),)
+
+    def first_row(self, scene: Scene, start: Start | None, settings: ReferenceSettings, place: float) -> "Trajectory | None":
+        """See `Engine.first_row`: with the most modes, in tables about the slider's place."""
+        if scene.crank is None or scene.follower.is_rigid or settings.modes > MODES_COMPARED_AT_START:
+            return None
+        from quickreturn.engines.own.simulation import OwnSimulation
+
+        model = self.model(scene, settings.replaced(modes=MOST_MODES, added_inertia=False), place)
+        return OwnSimulation(model, state_of(model, scene, start), settings.tolerance, 0.0).advance(0.0, 1.0)
 
     def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> ReferenceSettings | None:
         """The same modes without added inertia, if it slowed any, for they may ring too slowly; else the next rung of the ladder."""

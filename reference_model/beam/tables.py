@@ -37,14 +37,17 @@ class _Reach(NamedTuple):
 
     end: float
     leaving: float
-    terms: int
-    intervals: int
+    terms: float
+    intervals: float
 
 
 #: For a slider that stays away from the follower's end in the rigid mechanism: off the follower 0.06 % of the length before the end.
 _USUAL: Final = _Reach(1e-4, 5e-4, 1, 1)
 #: For a slider that comes near the end, where coarser tables would lose 5e-2 of the strain energy.
 _TO_THE_END: Final = _Reach(1e-6, 1e-5, 3, 8)
+#: For one place alone: a ten-thousandth to either side of it is covered by a sixteenth of the terms as well.
+_AT_ONE_PLACE: Final = _Reach(1e-4, 5e-4, 1.0 / 16.0, 1.0 / 16.0)
+_TO_EITHER_SIDE: Final = 1e-4
 #: Models with up to this many modes share one family: a run, and the finer runs of its error estimate.
 _SHARED: Final = 7
 #: Smallest slider position in any tables, and the one below which they are finer, as fractions of the follower's length.
@@ -119,10 +122,11 @@ class Following(NamedTuple):
     seconds: float
 
 
-def following(mechanism: Mechanism, modes: int, *, natural: bool = False) -> Following:
+def following(mechanism: Mechanism, modes: int, *, natural: bool = False, at: float | None = None) -> Following:
     """The first `modes` modes; the last of two or more is a shape for a moment at the base where that `needs_base_shape`, unless `natural`.
 
-    Those of the last few mechanisms are kept: a run, its error estimate and its settled cycles share them.
+    Those of the last few mechanisms are kept: a run, its error estimate and its settled cycles share them. `at`: the only place of the
+    slider (m) that is wanted, which takes a twentieth of the time; None: all places.
     """
     base_shape = not natural and modes > 1 and needs_base_shape(mechanism)
     tip, crank = mechanism.tip, mechanism.crank
@@ -130,7 +134,8 @@ def following(mechanism: Mechanism, modes: int, *, natural: bool = False) -> Fol
     at_rest = Crank(length=crank.length, drive=PrescribedSpeed(speed=0.0))
     began = time.perf_counter()
     bare = replace(mechanism, crank=at_rest, tip=tip, slider=Slider(), gravity=(0.0, 0.0))
-    kept = _following(bare, modes, base_shape, slider_range(mechanism))
+    covered = _Range(at * (1.0 - _TO_EITHER_SIDE), at * (1.0 + _TO_EITHER_SIDE), _AT_ONE_PLACE) if at else slider_range(mechanism)
+    kept = _following(bare, modes, base_shape, covered)
     return kept._replace(seconds=max(0.0, kept.seconds - (time.perf_counter() - began)))
 
 
@@ -141,7 +146,7 @@ def _following(bare: Mechanism, modes: int, base_shape: bool, covered: _Range) -
     # the shape for a moment at the base differs with the number of modes
     shared, seconds = _family(bare, modes if base_shape else max(modes, _SHARED), base_shape, covered)
     began, family = time.perf_counter(), shared.first(modes)
-    tables = span_tables(family, gauss_points(modes), reach.intervals * 24 * (modes + 1))
+    tables = span_tables(family, gauss_points(modes), math.ceil(reach.intervals * 24 * (modes + 1)))
     seconds += time.perf_counter() - began
     return Following(tables, covered.high - reach.leaving * bare.follower.length, family, seconds)
 
@@ -150,7 +155,7 @@ def _following(bare: Mechanism, modes: int, base_shape: bool, covered: _Range) -
 def _family(bare: Mechanism, modes: int, base_shape: bool, covered: _Range) -> tuple[ModeFamily, float]:
     """The modes as functions, and the wall time (s) that making them took."""
     began = time.perf_counter()
-    family = mode_family(bare, modes, covered.low, covered.high, covered.reach.terms * (21 + 7 * modes), base_shape)
+    family = mode_family(bare, modes, covered.low, covered.high, math.ceil(covered.reach.terms * (21 + 7 * modes)), base_shape)
     return family, time.perf_counter() - began
 
 

@@ -66,7 +66,7 @@ def test_angles_give_a_list_with_both_ends(call: Call) -> None:
 
 
 def test_show_takes_patterns_and_tags(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("quickreturn.commands.case_document._models", lambda scene: [])  # what each engine builds takes seconds
+    monkeypatch.setattr("quickreturn.commands.case_document.models", lambda scene: iter(()))  # what each engine builds takes seconds
     found = json.loads(call("show", "small*.toml", "--tag", "example", "--json").output)
     assert [each["name"] for each in found] == [
         "small",
