@@ -188,8 +188,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """A run with more modes and a tolerance to match, which shows the errors of truncation and integration together.
 
         A run with still more modes checks whether the error falls as stated. It does not after a blow, which excites all modes; the
-        relative difference is then larger in accelerations than in the deflection. With clamped modes the error falls faster than stated,
-        so that the estimate is a little too large.
+        relative difference is then larger in accelerations than in the deflection. With clamped modes the error of the deflection falls
+        faster than stated, so that its estimate is a little too large.
         """
         ladder = SLOWED if settings.added_inertia else AS_THEY_ARE
         if settings.modes + 2 > MOST_MODES:
@@ -199,9 +199,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             usual, tenth = ladder.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
             return usual.replaced(tolerance=tenth if scene.slider.has_corners else min(usual.tolerance, tenth))
 
-        if scene.crank is None:
-            return (Comparison(settings, sized(settings, settings.modes + 2), RATIO, of="modes"),)
-        more, ratio = COMPARED.get(settings.modes, (settings.modes + 2, RATIO))
+        measured = COMPARED if scene.crank is not None else {}
+        more, ratio = measured.get(settings.modes, (settings.modes + 2, RATIO))
         finer, further = sized(settings, more), None
         if more + 2 <= MOST_MODES:
             further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < MODES_WITH_ORDER else SLOWEST_RATIO, of="modes")
