@@ -20,7 +20,7 @@ def _equations() -> Callable[..., int]:
 
 
 def _observations() -> Callable[..., int]:
-    from quickreturn.reference_model.motion.equations import observe_states
+    from quickreturn.reference_model.motion.observe import observe_states
 
     return observe_states
 
@@ -50,7 +50,7 @@ def _second_process() -> AbstractContextManager[Any]:
 
 #: The equations of motion, and the observables of states.
 KERNEL: Final = Entry(_equations, 4 * "i", _second_process)
-OBSERVATIONS: Final = Entry(_observations, 7 * "i")
+OBSERVATIONS: Final = Entry(_observations, 8 * "i")
 #: The integrator, and its steps in the crank angle.
 LOOP: Final = Entry(_loop, 6 * "i" + "fiii" + "fff" + "iiii")
 STEPS: Final = Entry(_steps, 5 * "i" + "fii")
