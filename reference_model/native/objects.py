@@ -6,10 +6,9 @@ Otherwise the compiler compiles the function, or loads it from its own cache.
 
 import ctypes
 import hashlib
-import os
 import secrets
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import suppress
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final
@@ -33,13 +32,10 @@ class Entry:
     Args:
         source: imports the function to compile, and with it the compiler, and returns it; the object is called as this is.
         arguments: a letter for each argument: "i" for a whole number or an address, "f" for a number.
-        beside: a context in which the function is compiled.
     """
 
-    def __init__(
-        self, source: Callable[[], Callable[..., int]], arguments: str, beside: Callable[[], AbstractContextManager[Any]] = nullcontext
-    ) -> None:
-        self._source, self._arguments, self._beside = source, arguments, beside
+    def __init__(self, source: Callable[[], Callable[..., int]], arguments: str) -> None:
+        self._source, self._arguments = source, arguments
 
     @cached_property
     def address(self) -> int:
@@ -57,12 +53,11 @@ class Entry:
         return int(self._call(*arguments))
 
     def compiled(self) -> int:
-        """Its address, from the compiler; where that has compiled it just now, the object is kept."""
+        """Its address, from the compiler; the object is kept."""
         from quickreturn.reference_model.native.compilation import entry
 
-        with self._beside():
-            function = entry(self._source(), self._arguments)
-        with suppress(AttributeError, RuntimeError, OSError):  # another numba, code from its cache, or a full disk: nothing is kept
+        function = entry(self._source(), self._arguments)
+        with suppress(AttributeError, RuntimeError, OSError):  # another numba, or a full disk: nothing is kept
             code, written = function._library._get_compiled_object(), self._path.with_suffix(f".{secrets.token_hex(4)}.part")
             written.write_bytes(f"{hashlib.sha256(code).hexdigest()} {function.native_name}\n".encode() + code)
             written.replace(self._path)
@@ -70,7 +65,7 @@ class Entry:
 
     @property
     def _path(self) -> Path:
-        return Path(os.environ[cache_folder.VARIABLE]) / f"{self._source.__module__}.{self._source.__name__}-{_made_for()}.object"
+        return cache_folder.folder() / f"{self._source.__module__}.{self._source.__name__}-{_made_for()}.object"
 
 
 @cache

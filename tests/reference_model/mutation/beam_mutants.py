@@ -81,7 +81,6 @@ EQUIVALENT: Mapping[tuple[str, str], str] = {
     ("", "0.25 / math.pi"): _DOUBLED,
     ("", "0.375"): "the series is still good to 1e-14",
     ("", "3.0"): "the largest angle is chosen",
-    ("_at_place", "1.5e-12"): "room for rounding",
     ("highest_frequency", "1.5e-06"): "a floor that no sensible crank comes near",
     ("directions", "-1 / 87178291200 - q / 20922789888000"): "the last term of the cosine is rounding, 1e-15 at the largest angle",
 }

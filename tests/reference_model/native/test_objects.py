@@ -44,8 +44,10 @@ def kept() -> None:
 @pytest.fixture
 def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Entry:
     """The integrator's loop, its object where a test may damage it."""
-    shutil.copy(LOOP._path, tmp_path)
+    kept = LOOP._path
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    LOOP._path.parent.mkdir()
+    shutil.copy(kept, LOOP._path)
     return Entry(LOOP._source, LOOP._arguments)
 
 
