@@ -58,7 +58,8 @@ print([f"{name}.{each}" for name in before for each in {**before[name], **after[
 def printed(code: str, tmp_path: Path, *arguments: str) -> str:
     """What a program prints, in a process without a folder for numba's cache."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA")}
-    environment |= {"PYTHONPATH": str(ROOT), "QUICKRETURN_STORE": str(tmp_path / "store")}
+    path = os.pathsep.join(filter(None, (environment.get("PYTHONPATH"), str(ROOT))))
+    environment |= {"PYTHONPATH": path, "QUICKRETURN_STORE": str(tmp_path / "store")}
     command = [sys.executable, "-P", "-c", code, *arguments]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
