@@ -23,6 +23,8 @@ VARIABLE: Final = "NUMBA_CACHE_DIR"
 #: Tells the processes that this one starts of its temporary folder.
 _TEMPORARY: Final = "QUICKRETURN_TEMPORARY_CODE"
 _PACKAGE: Final = Path(__file__).resolve().parents[1]
+#: Where a wheel has its objects (`objects.Entry`).
+SHIPPED: Final = Path(__file__).parent / "shipped"
 #: Imports of a module whose functions are compiled: of the compiler, or of this package's decorators for it.
 _COMPILES: Final = re.compile(rb"^(?:from|import) (?:numba\b|quickreturn\.reference_model\.native\.compilation\b)", re.MULTILINE)
 
@@ -46,7 +48,7 @@ def _temporary() -> Path:
 
 def notice_if_none() -> str:
     """A sentence that the first run of an engine compiles, if no compiled code is kept yet; "" otherwise."""
-    if any(folder().glob("*.object")):
+    if any(folder().glob("*.object")) or any(SHIPPED.glob(f"*-{source_hash()}.object")):
         return ""
     return "no compiled code is kept yet: an engine's first run begins with compiling, once for this machine, up to two minutes"
 
