@@ -1,30 +1,35 @@
 """Numba's cache on disk for this package's functions, in a folder of their own; one process compiles what several need."""
 
+import hashlib
+import marshal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from quickreturn.reference_model.imported_modules import text_of
 from quickreturn.reference_model.native.cache_folder import folder
 from quickreturn.reference_model.native.internals import CacheLocator, CompileResultCacheImpl, FunctionCache
 from quickreturn.reference_model.native.turn import Turn
 
 
 class _Locator(CacheLocator):
-    """Where the code of a function is kept: in the folder named for the sources, so that numba need not ask how old they are."""
+    """Where the code of a function is kept: in the folder named for the sources of this package; a function may be of another file."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self._py_file, self._line = function.__code__.co_filename, function.__code__.co_firstlineno
+        self._code, self._py_file = function.__code__, function.__code__.co_filename
 
     def get_cache_path(self) -> str:
         return str(folder())
 
-    def get_source_stamp(self) -> str:
-        return ""
+    def get_source_stamp(self) -> bytes:
+        with suppress(OSError):
+            return hashlib.sha256(text_of(Path(self._py_file))).digest()
+        return marshal.dumps(self._code)  # it was typed in
 
     def get_disambiguator(self) -> str:
-        return str(self._line)
+        return str(self._code.co_firstlineno)
 
 
 class _Files(CompileResultCacheImpl):

@@ -17,7 +17,7 @@ import pytest
 
 from quickreturn.reference_model.imported_modules import modules_in, names_imported
 from quickreturn.reference_model.native.cache_folder import compiled_sources
-from tests.package_copy import copied_package
+from tests.package_copy import ROOT, copied_package
 
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
 
@@ -129,6 +129,17 @@ def test_code_is_compiled_anew_where_what_is_compiled_has_changed(installed: Pat
     run = subprocess.run(command, cwd=installed / "quickreturn", env=environment, capture_output=True, text=True, check=True)
     old, *new = run.stdout.split()
     assert {file: found == old for (file, *_), found in zip(CHANGES, new, strict=True)} == {file: same for file, *_, same in CHANGES}
+
+
+def test_a_function_of_another_file_is_compiled_anew_where_that_has_changed(tmp_path: Path) -> None:
+    code = f"from {DECORATORS} import compiled\nfrom small import value\nprint(value())"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(ROOT))), "NUMBA_CACHE_DIR": str(tmp_path / "kept")}
+    for number in ("1.5", "2.5"):
+        (tmp_path / "small.py").write_text(
+            f"from {DECORATORS} import compiled\nVALUE = {number}\n@compiled\ndef value():\n    return VALUE\n"
+        )
+        run = [sys.executable, "-P", "-B", "-c", code]
+        assert subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout == f"{number}\n"
 
 
 def test_all_that_compiled_functions_call_is_among_the_sources_of_compiled_code() -> None:
