@@ -16,7 +16,7 @@ CRASH := --max-worker-restart 0
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test core verify verify-status record pack lint docs compile clean
+.PHONY: report test core verify verify-status record pack wheel lint docs compile clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -53,6 +53,12 @@ record: $(READY)
 # Tables of the pack made anew in build/pack, and judged by those of pack/.
 pack: $(VERIFY)
 	$(BIN)/python -m quickreturn.pack.make build/pack
+
+# The wheel with machine code for Linux on x86-64-v3; build/wheel/.
+wheel: $(TEST)
+	$(BIN)/python -P -m quickreturn.reference_model.ship
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir build/wheel .
+	rm -r reference_model/native/shipped
 
 lint: $(TEST)
 	$(BIN)/ruff check .

@@ -3,7 +3,3 @@
 This package knows no file format, no engine and no plot. The equations are derived in `DERIVATION.md`, those of the
 thesis' model in `thesis/DERIVATION.md`; the code cites their numbers.
 """
-
-from quickreturn.reference_model.native import cache_folder
-
-cache_folder.choose_cache_folder()

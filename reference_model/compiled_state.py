@@ -1,6 +1,6 @@
 """The type by which compiled code knows a `State`, and how it finds the parts of one by address."""
 
-from typing import Any
+from typing import Any, Final
 
 import llvmlite.ir as ir
 import numpy as np
@@ -11,18 +11,18 @@ from numba.extending import infer_getattr, lower_getattr_generic, models, regist
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.native.compilation import inlined
-from quickreturn.reference_model.native.lanes import LANES
-from quickreturn.reference_model.native.pointers import array_of, intrinsic
+from quickreturn.reference_model.native.pointers import MEMBERS, array_of, intrinsic
 from quickreturn.reference_model.state import State
+
+_NUMBERS: Final = MEMBERS["Vector"]
 
 
 class _StateAt(types.Type):
     """A state vector in memory: its address, n and m. Its parts are arrays, made where they are used, so that calls pass three words."""
 
-    def __init__(self, slider: int, numbers: Any = types.float64) -> None:
+    def __init__(self, slider: int) -> None:
         self.slider = slider  # number of places of the slider in it
-        self.parts = types.Array(numbers, 1, "C")
-        super().__init__(name=f"StateAt({slider}, {numbers})")
+        super().__init__(name=f"StateAt({slider})")
 
 
 @register_model(_StateAt)
@@ -36,7 +36,7 @@ class _StateAttributes(AttributeTemplate):
     key = _StateAt
 
     def generic_resolve(self, state: _StateAt, name: str) -> Any:  # type: ignore[override]
-        return state.parts if name in State._fields else None
+        return _NUMBERS if name in State._fields else None
 
 
 @lower_getattr_generic(_StateAt)
@@ -58,8 +58,7 @@ def _part(context: Any, builder: Any, kind: _StateAt, value: Any, name: str) -> 
         "eta_rate": (builder.add(u, number(1)), n),
         "work": (builder.add(u, m), builder.add(number(2), opened)),
     }[name]
-    words = context.get_abi_sizeof(context.get_data_type(kind.parts.dtype))
-    return array_of(context, builder, kind.parts, builder.add(state.address, builder.mul(begin, number(words))), [size])
+    return array_of(context, builder, _NUMBERS, builder.add(state.address, builder.mul(begin, number(8))), [size])
 
 
 def _reader(kind: _StateAt) -> Any:
@@ -77,8 +76,8 @@ def _reader(kind: _StateAt) -> Any:
     return at
 
 
-#: States with the slider's place in them, also of several rows in lanes, and without.
-state_at, state_in_lanes_at, state_without_slider_at = map(_reader, (_StateAt(1), _StateAt(1, LANES), _StateAt(0)))
+#: States with the slider's place in them, and without.
+state_at, state_without_slider_at = map(_reader, (_StateAt(1), _StateAt(0)))
 
 
 @inlined

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
-from quickreturn.reference_model.columns import NUMBERS, recorded_columns
+from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
 from quickreturn.reference_model.entries import KERNEL, OBSERVATIONS
 from quickreturn.reference_model.integrate import Equations, dop853
@@ -17,7 +17,7 @@ from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
-from quickreturn.reference_model.native.memory import LANES, Placed, on_lines
+from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion, stiffness_across
 from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
@@ -231,20 +231,15 @@ class BeamModel:
         Raises:
             ObservationFailed: the loop does not close in a state.
         """
-        states, table = np.ascontiguousarray(states, dtype=float), np.empty((NUMBERS, len(states)))
-        scratch = on_lines((2 * states.shape[1] + NUMBERS, LANES))
-        arrays = states.ctypes.data, *states.shape, scratch.ctypes.data, table.ctypes.data
-        filled = OBSERVATIONS(self._at[0].address, self._rows.address, *arrays)
+        states, rows = np.ascontiguousarray(states, dtype=float), np.empty(len(states), ROW)
+        rate = np.empty(states.shape[1])
+        arrays = states.ctypes.data, *states.shape, rate.ctypes.data, rows.ctypes.data
+        filled = OBSERVATIONS(KERNEL.address, self._at[0].address, self._at[1].address, *arrays)
         if filled < len(states):
             raise ObservationFailed(filled)
         alone = self.parameters.constraint == BASE
         joint, spring = not (alone or self.closes_loop), self.scene.acting_spring is not None
-        return recorded_columns(table, alone=alone, joint=joint, spring=spring)
-
-    @cached_property
-    def _rows(self) -> Placed:
-        """A workspace for rows in lanes."""
-        return Placed(workspace(self.parameters, (LANES,)), lanes=True, facts=FACTS)
+        return recorded_columns(by_column(rows), alone=alone, joint=joint, spring=spring)
 
     def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""

@@ -16,6 +16,7 @@ from quickreturn.cases.jobs.job import Executor, Job, Outcome, T
 from quickreturn.cases.jobs.tally import Tally, span
 from quickreturn.engines import progress as progress_of_engines
 from quickreturn.reference_model.native import cache_folder
+from quickreturn.reference_model.native.turn import waits_for
 
 #: Time until the first line of progress, and between lines, s.
 FIRST_LINE_AFTER: Final = 0.3
@@ -126,6 +127,9 @@ def compilation_announced(quiet: bool) -> Iterator[None]:
 
 def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> None:
     while not ended.wait(LOOK_INTERVAL):
+        if process := waits_for():
+            _say(f"{engine}: waits for process {process}, which compiles its equations, once for this machine ...")
+            return
         if time.process_time() - began > COMPILING_AFTER:
             _say(f"{engine}: compiling its equations, once for this machine; that takes some fifteen seconds ...")
             return

@@ -16,6 +16,8 @@ from multiprocessing import connection, forkserver, resource_tracker
 from types import ModuleType
 from typing import Any, Final
 
+from quickreturn.reference_model.native import cache_folder
+
 #: Environment variables for the number of threads of numerical libraries.
 THREADS: Final = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMBA"))
 #: Modules that a fork server imports once for all its workers.
@@ -130,6 +132,7 @@ def _context(preload: Sequence[str]) -> Any:
         resource_tracker.ensure_running()  # its start unblocks SIGINT, so it must come before the block below
     # PYTHONSAFEPATH: the server must not import from the current folder, which may hold another folder `cases`
     environment = {**dict.fromkeys(THREADS, "1"), "PYTHONSAFEPATH": "1"}
+    cache_folder.folder()  # where it is a temporary one, the workers use the same
     before = {name: os.environ.get(name) for name in environment}
     os.environ.update(environment)
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a Ctrl-C meanwhile reaches this process afterwards

@@ -19,23 +19,19 @@ Every end of it becomes an `Outcome` with one clause:
 If the fork server is killed, its workers finish their jobs, and the next job gets a new server.
 """
 
-import contextlib
-import fcntl
 import math
 import os
 import pickle
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from multiprocessing import connection
-from pathlib import Path
 from typing import Any, Final
 
 from quickreturn.cases.jobs.fork_server import PRELOAD, Process
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T, Watch, default_limits
 from quickreturn.cases.jobs.worker import serve
-from quickreturn.reference_model.native import cache_folder
 
 #: Beginning of the failure of a job that exceeded its time.
 STOPPED: Final = "stopped at the time limit"
@@ -65,23 +61,22 @@ def isolated(
         stopped: whether the job is no longer wanted; called from time to time.
         preload: modules that the fork server imports once; only the first job of this process decides.
     """
-    with _first_alone(job, stopped):
-        try:
-            worker = _worker_for(job, preload)
-        except (OSError, EOFError) as error:
-            return Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
-        outcome = None
-        try:
-            if watch is not None:
-                watch(job, None)
-            outcome = worker.outcome(job, job.limits or limits or default_limits(), watch, stopped)
-        finally:
-            if outcome is not None and outcome.completed and _may_share(job):
-                with _LOCK:
-                    _waiting.append(worker)
-            else:
-                worker.end()
-        return outcome
+    try:
+        worker = _worker_for(job, preload)
+    except (OSError, EOFError) as error:
+        return Outcome(job, failure=f"could not be started ({error or type(error).__name__})")
+    outcome = None
+    try:
+        if watch is not None:
+            watch(job, None)
+        outcome = worker.outcome(job, job.limits or limits or default_limits(), watch, stopped)
+    finally:
+        if outcome is not None and outcome.completed and _may_share(job):
+            with _LOCK:
+                _waiting.append(worker)
+        else:
+            worker.end()
+    return outcome
 
 
 def end_waiting() -> None:
@@ -90,29 +85,6 @@ def end_waiting() -> None:
         workers = [_waiting.pop() for _ in list(_waiting)]
     for worker in workers:
         worker.end()
-
-
-@contextlib.contextmanager
-def _first_alone(job: Job[Any], stopped: Callable[[], bool]) -> Iterator[None]:
-    """Delay brief jobs while the first of their kind is computed: on a new machine it compiles code that the others then load.
-
-    A file beside the compiled code is locked meanwhile, and not empty afterwards.
-    """
-    if not (job.brief and job.engines):
-        yield
-        return
-    folder = Path(os.environ[cache_folder.VARIABLE])
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / f"{job.function.__qualname__} {' '.join(job.engines)}.first").open("a") as file:
-        while not os.fstat(file.fileno()).st_size and not stopped():
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                time.sleep(_LOOK_INTERVAL)
-        yield
-        if not os.fstat(file.fileno()).st_size:
-            file.write("done")
 
 
 def _may_share(job: Job[Any]) -> bool:

@@ -5,7 +5,6 @@ An FMU is loaded into this process, which it may end: jobs run in processes of t
 
 import contextlib
 import math
-import os
 import secrets
 import sys
 import time
@@ -205,7 +204,7 @@ def _free(instance: Any, fmi: str) -> None:
 
 def _folder(fmu: Fmu) -> Path:
     """The FMU's files, unpacked once beside compiled code."""
-    folder = Path(os.environ[cache_folder.VARIABLE]) / f"fmu-{fmu.digest}"
+    folder = cache_folder.folder() / f"fmu-{fmu.digest}"
     if not folder.is_dir():
         from fmpy import extract
 

@@ -1,15 +1,16 @@
 """The record of a simulation that compiled code works on, and the decorators that compile it."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numba
 import numpy as np
-from numba import carray, njit, types  # type: ignore[attr-defined]
+from numba import carray, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco.native import pointer
-from quickreturn.reference_model.native.compilation import Function
+from quickreturn.reference_model.native.compilation import Function, jitted
 from quickreturn.reference_model.spring import SpringLaw
 
 #: The constants of a spring's law.
@@ -114,12 +115,12 @@ TIME_AND_USERDATA = (1 << 0) | (1 << 11) | (1 << 12)
 
 def compiled(function: Function) -> Function:
     """Compile for callers that are compiled themselves."""
-    return njit(function)
+    return jitted(function, kept=False)
 
 
 def entry(signature: Any) -> Callable[[Function], Function]:
     """Compile at import, or load what an earlier process compiled, so that no first call is slower than the next."""
-    return njit(signature, cache=True)
+    return partial(jitted, signature=signature)
 
 
 @compiled

@@ -4,9 +4,10 @@ For a follower alone it has the torque on the base instead of the slider's force
 """
 
 import math
+from functools import partial
 
 import numpy as np
-from numba import carray, cfunc, types  # type: ignore[attr-defined]
+from numba import carray, types  # type: ignore[attr-defined]
 
 from quickreturn.engines.mujoco.centre_line import (
     centre_line_coefficients,
@@ -21,6 +22,7 @@ from quickreturn.engines.mujoco.centre_line import (
 from quickreturn.engines.mujoco.context import CONTEXT, TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
 from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, pointer
 from quickreturn.reference_model import joint, spring
+from quickreturn.reference_model.native.compilation import callback
 from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.tip_force import STILL, tool_force
 
@@ -243,7 +245,7 @@ def _turn_base(model: int, data: int, ctx: Context, time: float) -> None:
     ctx.dissipation, ctx.drive_power = dissipation, ctx.drive_torque * rates[0]
 
 
-@cfunc(types.void(types.intp, types.intp), cache=True)
+@partial(callback, signature=types.void(types.intp, types.intp))
 def control_hook(model: int, data: int) -> None:
     """MuJoCo's `mjcb_control`: called by `mj_forward`, when the mass matrix and all other forces are known."""
     time_and_context = np.empty(2)

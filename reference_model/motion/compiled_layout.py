@@ -5,14 +5,11 @@ from typing import Final
 import numba
 
 from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, BeamTables, BeamWorkspace
-from quickreturn.reference_model.native.lane_records import MEMBERS_IN_LANES, LaneRecord
 from quickreturn.reference_model.native.pointers import reader, tuple_type
 from quickreturn.reference_model.spring import SpringLaw
 
 TABLES_TYPE: Final = tuple_type(BeamTables)
 PARAMETERS_TYPE: Final = tuple_type(BeamParameters, spring=tuple_type(SpringLaw), tables=TABLES_TYPE)
 WORKSPACE_TYPE: Final = tuple_type(BeamWorkspace, facts=numba.from_dtype(FACTS))
-WORKSPACE_IN_LANES_TYPE: Final = tuple_type(BeamWorkspace, MEMBERS_IN_LANES, facts=LaneRecord(FACTS))
 parameters_at = reader(PARAMETERS_TYPE)
 workspace_at = reader(WORKSPACE_TYPE)
-workspace_in_lanes_at = reader(WORKSPACE_IN_LANES_TYPE)

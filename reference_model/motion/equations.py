@@ -18,64 +18,55 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import NUMBERS, ROW
-from quickreturn.reference_model.compiled_state import state_at, state_in_lanes_at
-from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at, workspace_in_lanes_at
+from quickreturn.reference_model.compiled_state import state_at
+from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
     assemble,
     bias_accelerations,
     dissipation,
-    drive_torque,
+    find_forces,
     friction_share,
     highest_frequency,
     joint_force,
-    moment_about_pivot,
     partial_velocities,
     power_of_tool,
     relative_velocities,
-    slider_force,
 )
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, motion_of_base, move_loop, share_force
-from quickreturn.reference_model.motion.observe import observe
 from quickreturn.reference_model.motion.plane import direction, dot
 from quickreturn.reference_model.motion.spring import hang
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.lane_records import LaneRecord, record_at
-from quickreturn.reference_model.native.memory import LANES
-from quickreturn.reference_model.native.pointers import matrix_at, numbers_at
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
 
-row_at = record_at(LaneRecord(ROW))
-
 
 @inlined
-def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> int:
+def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> bool:
     """To `w`: partial velocities, bias accelerations, and the accelerations of the speeds (equations 2.1 to 5.3).
 
-    Returns:
-        Index of the slider's point; -1 for an impossible state: outside the tables, bent too far, or with a singular loop.
+    False for an impossible state: outside the tables, bent too far, or with a singular loop.
     """
     s, q1 = y.s[0], y.q[0]
     if p.n == 0 and p.constraint == ELIMINATED:  # on a straight follower the slider's place is known exactly
         tip = p.LA * direction(q1) - p.d
         s = math.sqrt(dot(tip, tip))
     if not (t.low <= s <= t.high and abs(q1) < 1e9):
-        return -1
+        return False
     w.facts.s = w.watched[0] = s
     slider_point = place(p, t, w, y, s)
     if slider_point < 0:
-        return -1
+        return False
+    w.facts.slider_point = slider_point
     if p.constraint == BASE:
         _turn_base(p, t, w, y)
     elif move_loop(p, t, w, y, slider_point):
         bias_of_loop(p, t, w, y, slider_point)
     else:
-        return -1
+        return False
     relative_velocities(p, t, w, y)
     if p.is_held > 0:
         hang(p, t, w)
@@ -83,7 +74,7 @@ def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> int:
     bias_accelerations(p, t, w, y)
     assemble(p, t, w, y)
     w.watched[1] = highest_frequency(p, t, w)
-    return slider_point if _solve(p, t, w, slider_point) else -1
+    return _solve(p, t, w, slider_point)
 
 
 @inlined
@@ -179,12 +170,14 @@ def _substitute(A: Array, b: Array, first: int, size: int) -> None:
             b[i] -= A[k, i] * A[i, i] * b[k]
 
 
-@inner
-def evaluate(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, y_rate: State, with_forces: bool) -> bool:
-    """Write dy/dt of the state `y`, and to the facts, if `with_forces`, its forces; False for an impossible state."""
+@inlined
+def evaluate(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, y_rate: State) -> bool:
+    """Write dy/dt of the state `y`, and to the facts, where the crank's speed or the base is prescribed, its forces.
+
+    False for an impossible state.
+    """
     f = w.facts
-    slider_point = motion(p, t, w, y)
-    if slider_point < 0:
+    if not motion(p, t, w, y):
         return False
     for k in range(p.speeds):
         y_rate.q[k], y_rate.u[k] = y.u[k], w.acceleration[k]
@@ -192,16 +185,11 @@ def evaluate(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, y_rat
     y_rate.work[DISSIPATED] = dissipation(p, t, w, y)
     if len(y.work) > BY_JOINT:
         y_rate.work[BY_JOINT] = joint_power(p, w, y)
-    if p.first == 0 and not with_forces:
-        y_rate.work[BY_DRIVE] = p.torque * y.u[0] + power_of_tool(p, t, w)
-        return True
-    moment = moment_about_pivot(p, t, w)
-    f.slider_point, f.normal, f.slider_force, f.slider_moment, f.torque = slider_point, 0.0, 0j, 0.0, moment
-    speed = f.q2_rate
-    if p.constraint != BASE:
-        slider_force(p, t, w, moment)
-        f.torque, speed = drive_torque(p, w), y.u[0]
-    y_rate.work[BY_DRIVE] = f.torque * speed + power_of_tool(p, t, w)
+    torque, speed = p.torque, f.q2_rate if p.constraint == BASE else y.u[0]
+    if p.first == 1:
+        find_forces(p, t, w)
+        torque = f.torque
+    y_rate.work[BY_DRIVE] = torque * speed + power_of_tool(p, t, w)
     return True
 
 
@@ -212,37 +200,4 @@ def kernel(parameters: int, workspace: int, state: int, rate: int) -> int:
         1; or 0 for an impossible state, so that the integrator rejects the step.
     """
     p, w = parameters_at(parameters), workspace_at(workspace)
-    return 1 if evaluate(p, p.tables, w, state_at(state, p.n, p.speeds), state_at(rate, p.n, p.speeds), False) else 0
-
-
-def observe_states(parameters: int, workspace: int, states: int, count: int, size: int, scratch: int, table: int) -> int:
-    """Fill `table`, a column (count,) for each number of a `columns.ROW`, from `states` (count, size).
-
-    As many rows as there are lanes are computed together, or one in all lanes where they cannot be. Arrays by address; `scratch`, of two
-    states and a row in lanes, is overwritten.
-
-    Returns:
-        Number of rows filled before a state that cannot be.
-    """
-    p, w = parameters_at(parameters), workspace_in_lanes_at(workspace)
-    rate, row = scratch + 8 * LANES * size, scratch + 16 * LANES * size
-    given, together = matrix_at(states, count, size), matrix_at(scratch, size, LANES)
-    observed = matrix_at(row, NUMBERS, LANES)
-    y, y_rate = state_in_lanes_at(scratch, p.n, p.speeds), state_in_lanes_at(rate, p.n, p.speeds)
-    done, most = 0, LANES
-    while done < count:
-        here = min(most, count - done)
-        for lane in range(LANES):
-            for i in range(size):
-                together[i, lane] = given[done + min(lane, here - 1), i]
-        if evaluate(p, p.tables, w, y, y_rate, True) and observe(p, p.tables, w, y, row_at(row)):
-            for i in range(NUMBERS):
-                column = numbers_at(table + 8 * (count * i + done), here)
-                for lane in range(here):
-                    column[lane] = observed[i, lane]
-            done, most = done + here, LANES
-        elif here == 1:
-            break
-        else:
-            most = 1
-    return done
+    return 1 if evaluate(p, p.tables, w, state_at(state, p.n, p.speeds), state_at(rate, p.n, p.speeds)) else 0

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import point
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.cubics import write_cubics
-from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
-from quickreturn.reference_model.native.simd import few_registers, load, plus, spread, store
+from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
@@ -23,18 +21,13 @@ SMALL_ANGLE = 0.25 * math.pi
 
 @inner
 def interpolate_row(t: BeamTables, s: float, row: Array) -> int:
-    """To `row`: the table's row at s. Returns the number of the cell that ends at the slider; -1 if that differs between lanes."""
-    cell = -1
-    interval = ds = zeros_like(s)
-    for lane in range(lanes_of(s)):
-        beyond = lane_of(s, lane) - t.low
-        k = min(max(int(beyond / t.step), 0), t.coefficients.shape[0] - 1)
-        interval, ds = with_lane(interval, lane, float(k)), with_lane(ds, lane, beyond - k * t.step)
-        if lane > 0 and cell != int(t.slider_cell[k]):
-            return -1
-        cell = int(t.slider_cell[k])
-    write_cubics(t.coefficients, interval, ds, row)
-    return cell
+    """To `row`: the table's row at s. Returns the number of the cell that ends at the slider."""
+    k = min(max(int((s - t.low) / t.step), 0), t.coefficients.shape[0] - 1)
+    ds = s - t.low - k * t.step
+    c3, c2, c1, c0 = t.coefficients[k, 0], t.coefficients[k, 1], t.coefficients[k, 2], t.coefficients[k, 3]
+    for j in range(len(row)):
+        row[j] = ((c3[j] * ds + c2[j]) * ds + c1[j]) * ds + c0[j]
+    return int(t.slider_cell[k])
 
 
 @inner
@@ -78,7 +71,7 @@ def _cumulate(t: BeamTables, length: Array, f: Array, out: Array, G: int, S: int
         while p < S:
             here = first + p
             a1 = a2 = b1 = b2 = c1 = c2 = spread(0.0)
-            if S - p >= 12 and few_registers(out):
+            if S - p >= 12:
                 for j in range(G):
                     entry, f1, f2 = j * S + p, f[first + j], f[N + first + j]
                     a, b, c = load(t.to_points, entry), load(t.to_points, entry + 4), load(t.to_points, entry + 8)
@@ -153,12 +146,12 @@ def place(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, s: float
     """Angles, places and the integrals U_i and Y of the state `y`, the slider at s (equations 2.1 to 2.5).
 
     Returns:
-        Index of the slider's point; -1 if the follower is bent too far, or the slider is in different cells in different lanes.
+        Index of the slider's point; -1 if the follower is bent too far.
     """
     n, N = p.n, t.points
     slider_cell = interpolate_row(t, s, w.row)
     combine(w.psi_i, y.eta, w.psi)
-    if slider_cell < 0 or not directions(w.psi, w.e):
+    if not directions(w.psi, w.e):
         return -1
     cumulate(t, w.length, w.e, w.z)
     if t.moves:

@@ -20,35 +20,21 @@ from quickreturn.reference_model.motion.layout import (
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, load_spring, spring_stiffness
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
-from quickreturn.reference_model.native.simd import few_registers, load, plus, plus_product, spread, store, total
-from quickreturn.reference_model.slider_constraint import ELIMINATED, ROLLERS
+from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.tip_force import STILL, tool_force
 
 Array = NDArray[np.float64]
 
-_tool_force, _friction_share, joint_force = inner(tool_force), inner(joint.friction_share), inner(joint.joint_force)
+_tool_force, friction_share, joint_force = inner(tool_force), inner(joint.friction_share), inner(joint.joint_force)
 
 
 @inner
 def acting_force(p: BeamParameters, crank_angle: float) -> tuple[float, complex]:
     """Fraction of the force on the tip that acts, and the force in full, N, in its frame (equations 4.9 and 4.11)."""
-    acting = first = second = zeros_like(crank_angle)
-    for lane in range(lanes_of(crank_angle)):
-        angle = lane_of(crank_angle, lane)
-        share, one, other = _tool_force(angle, p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)
-        acting, first, second = with_lane(acting, lane, share), with_lane(first, lane, one), with_lane(second, lane, other)
-    return acting, complex(first, second)
-
-
-@inner
-def friction_share(speed: float, over: float) -> float:
-    """Fraction of a friction that acts (equation 5.14)."""
-    acting = zeros_like(speed)
-    for lane in range(lanes_of(speed)):
-        acting = with_lane(acting, lane, _friction_share(lane_of(speed, lane), over))
-    return acting
+    share, one, other = _tool_force(crank_angle, p.force_1, p.force_2, p.force_begin, p.force_span, p.force_ramp, p.force_table)
+    return share, complex(one, other)
 
 
 @inner
@@ -245,13 +231,9 @@ def crank_weight(p: BeamParameters, w: BeamWorkspace) -> float:
 def _dot(a: Array, b: Array, size: int) -> float:
     """Scalar product of two rows whose length is a multiple of eight, in two sums that do not wait for each other."""
     sums = others = spread(0.0)
-    if few_registers(a):
-        for j in range(0, size, 8):
-            sums = plus_product(sums, load(a, j), load(b, j))
-            others = plus_product(others, load(a, j + 4), load(b, j + 4))
-    else:
-        for j in range(0, size, 4):
-            sums = plus_product(sums, load(a, j), load(b, j))
+    for j in range(0, size, 8):
+        sums = plus_product(sums, load(a, j), load(b, j))
+        others = plus_product(others, load(a, j + 4), load(b, j + 4))
     return total(sums) + total(others)
 
 
@@ -310,7 +292,18 @@ def _loss_of_rollers(p: BeamParameters, gap: float, rate: float) -> float:
 
 
 @inner
-def moment_about_pivot(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
+def find_forces(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> None:
+    """To the facts: the slider's force on the follower, and the torque of the drive, or the base's where its motion is prescribed."""
+    f = w.facts
+    moment = _moment_about_pivot(p, t, w)
+    f.normal, f.slider_force, f.slider_moment, f.torque = 0.0, 0j, 0.0, moment
+    if p.constraint != BASE:
+        _slider_force(p, t, w, moment)
+        f.torque = _drive_torque(p, w)
+
+
+@inner
+def _moment_about_pivot(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
     """Moment about P (N m) that the motion of follower, base and tip body requires (equation 5.4).
 
     The beam damping acts between beam and base and drops out. Also, to `a`: accelerations of points and bodies, less gravity.
@@ -338,8 +331,8 @@ def power_of_tool(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> float:
 
 
 @inner
-def slider_force(p: BeamParameters, t: BeamTables, w: BeamWorkspace, moment: float) -> None:
-    """To the facts: force (N) and moment (N m) of the slider on the follower, from `moment_about_pivot` (equations 5.5, 5.6)."""
+def _slider_force(p: BeamParameters, t: BeamTables, w: BeamWorkspace, moment: float) -> None:
+    """To the facts: force (N) and moment (N m) of the slider on the follower, from `_moment_about_pivot` (equations 5.5, 5.6)."""
     f = w.facts
     f.slider_moment = -p.slider_inertia * w.a[2 * t.points + SLIDER_TURN] / (1.0 - f.gap * f.curvature)
     f.tangential = -f.slider_moment * f.curvature
@@ -353,7 +346,7 @@ def slider_force(p: BeamParameters, t: BeamTables, w: BeamWorkspace, moment: flo
 
 
 @inner
-def drive_torque(p: BeamParameters, w: BeamWorkspace) -> float:
+def _drive_torque(p: BeamParameters, w: BeamWorkspace) -> float:
     """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
     if p.first == 0:
         return p.torque

@@ -78,14 +78,13 @@ class ShapeRow(NamedTuple):
     length: Vector  # (..., cells) m
 
     @classmethod
-    def of(cls, row: Vector, n: int, t: BeamTables, axis: int = -1) -> ShapeRow:
-        """Views of rows of a table of n shapes, whose numbers lie along an axis (negative: the last is -1)."""
+    def of(cls, row: Vector, n: int, t: BeamTables) -> ShapeRow:
+        """Views of rows (..., row length) of a table of n shapes."""
         moving = n if t.moves else 0
         sizes = [(n, t.points), (moving, t.points), (moving, t.points), *[(n,)] * 5, (t.cells,)]
         ends = np.cumsum([math.prod(size) for size in sizes])
-        before, behind = row.shape[:axis], row.shape[row.ndim + axis + 1 :]
-        parts = np.split(row, ends, axis=axis)
-        return cls(*(part.reshape(*before, *size, *behind) for part, size in zip(parts, sizes, strict=False)))
+        parts = np.split(row, ends, axis=-1)
+        return cls(*(part.reshape(*row.shape[:-1], *size) for part, size in zip(parts, sizes, strict=False)))
 
     @property
     def joined(self) -> Vector:
@@ -248,11 +247,11 @@ class BeamWorkspace(NamedTuple):
     facts: Facts
 
 
-def workspace(p: BeamParameters, lanes: tuple[int, ...] = ()) -> BeamWorkspace:
-    """Scratch arrays for these parameters; `lanes`: (LANES,) where each number is one of each row."""
+def workspace(p: BeamParameters) -> BeamWorkspace:
+    """Scratch arrays for these parameters."""
     n, m, N = p.n, p.speeds, p.tables.points
     M = 2 * N + BODIES
-    row = on_lines((*p.tables.coefficients.shape[2:], *lanes))
+    row = on_lines(p.tables.coefficients.shape[2:])
     sizes = (
         ("psi psi_s gamma turn curvature_rate bending_load at_spring load_moment inboard_moment moment curvature recovered_angle", (N,)),
         ("e z Y integrand relative dx A load inboard_force recovered_e recovered_place", (2 * N,)),
@@ -263,10 +262,9 @@ def workspace(p: BeamParameters, lanes: tuple[int, ...] = ()) -> BeamWorkspace:
         ("M factor", (m, m)),
         ("watched", (2,)),
     )
-    fields: dict[str, Any] = {name: on_lines((*size, *lanes)) for names, size in sizes for name in names.split()}
-    fields |= {name: on_lines((m, 2, *lanes)) if lanes else np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}
-    facts: Any = on_lines((FACTS.itemsize // 8, *lanes)) if lanes else np.zeros(1, FACTS)[0]
-    return BeamWorkspace(row=row, **ShapeRow.of(row, n, p.tables, -1 - len(lanes))._asdict(), **fields, facts=facts)
+    fields: dict[str, Any] = {name: on_lines(size) for names, size in sizes for name in names.split()}
+    fields |= {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}
+    return BeamWorkspace(row=row, **ShapeRow.of(row, n, p.tables)._asdict(), **fields, facts=np.zeros(1, FACTS)[0])
 
 
 def state_size(p: BeamParameters) -> int:

@@ -9,7 +9,6 @@ from quickreturn.reference_model.motion.fields import combine, cumulate
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import cross, direction, dot, point
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
 from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.slider_constraint import CHORDS, ELIMINATED, LEVER
 from quickreturn.reference_model.spin_up import base_motion
@@ -23,11 +22,7 @@ turn_of_base = inner(base_motion)
 @inner
 def motion_of_base(p: BeamParameters, t: float) -> tuple[float, float, float]:
     """Prescribed angle, rate and acceleration of the base at the instant t (equation 11.1)."""
-    angle = rate = acceleration = zeros_like(t)
-    for lane in range(lanes_of(t)):
-        q2, q2_rate, q2_bias = turn_of_base(p.base_speed, p.base_time, lane_of(t, lane))
-        angle, rate, acceleration = with_lane(angle, lane, q2), with_lane(rate, lane, q2_rate), with_lane(acceleration, lane, q2_bias)
-    return angle, rate, acceleration
+    return turn_of_base(p.base_speed, p.base_time, t)
 
 
 @inlined

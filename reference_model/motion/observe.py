@@ -10,15 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import PLACES
+from quickreturn.reference_model.columns import NUMBERS, PLACES, ROW
+from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
+from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import cumulate, cumulate_real, directions
+from quickreturn.reference_model.motion.inertia import find_forces
 from quickreturn.reference_model.motion.layout import BASE_TURN, TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
 from quickreturn.reference_model.motion.plane import angle_of, cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, number_at_spring, spring_energy
 from quickreturn.reference_model.native.compilation import inner
-from quickreturn.reference_model.native.lanes import where_within
+from quickreturn.reference_model.native.pointers import call_equations, numbers_at
 from quickreturn.reference_model.native.simd import load, plus_product, spread, total
 from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
@@ -30,11 +33,13 @@ joint_energy = inner(energy_of_joint)
 
 @inner
 def observe(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, row: Any) -> bool:
-    """Fill a row of `columns.ROW` for the state evaluated last, which must have been evaluated `with_forces`.
+    """Fill a row of `columns.ROW` for the state evaluated last.
 
     False where the recovered line is bent too far.
     """
     f = w.facts
+    if p.first == 0:  # the equations have found them where they ask for the drive's torque
+        find_forces(p, t, w)
     slider_point = f.slider_point
     row.crank_angle, row.crank_speed, row.tip_acceleration = y.q[0], y.u[0], _tip_acceleration(p, t, w)
     row.follower_rate, row.follower_acceleration = f.q2_rate, w.a[2 * t.points + BASE_TURN]
@@ -141,12 +146,13 @@ def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_p
     if p.is_held > 0:
         row.moment_base += cross(f.spring_place, f.spring_force)
         row.axial_base += f.spring_force.real
-        pulled = where_within(f.s, 0.0, p.spring_place, dot(along, f.spring_force), 0.0)
-        row.axial_slider += pulled
-        row.axial_inboard += pulled
+        if f.s <= p.spring_place:
+            pulled = dot(along, f.spring_force)
+            row.axial_slider += pulled
+            row.axial_inboard += pulled
+            row.moment_slider += _moment_of_spring(t, w, slider_point)
         if p.spring_place >= p.L:
             row.axial_tip += dot(point(w.e, end, N), f.spring_force)
-        row.moment_slider += where_within(f.s, 0.0, p.spring_place, _moment_of_spring(t, w, slider_point), 0.0)
     row.moment_inboard = row.moment_slider + f.slider_moment
     row.moment_tip = cross(f.tip_arm, of_body) - p.tip_inertia * w.a[bodies + TIP_TURN]
 
@@ -179,8 +185,8 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
         if not _bend(p, t, w, angle, joint, True):
             return False
         _read_beyond_spring(p, t, w, row)
-        place = _inboard_or_not(p, f.s, place, point(w.recovered_place, slider_point, N))
-        tangent = _inboard_or_not(p, f.s, tangent, point(w.recovered_e, slider_point, N))
+        if f.s > p.spring_place:
+            place, tangent = point(w.recovered_place, slider_point, N), point(w.recovered_e, slider_point, N)
     else:
         if not _bend(p, t, w, 0.0, complex(0.0, 0.0), False):
             return False
@@ -260,31 +266,37 @@ def _read_beyond_spring(p: BeamParameters, t: BeamTables, w: BeamWorkspace, row:
 
 
 @inner
-def _inboard_or_not(p: BeamParameters, s: float, inboard: complex, beyond: complex) -> complex:
-    """The first vector where the slider is inboard of the spring, otherwise the other."""
-    real = where_within(s, 0.0, p.spring_place, inboard.real, beyond.real)
-    return complex(real, where_within(s, 0.0, p.spring_place, inboard.imag, beyond.imag))
-
-
-@inner
 def _at_place(t: BeamTables, w: BeamWorkspace, field: Array, x: float) -> tuple[float, float]:
     """A field (moment or curvature) and the deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
-    value = deflection = begin = 0.0
-    covered = -math.inf  # end of the cells before, with room for rounding
-    for cell in range(t.cells):
-        # a cell beyond a slider that has left the follower has no length
-        beyond = w.length[cell + 1] if cell < t.cells - 1 else 0.0
-        end = where_within(beyond, 0.0, math.inf, begin + w.length[cell] * (1.0 + 1e-12), math.inf)
-        if not (end < x or x <= covered):
-            first, across, u = cell * t.cell_size, t.points + cell * t.cell_size, (x - begin) / w.length[cell]
-            of_cell, across_cell, before = 0.0, 0.0, 1.0  # before: product of the distances from the points passed
-            for j in range(t.gauss_points):
-                away, share = u - t.u[j], t.lagrange[j] * before
-                of_cell = of_cell * away + share * field[first + j]
-                across_cell = across_cell * away + share * w.recovered_place[across + j]
-                before *= away
-            value = where_within(x, covered, end, of_cell, value)
-            deflection = where_within(x, covered, end, across_cell, deflection)
+    cell, begin = 0, 0.0
+    # with room for rounding; a cell beyond a slider that has left the follower has no length
+    while cell < t.cells - 1 and w.length[cell + 1] > 0.0 and x > begin + w.length[cell] * (1.0 + 1e-12):
         begin += w.length[cell]
-        covered = end
+        cell += 1
+    first, u = cell * t.cell_size, (x - begin) / w.length[cell]
+    value = deflection = 0.0
+    before = 1.0  # product of the distances from the points passed
+    for j in range(t.gauss_points):
+        away, share = u - t.u[j], t.lagrange[j] * before
+        value = value * away + share * field[first + j]
+        deflection = deflection * away + share * w.recovered_place[t.points + first + j]
+        before *= away
     return value, deflection
+
+
+def observe_states(function: int, parameters: int, workspace: int, states: int, count: int, size: int, rate: int, rows: int) -> int:
+    """Fill `rows`, (count,) records `columns.ROW`, from `states` (count, size); `rate` (size,) is overwritten.
+
+    `function` is the address of `equations.kernel`, the rest are those of arrays.
+
+    Returns:
+        Number of rows filled before a state that cannot be.
+    """
+    p, w = parameters_at(parameters), workspace_at(workspace)
+    for k in range(count):
+        state = states + 8 * size * k
+        if call_equations(function, parameters, workspace, state, rate) != 1:
+            return k
+        if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), numbers_at(rows + 8 * NUMBERS * k, NUMBERS).view(ROW)[0]):
+            return k
+    return count

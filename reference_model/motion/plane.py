@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.native.compilation import inner
-from quickreturn.reference_model.native.lanes import lane_of, lanes_of, with_lane, zeros_like
 
 
 @inner
@@ -18,20 +17,13 @@ def point(row: NDArray[np.float64], j: int, N: int) -> complex:
 @inner
 def direction(angle: float) -> complex:
     """exp(i angle)."""
-    cosine = sine = zeros_like(angle)
-    for lane in range(lanes_of(angle)):
-        cosine = with_lane(cosine, lane, math.cos(lane_of(angle, lane)))
-        sine = with_lane(sine, lane, math.sin(lane_of(angle, lane)))
-    return complex(cosine, sine)
+    return complex(math.cos(angle), math.sin(angle))
 
 
 @inner
 def angle_of(vector: complex) -> float:
     """Angle of the vector, -pi to pi."""
-    angle = zeros_like(vector.real)
-    for lane in range(lanes_of(angle)):
-        angle = with_lane(angle, lane, math.atan2(lane_of(vector.imag, lane), lane_of(vector.real, lane)))
-    return angle
+    return math.atan2(vector.imag, vector.real)
 
 
 @inner

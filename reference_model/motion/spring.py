@@ -9,7 +9,6 @@ from quickreturn.reference_model import spring
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import dot
 from quickreturn.reference_model.native.compilation import inner
-from quickreturn.reference_model.native.lanes import where_within
 
 Array = NDArray[np.float64]
 
@@ -42,21 +41,21 @@ def _weigh(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> None:
     begin = covered = 0.0
     for cell in range(t.cells):
         # a cell beyond a slider that has left the follower has no length
-        beyond = w.length[cell + 1] if cell < t.cells - 1 else 0.0
-        end = where_within(beyond, 0.0, math.inf, begin + w.length[cell], math.inf)
-        first, u = cell * t.cell_size, (p.spring_place - begin) / w.length[cell]
-        product = u
-        for j in range(G):
-            w.at_spring[first + j] = product * t.lagrange[j] / t.u[j]
-            product *= u - t.u[j]
-        product = left = 1.0
-        for j in range(G - 1, -1, -1):
-            share = where_within(p.spring_place, covered, end, product * w.at_spring[first + j], 0.0)
-            w.at_spring[first + j] = share
-            left -= share
-            product *= u - t.u[j]
-        if cell > 0:
-            w.at_spring[first - t.cell_size + G] += where_within(p.spring_place, covered, end, left, 0.0)
+        last = cell == t.cells - 1 or w.length[cell + 1] <= 0.0
+        end = math.inf if last else begin + w.length[cell]
+        if covered < p.spring_place <= end:
+            first, u = cell * t.cell_size, (p.spring_place - begin) / w.length[cell]
+            product = u
+            for j in range(G):
+                w.at_spring[first + j] = product * t.lagrange[j] / t.u[j]
+                product *= u - t.u[j]
+            product = left = 1.0
+            for j in range(G - 1, -1, -1):
+                w.at_spring[first + j] *= product
+                left -= w.at_spring[first + j]
+                product *= u - t.u[j]
+            if cell > 0:
+                w.at_spring[first - t.cell_size + G] += left
         begin += w.length[cell]
         covered = end
 

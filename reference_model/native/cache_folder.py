@@ -2,8 +2,8 @@
 
 Numba recompiles a cached function when the function's own file changes, but not when a file that it calls into does. With a folder
 named by the hash of the sources that are compiled, and of all that these import, code compiled from other sources is never taken. It is
-beside the sources; where these cannot be written it is in the user's cache, and where there is none in a temporary folder that is removed
-when the process ends.
+in the folder that the user has named for numba's cache, else beside the sources; where these cannot be written it is in the user's cache,
+and where there is none in a temporary folder that is removed when the process ends.
 """
 
 import atexit
@@ -18,39 +18,45 @@ from typing import Final
 
 from quickreturn.reference_model.imported_modules import imported_modules, modules_in, text_of
 
+#: Names the folder of numba's cache, if the user has chosen one.
 VARIABLE: Final = "NUMBA_CACHE_DIR"
+#: Tells the processes that this one starts of its temporary folder.
+_TEMPORARY: Final = "QUICKRETURN_TEMPORARY_CODE"
 _PACKAGE: Final = Path(__file__).resolve().parents[1]
-#: How the name of a cache folder of this package begins, and what follows the hash in that of a temporary one.
-_OURS: Final = "quickreturn-"
-_TEMPORARY: Final = "-temporary-"
+#: Where a wheel has its objects (`objects.Entry`).
+SHIPPED: Final = Path(__file__).parent / "shipped"
 #: Imports of a module whose functions are compiled: of the compiler, or of this package's decorators for it.
 _COMPILES: Final = re.compile(rb"^(?:from|import) (?:numba\b|quickreturn\.reference_model\.native\.compilation\b)", re.MULTILINE)
 
 
-def choose_cache_folder() -> None:
-    """Set the environment variable that numba reads at its import, unless the user has set it to a folder that can be written."""
-    given, name = os.environ.get(VARIABLE), f"{_OURS}{source_hash()}"
-    if given and (not Path(given).name.startswith(_OURS) or Path(given).name.startswith(f"{name}{_TEMPORARY}")) and _writable(Path(given)):
-        return
-    for home in (_PACKAGE / "__pycache__", Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "quickreturn"):
+def folder() -> Path:
+    """The folder, which need not exist yet."""
+    chosen, of_user = os.environ.get(VARIABLE), os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    homes = [_PACKAGE / "__pycache__", Path(of_user) / "quickreturn"]
+    for home in [Path(chosen).absolute(), *homes] if chosen else homes:
         if home.is_absolute() and _writable(home):
-            os.environ[VARIABLE] = str(home / name)
-            return
-    temporary = tempfile.mkdtemp(prefix=f"{name}{_TEMPORARY}")
-    atexit.register(shutil.rmtree, temporary, ignore_errors=True)
-    os.environ[VARIABLE] = temporary
+            return home / f"quickreturn-{source_hash()}"
+    return _temporary()
+
+
+def _temporary() -> Path:
+    if _TEMPORARY not in os.environ:
+        os.environ[_TEMPORARY] = tempfile.mkdtemp(prefix="quickreturn-")
+        atexit.register(shutil.rmtree, os.environ[_TEMPORARY], ignore_errors=True)
+    return Path(os.environ[_TEMPORARY]) / source_hash()
 
 
 def notice_if_none() -> str:
     """A sentence that the first run of an engine compiles, if no compiled code is kept yet; "" otherwise."""
-    if any(Path(os.environ.get(VARIABLE, "")).glob("*.object")):
+    if any(folder().glob("*.object")) or any(SHIPPED.glob(f"*-{source_hash()}.object")):
         return ""
     return "no compiled code is kept yet: an engine's first run begins with compiling, once for this machine, up to two minutes"
 
 
 def warning_if_not_kept() -> str:
     """A sentence that compiled code is not kept, and what to do about it; "" if it is kept."""
-    if _TEMPORARY not in os.environ.get(VARIABLE, ""):
+    folder()
+    if _TEMPORARY not in os.environ:
         return ""
     return (
         "compiled code cannot be kept here, so every call begins with up to a minute of compiling;"

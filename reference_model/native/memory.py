@@ -16,8 +16,6 @@ Matrix = NDArray[np.float64]
 Cube = NDArray[np.float64]
 _ARRAYS: Final = {"Vector": (1, float), "ComplexVector": (1, complex), "Matrix": (2, float), "Cube": (3, float)}
 _NUMBERS: Final = {"float": float, "int": int, "bool": bool}
-#: Rows that compiled code computes together, see `native.lanes`.
-LANES: Final = 8
 
 
 def annotations_of(named_tuple: Any) -> dict[str, str]:
@@ -42,8 +40,6 @@ class Placed:
 
     Args:
         value: the tuple.
-        lanes: whether each number of its arrays and records is one of each row: a last dimension of `LANES` behind those annotated, and
-            before it one of two for a complex number.
         records: types of members that are records, by the member's name.
 
     Attributes:
@@ -53,9 +49,9 @@ class Placed:
         TypeError: a member is not what its annotation says.
     """
 
-    def __init__(self, value: Any, *, lanes: bool = False, **records: np.dtype[Any]) -> None:
+    def __init__(self, value: Any, **records: np.dtype[Any]) -> None:
         self.value = value
-        words = _words(value, records, lanes)
+        words = _words(value, records)
         self._memory = on_lines((len(words),))
         whole = self._memory.view(np.int64)
         for place, word in enumerate(words):
@@ -63,7 +59,7 @@ class Placed:
         self.address = int(self._memory.ctypes.data)
 
 
-def _words(value: Any, records: Mapping[str, np.dtype[Any]], lanes: bool) -> list[float]:
+def _words(value: Any, records: Mapping[str, np.dtype[Any]]) -> list[float]:
     """The words of a tuple: numbers, and places as whole numbers."""
     found: list[float] = []
     for name, annotation in annotations_of(type(value)).items():
@@ -72,17 +68,10 @@ def _words(value: Any, records: Mapping[str, np.dtype[Any]], lanes: bool) -> lis
             good, words = isinstance(member, _NUMBERS[annotation]), [member]
         elif annotation in _ARRAYS:
             dimensions, kind = _ARRAYS[annotation]
-            behind: tuple[int, ...] = ()
-            if lanes:
-                behind, kind = (2, LANES) if kind is complex else (LANES,), float
-            good = isinstance(member, np.ndarray) and member.flags.carray and member.dtype == kind
-            good = good and member.ndim == dimensions + len(behind) and member.shape[dimensions:] == behind
-            words = [member.ctypes.data, *member.shape[:dimensions]] if good else []
+            good = isinstance(member, np.ndarray) and member.flags.carray and member.dtype == kind and member.ndim == dimensions
+            words = [member.ctypes.data, *member.shape] if good else []
         elif isinstance(member, tuple):
-            good, words = type(member).__name__ == annotation, _words(member, {}, lanes)
-        elif lanes:
-            good = isinstance(member, np.ndarray) and member.flags.carray and member.nbytes == LANES * records[name].itemsize
-            words = [member.ctypes.data]
+            good, words = type(member).__name__ == annotation, _words(member, {})
         else:
             good = isinstance(member, np.record) and member.dtype == records[name]
             words = [member.__array_interface__["data"][0]] if good else []

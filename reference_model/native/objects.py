@@ -1,15 +1,15 @@
 """Compiled functions that Python calls, kept on the disk as objects that load without the compiler, whose import takes longer than a run.
 
-An object serves on the processor and by the version of LLVM that it was made for, if it is whole and all that it refers to is there.
-Otherwise the compiler compiles the function, or loads it from its own cache.
+An object serves on the processor and by the version of LLVM that it was made for, if it is whole and all that it refers to is there. A
+wheel brings objects along (`reference_model.ship`), for the sources in it and all processors of one level. Where none serves, the compiler
+compiles the function, or loads it from its own cache.
 """
 
 import ctypes
 import hashlib
-import os
 import secrets
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import suppress
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final
@@ -23,6 +23,9 @@ from quickreturn.reference_model.native import cache_folder
 _ARGUMENTS: Final[dict[str, Any]] = {"i": ctypes.c_int64, "f": ctypes.c_double}
 #: An entry in the table of symbols of an object (ELF, 64 bit); one in section 0 is defined elsewhere.
 _SYMBOL: Final = np.dtype([("name", "<u4"), ("kind", "u1"), ("seen", "u1"), ("section", "<u2"), ("value", "<u8"), ("size", "<u8")])
+#: The level of processors that a wheel's objects are for, and what LLVM says of such a processor.
+LEVEL: Final = "x86-64-v3"
+_NEEDED: Final = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 #: What holds the loaded code.
 _engines: Final[list[Any]] = []
 
@@ -33,19 +36,17 @@ class Entry:
     Args:
         source: imports the function to compile, and with it the compiler, and returns it; the object is called as this is.
         arguments: a letter for each argument: "i" for a whole number or an address, "f" for a number.
-        beside: a context in which the function is compiled.
     """
 
-    def __init__(
-        self, source: Callable[[], Callable[..., int]], arguments: str, beside: Callable[[], AbstractContextManager[Any]] = nullcontext
-    ) -> None:
-        self._source, self._arguments, self._beside = source, arguments, beside
+    def __init__(self, source: Callable[[], Callable[..., int]], arguments: str) -> None:
+        self._source, self._arguments = source, arguments
 
     @cached_property
     def address(self) -> int:
         """Its address, for other compiled code."""
-        with suppress(OSError, KeyError, ValueError, AttributeError, RuntimeError):  # none is kept, or it is of another system or library
-            return _loaded(self._path)
+        for path in [self.shipped, self.path] if _of_level() else [self.path]:
+            with suppress(OSError, KeyError, ValueError, AttributeError, RuntimeError):  # there is none, or of another system or library
+                return _loaded(path)
         return self.compiled()
 
     @cached_property
@@ -57,20 +58,36 @@ class Entry:
         return int(self._call(*arguments))
 
     def compiled(self) -> int:
-        """Its address, from the compiler; where that has compiled it just now, the object is kept."""
+        """Its address, from the compiler; the object is kept."""
         from quickreturn.reference_model.native.compilation import entry
 
-        with self._beside():
-            function = entry(self._source(), self._arguments)
-        with suppress(AttributeError, RuntimeError, OSError):  # another numba, code from its cache, or a full disk: nothing is kept
-            code, written = function._library._get_compiled_object(), self._path.with_suffix(f".{secrets.token_hex(4)}.part")
+        function = entry(self._source(), self._arguments)
+        with suppress(AttributeError, RuntimeError, OSError):  # another numba, or a full disk: nothing is kept
+            code, written = function._library._get_compiled_object(), self.path.with_suffix(f".{secrets.token_hex(4)}.part")
             written.write_bytes(f"{hashlib.sha256(code).hexdigest()} {function.native_name}\n".encode() + code)
-            written.replace(self._path)
+            written.replace(self.path)
         return int(function.address)
 
     @property
-    def _path(self) -> Path:
-        return Path(os.environ[cache_folder.VARIABLE]) / f"{self._source.__module__}.{self._source.__name__}-{_made_for()}.object"
+    def path(self) -> Path:
+        """Of its object for this processor."""
+        return cache_folder.folder() / f"{self._name}-{_made_for()}.object"
+
+    @property
+    def shipped(self) -> Path:
+        """Of its object in a wheel."""
+        return cache_folder.SHIPPED / f"{self._name}-{cache_folder.source_hash()}.object"
+
+    @property
+    def _name(self) -> str:
+        return f"{self._source.__module__}.{self._source.__name__}"
+
+
+@cache
+def _of_level() -> bool:
+    """Whether this processor is of the level that a wheel's objects are for."""
+    features = llvm.get_host_cpu_features()
+    return all(features.get(each, False) for each in _NEEDED)
 
 
 @cache

@@ -5,7 +5,6 @@ equations of motion therefore receive parameters and workspace by address, and t
 compiled only once.
 """
 
-from collections.abc import Mapping
 from typing import Any, Final
 
 import llvmlite.ir as ir
@@ -30,16 +29,15 @@ MEMBERS: Final[dict[str, Any]] = {
 }
 
 
-def tuple_type(named_tuple: Any, members: Mapping[str, Any] = MEMBERS, **nested: types.Type) -> types.NamedTuple:
+def tuple_type(named_tuple: Any, **nested: types.Type) -> types.NamedTuple:
     """The compiled type of a `NamedTuple` class.
 
     Args:
         named_tuple: members are annotated, as text, with names of `MEMBERS`.
-        members: annotation -> compiled type.
         nested: types of members that are tuples or records themselves, by the member's name.
     """
     annotations = annotations_of(named_tuple)
-    return types.NamedTuple([nested.get(name) or members[annotations[name]] for name in named_tuple._fields], named_tuple)
+    return types.NamedTuple([nested.get(name) or MEMBERS[annotations[name]] for name in named_tuple._fields], named_tuple)
 
 
 class At(types.Type):

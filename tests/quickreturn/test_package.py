@@ -328,6 +328,17 @@ def test_the_person_who_waits_for_a_compiler_is_told_once(
     assert capfd.readouterr() == ("", "")
 
 
+def test_the_person_who_waits_for_another_process_is_told_for_which(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("quickreturn.cases.jobs.display.LOOK_INTERVAL", 0.01)
+    monkeypatch.setattr("quickreturn.cases.jobs.display.waits_for", lambda: 4711)
+    qr.simulate("small.toml", Loading())
+    assert capfd.readouterr().err == "  fake: waits for process 4711, which compiles its equations, once for this machine ...\n"
+    qr.simulate("small.toml", Loading(), quiet=True)
+    assert capfd.readouterr().err == ""
+
+
 def test_without_an_estimate_the_table_is_the_same_and_nothing_is_claimed(place: Path) -> None:
     quick = qr.simulate("small.toml", "fake", settings={"step": 0.05}, estimate=False)
     assert quick.frame.equals(qr.simulate("small.toml", "fake", settings={"step": 0.05}).frame)

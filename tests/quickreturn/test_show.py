@@ -13,6 +13,7 @@ from quickreturn.cases.sweep.rows import Row
 from quickreturn.command_line import main
 from quickreturn.commands.case_document import _stability
 from quickreturn.commands.console import ExitCode
+from quickreturn.reference_model.native.cache_folder import folder
 from tests.quickreturn.conftest import Call
 
 
@@ -75,7 +76,8 @@ def test_a_command_on_a_machine_without_compiled_code_says_at_once_that_it_compi
     for arguments in (("show", "thesis-24"), ("--quiet", "show", "thesis-24")):
         assert main(arguments) == ExitCode.GOOD
         told.append(capfd.readouterr().err)
-    (tmp_path / "kernel.object").touch()
+    folder().mkdir()
+    (folder() / "kernel.object").touch()
     assert main(("show", "thesis-24")) == ExitCode.GOOD
     assert ["compiling, once for this machine" in each for each in (*told, capfd.readouterr().err)] == [True, False, False]
 

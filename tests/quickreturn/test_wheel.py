@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from quickreturn.reference_model.native import objects
+
 ROOT = Path(__file__).parents[2]
 
 #: No guard, no path: what a person types into a file. Workers must not run it again.
@@ -31,6 +33,15 @@ assert runs["thesis-24", "thesis"].usable and len(runs.frame) > 0
 print(solution, runs, qr.list_engines(), sep="\\n")
 """
 
+
+#: Whether a first simulation imports the compiler, and whether it keeps compiled code.
+FIRST = """
+import sys
+import quickreturn as qr
+from quickreturn.reference_model.native.cache_folder import folder
+qr.simulate("thesis-24", "reference", store=False)
+print("numba" in sys.modules, folder().exists())
+"""
 
 #: What a type checker must know of each package: without `py.typed` in it a type would be Any, and not the one asserted.
 TYPED = """
@@ -74,7 +85,7 @@ write_atomically(Store().folder / FILE, json.dumps(document).encode())
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built from what git knows: nothing that lies about by accident."""
+    """Built from what git knows, as `make wheel` builds it: nothing that lies about by accident."""
     folder = tmp_path_factory.mktemp("wheel")
     files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=False).stdout.split(b"\0")
     if len(files) < 2:
@@ -84,6 +95,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
         target.parent.mkdir(parents=True, exist_ok=True)
         if (ROOT / name).exists():
             shutil.copy(ROOT / name, target, follow_symlinks=False)
+    ship = [sys.executable, "-P", "-m", "quickreturn.reference_model.ship"]
+    subprocess.run(ship, check=True, capture_output=True, cwd=folder, env={**clean(), "PYTHONPATH": str(folder / "source")})
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder), str(folder / "source")]
     subprocess.run(command, check=True, capture_output=True, cwd=folder)
     (found,) = folder.glob("quickreturn-*.whl")
@@ -98,6 +111,7 @@ def test_the_wheel_holds_every_package_with_its_data_and_no_tests(wheel: Path) -
     assert "quickreturn/py.typed" in names
     for needed in ("cases/library/example.toml", "cases/thesis/data/runs.csv"):
         assert f"quickreturn/{needed}" in names
+    assert len([name for name in names if name.endswith(".object")]) == 5
     here = {
         f"quickreturn/{path.relative_to(ROOT).as_posix()}"
         for folder in ("reports", "pack")
@@ -152,6 +166,13 @@ def test_three_lines_of_python_and_the_program_run_far_from_the_checkout(install
     assert answer(tmp_path, program, "--version").startswith("quickreturn ")
     answer(tmp_path, program, "simulate", "thesis-24", "--engine", "mujoco", "--duration", "0.1", "--output", "out.csv")
     assert len((tmp_path / "out.csv").read_text().splitlines()) == 102
+
+
+@pytest.mark.verify
+def test_a_first_simulation_compiles_nothing(installed: Path, tmp_path: Path) -> None:
+    if not objects._of_level():
+        pytest.skip(f"this processor is not {objects.LEVEL}")
+    assert answer(tmp_path, installed / "python", "-c", FIRST) == "False False\n"
 
 
 @pytest.mark.verify

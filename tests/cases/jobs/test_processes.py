@@ -101,19 +101,6 @@ def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
     end_waiting()
 
 
-def test_brief_jobs_wait_for_the_first_of_their_kind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What it compiles they find on the disk. Those that come later wait for nobody: each ends once the other has begun."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new"))
-    log = tmp_path / "log"
-    begin = f"import os, time; open({str(log)!r}, 'a').write('b'); "
-    for rest, written in (("time.sleep(0.3)", "bebe"), (f"\nwhile os.path.getsize({str(log)!r}) < 2: time.sleep(0.02)", "bbee")):
-        code = f"{begin}{rest}\nopen({str(log)!r}, 'a').write('e')"
-        jobs = [Job(name, exec, (code,), engines=("reference",), brief=True) for name in ("one", "two")]
-        assert [outcome.failure for outcome in LocalProcesses(2, Limits(seconds=30.0)).run(jobs)] == ["", ""]
-        assert log.read_text() == written
-        log.unlink()
-
-
 def test_any_executor_of_futures_will_do() -> None:
     with ThreadPoolExecutor(2) as threads:
         jobs = [Job("good", operator.neg, (3,)), Job("dies", os.abort), Job("raises", operator.truediv, (1, 0))]

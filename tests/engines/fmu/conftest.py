@@ -1,7 +1,6 @@
 """FMUs that are built once, and a folder to work in with them."""
 
 import hashlib
-import os
 import shutil
 import zipfile
 from collections.abc import Iterator
@@ -45,7 +44,7 @@ def make(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
     yield made
     for fmu in (*built.glob("*.fmu"), *tmp_path.rglob("*.fmu")):
         digest = hashlib.sha256(fmu.read_bytes()).hexdigest()[:12]
-        shutil.rmtree(Path(os.environ[cache_folder.VARIABLE]) / f"fmu-{digest}", ignore_errors=True)
+        shutil.rmtree(cache_folder.folder() / f"fmu-{digest}", ignore_errors=True)
 
 
 @pytest.fixture

@@ -54,31 +54,18 @@ def _store(array: Array, index: int, four: Array) -> None:
     array[index : index + 4] = four
 
 
-def _write_cubics(coefficients: Array, interval: float, offset: float, row: Array) -> None:
-    row[:] = np.polyval(coefficients[int(interval)], offset)
-
-
-LANES: Mapping[str, Callable[..., Any]] = {
+FOURS: Mapping[str, Callable[..., Any]] = {
     "load": lambda array, index: array[index : index + 4].copy(),
     "store": _store,
     "spread": lambda number: np.full(4, number),
     "plus": lambda sums, number, four: sums + number * four,
     "plus_product": lambda sums, one, other: sums + one * other,
     "total": lambda four: float(np.sum(four)),
-    "zeros_like": lambda number: 0.0,
-    "lanes_of": lambda number: 1,
-    "lane_of": lambda number, lane: number,
-    "with_lane": lambda numbers, lane, number: number,
-    "where_within": lambda x, low, high, inside, outside: inside if low < x <= high else outside,
-    "write_cubics": _write_cubics,
-    "few_registers": lambda array: True,
-    "record_at": plain,
-    "LaneRecord": plain,
 }
 SOURCE = Source(
     modules=(plane, fields, loop, spring, inertia, observe, equations),
     no_equations=frozenset({"_factor", "_substitute", "kernel", "observe_states"}),
-    stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "cache"), plain) | LANES,
+    stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "cache"), plain) | FOURS,
     entry=dict,
 )
 
@@ -94,7 +81,6 @@ EQUIVALENT: Mapping[tuple[str, str], str] = {
     ("", "0.25 / math.pi"): _DOUBLED,
     ("", "0.375"): "the series is still good to 1e-14",
     ("", "3.0"): "the largest angle is chosen",
-    ("_at_place", "1.5e-12"): "room for rounding",
     ("highest_frequency", "1.5e-06"): "a floor that no sensible crank comes near",
     ("directions", "-1 / 87178291200 - q / 20922789888000"): "the last term of the cosine is rounding, 1e-15 at the largest angle",
 }
@@ -122,7 +108,7 @@ def _asked(state: State, y: Array, functions: Functions) -> dict[str, Any]:
     """All that the equations say, and what the slider's feedback adds."""
     p = state.model.parameters
     rate, rows, w = np.empty_like(y), np.zeros(1, ROW), workspace(p)
-    if not functions["evaluate"](p, p.tables, w, Parts.of(y), Parts.of(rate), True) or not functions["observe"](
+    if not functions["evaluate"](p, p.tables, w, Parts.of(y), Parts.of(rate)) or not functions["observe"](
         p, p.tables, w, Parts.of(y), rows[0]
     ):
         raise ValueError("the state cannot be")
@@ -169,7 +155,7 @@ def _of_unobserved(state: State) -> Check:
     p, rate, expected = state.model.parameters, np.empty_like(state.y), state.expected["powers"][1]
 
     def ask(functions: Functions) -> Mapping[str, Any]:
-        functions["evaluate"](p, p.tables, workspace(p), Parts.of(state.y), Parts.of(rate), False)
+        functions["evaluate"](p, p.tables, workspace(p), Parts.of(state.y), Parts.of(rate))
         return {"power": rate[2 * p.speeds + 2]}
 
     return Check(ask, {"power": (expected, TOLERANCE * abs(expected))})

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.native import linking, objects
-from quickreturn.reference_model.native.compilation import FASTMATH
+from quickreturn.reference_model.native.compilation import FASTMATH, jitted
 from tests.package_copy import copied_package
 
 #: Prints what engines make of a vibrating start, to the last bit. The models' code is compiled in several ways.
@@ -72,8 +72,8 @@ def made_up(function: FunctionType, **names: object) -> FunctionType:
 
 def test_a_compiled_function_calls_its_own_copies() -> None:
     """A weak symbol would be replaced by whatever of this name the process has loaded before."""
-    inner = numba.njit(fastmath=FASTMATH, _dbg_optnone=True)(made_up(total))
-    outer = numba.njit(fastmath=FASTMATH)(made_up(both, total=inner))
+    inner = jitted(made_up(total), kept=False, fastmath=FASTMATH, _dbg_optnone=True)
+    outer = jitted(made_up(both, total=inner), kept=False, fastmath=FASTMATH)
     assert outer(np.ones(7), np.ones(7)) == 14.0
     for compiled, own in ((inner, "total"), (outer, "both")):
         (found,) = (made.library for made in compiled.overloads.values())
@@ -89,7 +89,7 @@ def power(x, n):
 
 def test_a_helper_is_not_shared_with_code_that_has_other_floating_point_flags() -> None:
     numba.njit(power)(2.0, 3)
-    fast = numba.njit(fastmath=FASTMATH)(made_up(power))
+    fast = jitted(made_up(power), kept=False, fastmath=FASTMATH)
     assert fast(2.0, 3) == 8.0
     (text,) = fast.inspect_llvm().values()
     assert " fmul " in text

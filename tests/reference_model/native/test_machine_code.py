@@ -17,22 +17,20 @@ import pytest
 
 from quickreturn.reference_model.imported_modules import modules_in, names_imported
 from quickreturn.reference_model.native.cache_folder import compiled_sources
-from tests.package_copy import copied_package
+from tests.package_copy import ROOT, copied_package
 
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
 
 #: Compiles, calls and keeps a small function; tells where code is kept, and what there is to say.
 CODE = """
-import os
-from pathlib import Path
+from quickreturn.reference_model.native.cache_folder import folder
 from quickreturn.reference_model.small import double
 assert double(4.0) == 8.0
-assert any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nbi"))
+assert any(folder().glob("*.nbi"))
 """
 TELLS = """
-import os
 from quickreturn.reference_model.native import cache_folder
-print(os.environ["NUMBA_CACHE_DIR"], cache_folder.warning_if_not_kept(), sep="|")
+print(cache_folder.folder(), cache_folder.warning_if_not_kept(), sep="|")
 """
 DECORATORS = "quickreturn.reference_model.native.compilation"
 SMALL = f"from {DECORATORS} import compiled\n\n\n@compiled\ndef double(x):\n    return x + x\n"
@@ -85,16 +83,17 @@ def test_code_of_an_installation_that_cannot_be_written_is_kept_for_the_user(ins
     cache, _ = told(installed, tmp_path, compiles=False, XDG_CACHE_HOME=str(tmp_path / "xdg"))
     assert cache.parent == tmp_path / "xdg/quickreturn"
     other = tmp_path / "chosen"
-    assert told(installed, tmp_path, compiles=False, NUMBA_CACHE_DIR=str(other)) == (other, "")
+    chosen, sentence = told(installed, tmp_path, compiles=False, NUMBA_CACHE_DIR=str(other))
+    assert (chosen.parent, sentence) == (other, "")
 
 
 @pytest.mark.verify
 def test_without_a_home_it_lives_as_long_as_the_process_and_that_is_said(installed: Path, tmp_path: Path) -> None:
     read_only(installed)
     folder, sentence = told(installed, Path("/proc/nowhere"))
-    assert folder.parent == tmp_path
+    assert folder.parent.parent == tmp_path
     assert "NUMBA_CACHE_DIR" in sentence
-    assert not folder.exists()
+    assert not folder.parent.exists()
 
 
 #: A source, what is replaced in it and by what, and whether the code that is compiled stays the same.
@@ -130,6 +129,17 @@ def test_code_is_compiled_anew_where_what_is_compiled_has_changed(installed: Pat
     run = subprocess.run(command, cwd=installed / "quickreturn", env=environment, capture_output=True, text=True, check=True)
     old, *new = run.stdout.split()
     assert {file: found == old for (file, *_), found in zip(CHANGES, new, strict=True)} == {file: same for file, *_, same in CHANGES}
+
+
+def test_a_function_of_another_file_is_compiled_anew_where_that_has_changed(tmp_path: Path) -> None:
+    code = f"from {DECORATORS} import compiled\nfrom small import value\nprint(value())"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(ROOT))), "NUMBA_CACHE_DIR": str(tmp_path / "kept")}
+    for number in ("1.5", "2.5"):
+        (tmp_path / "small.py").write_text(
+            f"from {DECORATORS} import compiled\nVALUE = {number}\n@compiled\ndef value():\n    return VALUE\n"
+        )
+        run = [sys.executable, "-P", "-B", "-c", code]
+        assert subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout == f"{number}\n"
 
 
 def test_all_that_compiled_functions_call_is_among_the_sources_of_compiled_code() -> None:

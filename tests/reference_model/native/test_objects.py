@@ -44,8 +44,10 @@ def kept() -> None:
 @pytest.fixture
 def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Entry:
     """The integrator's loop, its object where a test may damage it."""
-    shutil.copy(LOOP._path, tmp_path)
+    kept = LOOP.path
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    LOOP.path.parent.mkdir()
+    shutil.copy(kept, LOOP.path)
     return Entry(LOOP._source, LOOP._arguments)
 
 
@@ -58,7 +60,7 @@ def test_a_run_needs_no_compiler_and_leaves_it_unharmed() -> None:
 
 @pytest.mark.parametrize("entry", [KERNEL, OBSERVATIONS, LOOP], ids=["kernel", "observations", "loop"])
 def test_an_object_refers_to_nothing_that_its_code_could_miss(entry: Entry) -> None:
-    code = objects.llvm.ObjectFileRef.from_data(entry._path.read_bytes().partition(b"\n")[2])
+    code = objects.llvm.ObjectFileRef.from_data(entry.path.read_bytes().partition(b"\n")[2])
     undefined = set(objects._undefined(code))
     assert {name for name in undefined if name.startswith("numba_")} <= {
         "numba_do_raise",
@@ -74,7 +76,7 @@ def test_an_object_refers_to_nothing_that_its_code_could_miss(entry: Entry) -> N
     "damage", [lambda content: content[:-100], lambda content: b"", lambda content: b"\0" + content], ids=["short", "empty", "odd"]
 )
 def test_a_damaged_object_is_not_loaded(loop: Entry, damage: object) -> None:
-    loop._path.write_bytes(damage(loop._path.read_bytes()))  # type: ignore[operator]
+    loop.path.write_bytes(damage(loop.path.read_bytes()))  # type: ignore[operator]
     assert loop.address
     assert loop.address != LOOP.address
 
@@ -82,15 +84,15 @@ def test_a_damaged_object_is_not_loaded(loop: Entry, damage: object) -> None:
 def test_an_object_that_refers_to_the_unknown_is_not_loaded(loop: Entry, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(objects, "_undefined", lambda code: ["nobody_has_this"])
     with pytest.raises(KeyError, match="nobody_has_this"):
-        objects._loaded(loop._path)
+        objects._loaded(loop.path)
     assert loop.address
 
 
 def test_an_object_for_another_processor_is_not_found(loop: Entry, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = loop._path
+    path = loop.path
     monkeypatch.setattr(objects.llvm, "get_host_cpu_name", lambda: "another")
     objects._made_for.cache_clear()
     try:
-        assert loop._path != path
+        assert loop.path != path
     finally:
         objects._made_for.cache_clear()
