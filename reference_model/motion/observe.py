@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import NUMBERS, PLACES, ROW
+from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
-from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
+from quickreturn.reference_model.motion.compiled_layout import parameters_at, rows_at, workspace_at
 from quickreturn.reference_model.motion.fields import cumulate, cumulate_real, directions
 from quickreturn.reference_model.motion.inertia import find_forces
 from quickreturn.reference_model.motion.layout import BASE_TURN, TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
@@ -21,7 +21,7 @@ from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
 from quickreturn.reference_model.motion.plane import angle_of, cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, number_at_spring, spring_energy
 from quickreturn.reference_model.native.compilation import inner
-from quickreturn.reference_model.native.pointers import call_equations, numbers_at
+from quickreturn.reference_model.native.pointers import call_equations
 from quickreturn.reference_model.native.simd import load, plus_product, spread, total
 from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
@@ -292,11 +292,11 @@ def observe_states(function: int, parameters: int, workspace: int, states: int, 
     Returns:
         Number of rows filled before a state that cannot be.
     """
-    p, w = parameters_at(parameters), workspace_at(workspace)
+    p, w, filled = parameters_at(parameters), workspace_at(workspace), rows_at(rows, count)
     for k in range(count):
         state = states + 8 * size * k
         if call_equations(function, parameters, workspace, state, rate) != 1:
             return k
-        if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), numbers_at(rows + 8 * NUMBERS * k, NUMBERS).view(ROW)[0]):
+        if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), filled[k]):
             return k
     return count
