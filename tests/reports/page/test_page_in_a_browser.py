@@ -52,11 +52,14 @@ def test_the_animation_begins_by_itself_advances_and_stops(opened: Open) -> None
     assert cursor(page) != stopped
 
 
-def test_the_choice_of_the_run_stands_above_that_of_the_engines(opened: Open) -> None:
+def test_the_choice_of_the_run_follows_the_sentences(opened: Open) -> None:
     """So it is on the first screen of 1400 by 900 pixels in the report on all runs."""
     page = opened("")
-    above, below = (page.evaluate(f"document.querySelector('{each}').getBoundingClientRect().top") for each in ("#run-buttons", "#engines"))
-    assert above < below
+    top = {
+        each: page.evaluate(f"document.querySelector('{each}').getBoundingClientRect().top")
+        for each in (".lede", "#run-buttons", ".numbers")
+    }
+    assert top[".lede"] < top["#run-buttons"] < top[".numbers"]
 
 
 def test_a_link_restores_the_view(opened: Open) -> None:
