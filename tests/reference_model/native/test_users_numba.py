@@ -29,7 +29,8 @@ def compiled(folder):
     digits = own(1.1, 3, 0.3 + 0.7j).hex()
     (code,) = own.inspect_asm().values()
     # numba numbers the functions of a process, so that a name in a text has more digits, and names some constants by their place in memory
-    code = re.sub(r"B\\d+v\\d+(?=B)|(?<=picklebuf\\.)\\d+|(?<=pickledata\\.)\\d+|(?<=object at )0x[0-9a-f]+|\\.size\\s+.*missing Environment.*", "", code)
+    code = re.sub(r"B\\d+v\\d+(?=B)|(?<=picklebuf\\.)\\d+|(?<=pickledata\\.)\\d+|(?<=object at )0x[0-9a-f]+", "", code)
+    code = re.sub(r"\\.size\\s+.*missing Environment.*", "", code)
     return digits, code, os.path.relpath(own.stats.cache_path, folder), sorted(os.listdir(own.stats.cache_path))
 """
 USES = """
