@@ -36,7 +36,8 @@ print(solution, runs, qr.list_engines(), sep="\\n")
 
 #: Whether a first simulation imports the compiler, and whether it keeps compiled code.
 FIRST = """
-import sys
+import os, sys
+os.environ["NUMBA_CACHE_DIR"] = "cache"  # that of the user has what other tests compiled
 import quickreturn as qr
 from quickreturn.reference_model.native.cache_folder import folder
 qr.simulate("thesis-24", "reference", store=False)
