@@ -1,36 +1,32 @@
-"""The engines: the four main ones, rivals, and third-party ones from the entry-point group `quickreturn.engines`.
+"""The engines: the four main ones, rivals, those of plugins, and third-party ones from the entry-point group `quickreturn.engines`.
 
-An engine's module is imported only when the engine is asked for, so that a missing or broken library disables its own engine and no
+An engine's module is imported only when the engine is used, so that a missing or broken library disables its own engine and no
 other. An entry point maps the engine's name, which the class has as `name`, to its class:
 
     [project.entry-points."quickreturn.engines"]
     my-engine = "my_package.my_module:MyEngine"
 
-A path that ends in ".toml" in place of a name is the file beside an FMU that makes it an engine (`cases.engine_file`).
+In place of a name stands the path of a file that makes an engine, if a plugin reads files with its ending (`Plugin.engine_files`).
 """
 
 import difflib
 import os
-from collections.abc import Callable
-from importlib import import_module
+from collections.abc import Callable, Mapping
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import PurePath
 from typing import Any, Final, NoReturn, cast
 
 from quickreturn.engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
+from quickreturn.engines.plugins import found, plugins
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.reference_model.errors import ToldError
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
 #: Rival methods for the constraint and the moving load, on the same beam; used only where they are asked for.
 RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "moving-boundaries")
-#: Machines as the users of a package build them, by its own means alone.
-AS_BUILT: Final = ("mujoco-contact",)
 #: The main engine whose discretization is its model: its distance to the others is a model error, and reported as such.
 MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
-#: Entry points by the ending of a file, without its point: functions that make an engine of the file's path.
-FILES: Final = "quickreturn.engine_files"
 _LONGEST_NAME: Final = 60  # characters of an unknown name that a message quotes
 
 _MODULES: Final = {
@@ -43,38 +39,40 @@ _MODULES: Final = {
     "stiff-spring": "quickreturn.engines.own.stiff_spring:ENGINE",
     "nodal-load": "quickreturn.engines.own.nodal_load:ENGINE",
     "moving-boundaries": "quickreturn.engines.own.moving_boundaries:MovingBoundariesEngine",
-    "mujoco-contact": "quickreturn.engines.mujoco_contact.engine:MujocoContactEngine",
 }
-
-
-#: Engines of this package.
-OWN: Final = frozenset(_MODULES)
-#: Engines that load no library but numpy until a model is built, so that they can be asked about themselves anywhere.
-LIGHT: Final = OWN | {"derived"}
 
 
 class UnknownEngine(ToldError, ValueError):
     """No engine has this name; the text is one sentence with the nearest known names."""
 
 
+def own_engines() -> Mapping[str, str]:
+    """Engines of this package and its plugins, each with the place of its class.
+
+    They load no library but numpy until a model is built, so that they can be asked about themselves anywhere.
+    """
+    return _MODULES | {name: place for plugin in plugins().values() for name, place in plugin.engines.items()}
+
+
 def engine_names() -> tuple[str, ...]:
-    """Names of all engines, whether usable here or not: the main ones in their order, the rivals, then third-party ones by name."""
-    return (*MAIN, *RIVALS, *AS_BUILT, *sorted(_third_party()))
+    """Names of all engines, whether usable here or not: the main ones in their order, rivals, those of plugins, then others by name."""
+    return (*own_engines(), *sorted(_third_party()))
 
 
 def is_engine(name: str) -> bool:
     """Whether an engine may have this name: one that is known, or the path of a file of a kind that makes an engine."""
-    return name in engine_names() or bool(_kind_of_file(name))
+    return name in engine_names() or _reader_of_file(name) is not None
 
 
 def is_foreign(name: str) -> bool:
     """Whether an engine is of another package, whose library is loaded where the engine is asked about itself."""
-    return name not in OWN and name in engine_names()
+    return name in _third_party()
 
 
-def _kind_of_file(name: str) -> list[EntryPoint]:
-    ending = PurePath(name).suffix.removeprefix(".").lower()
-    return [*entry_points(group=FILES, name=ending)] if ending else []
+def _reader_of_file(name: str) -> str | None:
+    """The place of the function that makes an engine of a file with this name's ending."""
+    readers = {ending: place for plugin in plugins().values() for ending, place in plugin.engine_files.items()}
+    return readers.get(PurePath(name).suffix.removeprefix(".").lower())
 
 
 def engine(name: str | os.PathLike[str]) -> AnyEngine:
@@ -88,12 +86,11 @@ def engine(name: str | os.PathLike[str]) -> AnyEngine:
         UnknownEngine: no engine has this name.
     """
     name = os.fspath(name)
-    if name in _MODULES:
-        module, _, attribute = _MODULES[name].partition(":")
-        return _loaded(name, lambda: getattr(import_module(module), attribute))
+    if place := own_engines().get(name):
+        return _loaded(name, lambda: found(place))
     entries = _third_party().get(name)
-    if entries is None and (kinds := _kind_of_file(name)):
-        made: AnyEngine = kinds[0].load()(name)
+    if entries is None and (reader := _reader_of_file(name)):
+        made: AnyEngine = found(reader)(name)
         return made
     if entries is None:
         raise UnknownEngine(_unknown(name))
@@ -120,7 +117,7 @@ def _third_party() -> dict[str, list[EntryPoint]]:
     """Entry points by engine name, without those that have the name of an engine of this project: no package can replace one."""
     entries: dict[str, list[EntryPoint]] = {}
     for entry in entry_points(group=GROUP):
-        if entry.name not in _MODULES:
+        if entry.name not in own_engines():
             entries.setdefault(entry.name, []).append(entry)
     return entries
 
@@ -152,7 +149,8 @@ def _unknown(name: str) -> str:
     names = engine_names()
     near = difflib.get_close_matches(name, names, n=2)
     hint = f" (perhaps {' or '.join(near)} is meant)" if near else ""
-    known = f"{', '.join(names)}, or the path of a file that declares one (.toml)"
+    endings = ", ".join(f".{ending}" for plugin in plugins().values() for ending in plugin.engine_files)
+    known = ", ".join(names) + (f", or the path of a file that declares one ({endings})" if endings else "")
     return f'"{name[:_LONGEST_NAME]}": no such engine{hint}; accepted: {known}'
 
 

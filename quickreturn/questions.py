@@ -16,7 +16,7 @@ from quickreturn.cases.jobs.job import Job, Limits, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.catalogue import Listing
 from quickreturn.engines.base import EngineFailure, ModelDescription, Refusal
-from quickreturn.engines.registry import LIGHT, UnknownEngine, engine, engine_names, usable_engine
+from quickreturn.engines.registry import UnknownEngine, engine, engine_names, own_engines, usable_engine
 from quickreturn.engines.scene import describe_scene
 from quickreturn.engines.settings import SettingError
 from quickreturn.reference_model.errors import EngineTrouble
@@ -84,7 +84,7 @@ def about_all() -> list[About]:
     """The descriptions of all engines by themselves."""
     return [
         each.value or About(name=each.job.name, method="unknown", available=False, reason=f"could not be queried: it {each.failure}")
-        for each in asked_of_all(about, (), "engines", LIGHT)
+        for each in asked_of_all(about, (), "engines", own_engines())
     ]
 
 

@@ -45,11 +45,11 @@ def _modules_of(part: str) -> dict[str, Path]:
 
 
 def _below(folder: str, package: str) -> Iterator[tuple[str, Path]]:
-    """The modules of a package in a folder."""
+    """The modules of a package in a folder, without its tests."""
     for entry in os.scandir(folder):
         if entry.name.endswith(".py") and entry.is_file():
             yield package if entry.name == "__init__.py" else f"{package}.{entry.name[:-3]}", Path(entry.path)
-        elif entry.name != "__pycache__" and entry.is_dir():
+        elif entry.name not in ("__pycache__", "tests") and entry.is_dir():
             yield from _below(entry.path, f"{package}.{entry.name}")
 
 

@@ -16,7 +16,7 @@ from quickreturn.cases.jobs.job import ExecutorError, Job, Limits, Outcome, V, W
 from quickreturn.cases.jobs.key import LIBRARIES, SIMULATION, code_fingerprint, key_of, library_version, version_of
 from quickreturn.cases.jobs.processes import computed
 from quickreturn.engines.base import first_line
-from quickreturn.engines.registry import OWN
+from quickreturn.engines.registry import own_engines
 
 #: Longest time, s, in which the scheduler must answer, and then the first worker join. On a busy machine they take a few seconds.
 PATIENCE: Final = 10.0
@@ -95,7 +95,7 @@ def _check(client: Client, address: str) -> None:
 
 def installed() -> dict[str, str]:
     """Versions that determine results, by name: libraries, engines, and this project's code."""
-    engines = {f"engine {name}": version_of(name)[-2] for name in sorted(OWN)}
+    engines = {f"engine {name}": version_of(name)[-2] for name in sorted(own_engines())}
     versions = {library: library_version(library) for library in LIBRARIES}
     return {**versions, **engines, "code of quickreturn": code_fingerprint((*SIMULATION, "quickreturn.cases"))[:12]}
 

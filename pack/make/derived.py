@@ -8,8 +8,8 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from quickreturn.derive import Beam, Model, Statics, System, turned, vector
-from quickreturn.derive.statics import Rest
 from quickreturn.pack.make.values import BEAD, BRIDGE, CRANK, DECAY, FOUR_BAR, HUB, PENDULUM, SAG, SPIN_UP, UNITS, Columns, G, times
+from quickreturn.plugins.derive.statics import Rest
 
 
 def _system(name: str, values: Any, falls: bool = False) -> tuple[System, SimpleNamespace]:

@@ -7,7 +7,7 @@ from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.error_parts import TIP
-from quickreturn.engines.registry import OWN
+from quickreturn.engines.registry import own_engines
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.engine_differences import engines_of
@@ -65,7 +65,7 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
         table.add(
             first.flat,
             engine=name,
-            origin="a file" if first.recording else "this project" if name in OWN else "another package",
+            origin="a file" if first.recording else "this project" if name in own_engines() else "another package",
             version=next((run.version for run in runs if run.version), None) or _no_version(first),
             conformance=None if first.recording else conformance.get(name, f"not tested: run quickreturn conform {name}"),
             runs=len(runs),

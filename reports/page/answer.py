@@ -10,7 +10,7 @@ from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.trials.queries import LEVELS, fastest_at
-from quickreturn.engines.registry import MODEL, OWN
+from quickreturn.engines.registry import MODEL, own_engines
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.engine_differences import Spread, differences, engines_of, spread
 from quickreturn.reports.results.loads import accuracies_missed
@@ -115,4 +115,4 @@ def fastest_in(table: Benchmark, level: float, compiling: Sequence[Compiling] = 
 
 def is_own(engine: str) -> bool:
     """Whether an engine is code of this project, written for the one mechanism."""
-    return engine in OWN and engine not in PACKAGES
+    return engine in own_engines() and engine not in PACKAGES

@@ -94,7 +94,7 @@ def test_an_engine_needs_a_module_and_its_name_in_the_registry(tmp_path: Path) -
     package = whole_package(tmp_path / "copy")
     (package / "engines/own/fake.py").write_text(FAKE_ENGINE, encoding="utf-8")
     registry = package / "engines/registry.py"
-    last = '    "mujoco-contact": "quickreturn.engines.mujoco_contact.engine:MujocoContactEngine",\n'
+    last = '    "mujoco-contact": "quickreturn.plugins.as_built.contact.engine:MujocoContactEngine",\n'
     replace(registry, last, f'{last}    "fake": "quickreturn.engines.own.fake:FakeEngine",\n')
     replace(registry, 'AS_BUILT: Final = ("mujoco-contact",)\n', 'AS_BUILT: Final = ("mujoco-contact", "fake")\n')
 

@@ -7,7 +7,7 @@ from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.thesis.experiment import channel_is_usable, measured_crank_speed
 from quickreturn.cases.thesis.experiment.stiffness import stiffness_reading
 from quickreturn.cases.thesis.scatter import Band
-from quickreturn.engines.registry import MODEL, OWN
+from quickreturn.engines.registry import MODEL, own_engines
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.results.runs import mean_crank_speed
@@ -23,7 +23,7 @@ from quickreturn.reports.words import counted, listed, number, percents, span
 def experiment(content: ThesisData) -> Chapter:
     """The chapter."""
     axes, alone = axis_comparisons(content.results), measured_alone(content.results)
-    engines = [name for name in engines_of(content.results) if name in OWN]
+    engines = [name for name in engines_of(content.results) if name in own_engines()]
     of_channels = {channel: {name: of_name for name in engines if (of_name := ratios_of(axes, channel, name))} for channel in COLUMNS}
     ratios = {channel: of_engines for channel, of_engines in of_channels.items() if of_engines}
     strain, recorded, worse = ratios.get("strain", {}), any(counts(item) for item in content.comparisons), fits_worse(axes)

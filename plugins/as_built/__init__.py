@@ -1,0 +1,1 @@
+"""Quick-returns as the users of other programs build them, with their packages alone."""

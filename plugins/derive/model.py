@@ -1,0 +1,362 @@
+"""Evaluates derived equations numerically: finds a start, integrates, and computes the named outputs."""
+
+import warnings
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from numbers import Real
+from typing import Final
+
+import casadi as ca
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from quickreturn.plugins.derive.checks import check_condition, check_inertia
+from quickreturn.plugins.derive.collocation import CLEAN, MOVED, NODES, Passage
+from quickreturn.plugins.derive.compiled import Array, CompiledEquations, Values
+from quickreturn.plugins.derive.integration import Rates, integrated
+from quickreturn.plugins.derive.machine_code import refuse_nan
+from quickreturn.plugins.derive.singular import Watch
+from quickreturn.plugins.derive.units import DescriptionError, in_si
+
+#: Largest gap of a closed loop after Newton's method, relative to the size of the loop's terms.
+CLOSED: Final = 1e-8
+#: Largest rate of the gap of a loop that stays closed, relative to the largest rate in the loops. People give rates with few digits.
+OPENS: Final = 1e-5
+#: Smallest part of a Newton step that is tried to close the loops: a step is halved until it leads nearer.
+SMALLEST_PART: Final = 1e-6
+#: Largest change of an angle in a step of that search, rad: longer ones lead to other ways to close the loops.
+TURN: Final = 0.5
+#: Change of an angle (rad) from its guess, or of a length over its guess, that needs no second look.
+NEARBY: Final = 0.3
+#: Other starts from which a nearer way to close the loops is sought.
+TRIALS: Final = 12
+#: Change of an angle from its guess that is told, rad.
+FAR: Final = np.pi / 2
+#: Relative rounding of a potential energy whose parts cancel.
+ROUNDING: Final = 1e-12
+#: Longest step of DOP853 times the rate of the feedback. At 6 the method is unstable; at 5 rates in rows between the ends of a step are off
+#: by 2e-6 at a tolerance of 1e-9, at 3 by 3e-8.
+LONGEST: Final = 3.0
+#: Smallest part of a motion, over its size, in which a force that acts elsewhere must move what it acts on.
+HELPLESS: Final = 1e-9
+#: Part of a passage beside the singular position in which forces of loops are lost in rounding, whose square they are divided by.
+LOST: Final = 1e-3
+
+
+def grid(duration: float, step: float) -> Array:
+    """Times from 0 to a duration (s) by the step nearest to the given one that divides it.
+
+    Raises:
+        DescriptionError: no numbers, a step that is not positive or longer than the duration, or a negative duration.
+    """
+    if not (isinstance(duration, Real) and isinstance(step, Real)):
+        raise DescriptionError(f"the duration {duration!r} and the step {step!r} must be numbers, in s")
+    if not (step > 0.0 and 0.0 <= duration < np.inf and (step <= duration or duration == 0.0)):
+        raise DescriptionError(f"a duration of {duration:g} s cannot have rows {step:g} s apart")
+    return np.linspace(0.0, duration, round(duration / step) + 1)
+
+
+class Model(CompiledEquations):
+    """A system that can be simulated: the compiled equations, a start, integration and outputs.
+
+    Args:
+        system: the description.
+        form: "projection" onto the free speeds, or "multipliers"; see `Equations`.
+        feedback: 1/s; see `Equations`.
+
+    Raises:
+        DescriptionError: a mistake in the description.
+    """
+
+    def start(self, values: Values, parameters: Values | None = None) -> Array:
+        """The state at time 0 for given coordinates and rates; see `placed`."""
+        return self.state(*self.placed(values, parameters)[:2])
+
+    def placed(self, values: Values, parameters: Values | None = None) -> tuple[Array, Array, list[int], list[int]]:
+        """Coordinates and rates at time 0, SI, for those given by name in their units, and the indices of those that the loops gave.
+
+        Coordinates and rates that are not given are zero, or follow from the loops.
+
+        Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values. A warning says when the loops
+        could also close nearer to the guess, or an angle is more than 90 degrees from it.
+
+        Raises:
+            DescriptionError: an unknown name, or a loop that does not close.
+        """
+        coordinates = self.system.coordinates
+        self.refuse_unknown(values, "coordinate or rate", [name for c in coordinates for name in (c.name, c.rate_name)])
+        q = np.array([values[c.name] * in_si(c.unit)[0] if c.name in values else c.guess for c in coordinates])
+        v = np.array([values.get(c.rate_name, 0.0) * in_si(c.unit)[0] for c in coordinates])
+        given = [k for loop in self.system.loops for k in loop.gives]
+        seek, turn = ([k for k in given if coordinates[k][which] not in values] for which in (0, 1))
+        p = self.values(parameters)
+        return (*self._on_loops(self._assembled(q, p, seek) if seek else q, v, p, seek, turn), seek, turn)
+
+    def _assembled(self, guess: Array, p: Array, seek: list[int]) -> Array:
+        """Coordinates that close the loops; warns of an angle far from its guess, and if others are nearer to the guess."""
+        q, gap, G = self._nearest(guess, p, seek)
+        opened, angle, away = float(np.linalg.norm(self.loops(guess, p)[0])), self._angles(seek), np.abs(q - guess)[seek]
+        closes = np.linalg.norm(gap) <= CLOSED * opened
+        if closes and np.all(away <= NEARBY * np.where(angle, 1.0, np.abs(guess[seek]))):
+            return q
+        reach = np.maximum(np.linalg.norm(G[:, seek], axis=0), 1e-300)  # what a coordinate moves
+        random, distance = np.random.default_rng(0), float(np.linalg.norm(reach * away)) if closes else 2.0 * opened
+        others = []
+        for _ in range(TRIALS):
+            begin, way = guess.copy(), random.normal(size=len(seek))
+            begin[seek] += random.uniform() * distance * way / np.linalg.norm(way) / reach
+            if np.all(np.isfinite(self.loops(begin, p)[1])):  # within tables and roots
+                other, gap, _ = self._nearest(begin, p, seek)
+                others += [other] if np.linalg.norm(gap) <= CLOSED * opened else []
+        nearest = min(others, key=lambda each: float(np.linalg.norm(reach * (each - guess)[seek])), default=q)
+        if not closes:
+            q = nearest
+        elif np.linalg.norm(reach * (nearest - guess)[seek]) < 0.9 * distance:
+            self._tell(q, nearest, seek, "could also start nearer to the guess, with {names} = {others} in place of {values}")
+            return q
+        if far := [k for k in seek if self._angles([k])[0] and abs(q[k] - guess[k]) > FAR]:
+            self._tell(q, guess, far, "starts far from the guess, with {names} = {values} in place of {others}")
+        return q
+
+    def _angles(self, which: Sequence[int]) -> NDArray[np.bool_]:
+        """Which of some coordinates are angles."""
+        return np.array([not any(in_si(self.system.coordinates[k].unit)[1]) for k in which], dtype=bool)
+
+    def _tell(self, q: Array, other: Array, which: list[int], sentence: str) -> None:
+        """Warn of coordinates q that may not be meant."""
+        coordinates = [self.system.coordinates[k] for k in which]
+        written = ([f"{x / in_si(c.unit)[0]:.4g} {c.unit}" for x, c in zip(each[which], coordinates, strict=True)] for each in (q, other))
+        values, others = map(", ".join, written)
+        told = sentence.format(names=", ".join(c.name for c in coordinates), values=values, others=others)
+        warnings.warn(f"{self.system.name!r} {told}; give the guess that you mean", stacklevel=4)
+
+    def closed(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> Array:
+        """State at time 0 for coordinates q and rates v, SI. Coordinates `seek` and rates `turn` (indices) change until the loops close.
+
+        Raises:
+            DescriptionError: a loop does not close.
+        """
+        return self.state(*self._on_loops(q, v, p, seek, turn))
+
+    def _on_loops(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> tuple[Array, Array]:
+        """All coordinates and rates for `closed`."""
+        v = v.copy()
+        q, gap, G = self._nearest(q, p, seek)
+        of_rows = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
+        ends = np.cumsum([0, *(loop.gap.numel() for loop in self.system.loops)])
+        # one row of a loop may vanish in a singular position, and no other unit is in it
+        sizes = np.concatenate([np.zeros(0), *(np.full(b - a, np.max(of_rows[a:b])) for a, b in pairwise(ends))])
+        problem = "cannot close at the start: {left:.3g} {unit} remain; change the start, the lengths, or the guess of what it gives"
+        self._refuse_rows(gap, CLOSED * sizes, problem)
+        if turn:
+            v[turn] = np.linalg.lstsq(G[:, turn], -G @ np.append(v, 1.0), rcond=None)[0]
+        rates = np.append(v, 1.0)
+        fastest = np.max(np.abs(G) @ np.abs(rates), initial=0.0)
+        problem = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
+        if turn and len(turn) == len([k for loop in self.system.loops for k in loop.gives]):
+            problem = "cannot move as the given rates say: {left:.3g} {unit} a second remain; in a singular position, give all coordinates"
+        self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), problem)
+        return q, v
+
+    def _nearest(self, q: Array, p: Array, seek: Sequence[int]) -> tuple[Array, Array, Array]:
+        """Coordinates that close the loops, by Newton's method from q, and the gap and its Jacobian there."""
+        part, angle, sizes = 1.0, self._angles(seek), np.array([self.system.coordinates[k].size for k in seek])
+        gap, G, _ = self.loops(q, p)
+        for _ in range(100):
+            step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
+            if np.max(np.abs(step) / sizes, initial=0.0) < 1e-14 or part < SMALLEST_PART:
+                break
+            step /= max(1.0, np.max(np.abs(step[angle]), initial=0.0) / TURN)
+            there = q.copy()
+            there[seek] += part * step
+            for table in self.system.tables:
+                there[table.index] = np.clip(there[table.index], table.low, table.high)
+            moved = self.loops(there, p)
+            if np.linalg.norm(moved[0]) < np.linalg.norm(gap):
+                q, (gap, G, _), part = there, moved, min(1.0, 2.0 * part)
+            else:
+                part *= 0.5
+        return q, gap, G
+
+    def _refuse_rows(self, rows: Array, allowed: Array, problem: str) -> None:
+        """Raise DescriptionError if a row of the loops exceeds its allowed size, for the one that exceeds it most."""
+        of_rows = [loop for loop in self.system.loops for _ in range(loop.gap.numel())]
+        kept = np.abs(rows) <= allowed
+        if np.all(kept):
+            return
+        with np.errstate(divide="ignore"):
+            worst = int(np.argmax(np.where(kept, 0.0, np.abs(rows) / np.where(kept, 1.0, allowed))))
+        loop, left = of_rows[worst], abs(rows[worst])
+        raise DescriptionError(f"loop {loop.name!r} of {self.system.name!r} {problem.format(left=left, unit=loop.unit)}")
+
+    def simulate(
+        self, start: Values, duration: float, step: float, tolerance: float = 1e-9, method: str = "DOP853", parameters: Values | None = None
+    ) -> pd.DataFrame:
+        """The named outputs on a uniform grid of times.
+
+        `attrs["units"]` holds their units, `attrs["singular_positions"]` the times (s) of the singular positions that the motion passed.
+        There forces of loops may have a pole: a row beside it, within a thousandth of the passage, has nan in their place.
+
+        Args:
+            start: name -> coordinate or rate at time 0; see `start`.
+            duration: s.
+            step: time between two rows, s; the nearest that divides the duration is taken.
+            tolerance: local error, relative to each coordinate or rate and to the coordinate's `size`.
+            method: "DOP853", or "Radau" for stiff equations.
+            parameters: name -> changed value, in the parameter's unit.
+
+        Raises:
+            DescriptionError: the start is impossible, the integration gets stuck, the motion ends in a singular position, or the energy
+                balance changes; the sentence says when.
+        """
+        times, p, (q, v, seek, turn) = grid(duration, step), self.values(parameters), self.placed(start, parameters)
+        y = self.state(q, v)
+        self.check_drives([0.0], y[None], p)
+        _, G, M = self.loops(q, p)
+        check_inertia(self.system, M, G[:, :-1])
+        watch = self._watch(p, tolerance)
+        departure = watch.departure(y, v, seek, turn)
+        self.check(*((departure.states[-1], p, tolerance, departure.times[-1]) if departure else (y, p, tolerance)))
+        states, passages, steps = self._integrated(
+            lambda t, y: self.rates(t, y, p), y, times, watch, tolerance, self.error_sizes(), method, p, departure
+        )
+        self.check_drives(times, states, p)
+        frame = self.observe(times, states, p, passages)
+        self.check_motion(frame, y, p, tolerance, steps, len(passages))
+        return frame
+
+    def integrate(
+        self, rates: Rates, y: Array, times: Array, p: Array, tolerance: float, sizes: Array, method: str = "DOP853", passes: bool = True
+    ) -> tuple[Array, list[Passage], int]:
+        """The states at given times, shape (times, len(y)), the passages and the number of steps.
+
+        Errors are relative to the states and to `sizes`. The first entries of y are the state of the system. `passes`: whether to pass
+        singular positions. See `simulate`.
+        """
+        watch = self._watch(p, tolerance, passes)
+        watch.begin(y)
+        return self._integrated(rates, y, times, watch, tolerance, sizes, method, p)
+
+    def _watch(self, p: Array, tolerance: float, passes: bool = True) -> Watch:
+        """A watch of the loops. A passage knows accelerations that forces leave only where these act on the loops themselves."""
+        e = self.equations
+        return Watch(self, p, tolerance, passes and not (e.elsewhere and e.gap.numel() < e.q.numel()))
+
+    def _integrated(
+        self,
+        rates: Rates,
+        y: Array,
+        times: Array,
+        watch: Watch,
+        tolerance: float,
+        sizes: Array,
+        method: str,
+        p: Array,
+        departure: Passage | None = None,
+    ) -> tuple[Array, list[Passage], int]:
+        """`integrate` with a watch and a step away from the start. Without feedback the loops are left as they are."""
+        e, tables = self.equations, self.system.tables
+        ends = ", ".join(self.system.coordinates[table.index].name for table in tables)
+        cause = f" ({ends} may have left its table)" if ends else ""
+        feedback = e.feedback if e.gap.numel() and method == "DOP853" else 0.0
+        longest = LONGEST / feedback if feedback else np.inf
+        states, passages, steps = integrated(rates, y, times, tolerance, sizes, method, watch, longest, self.system.name, cause, departure)
+        if e.feedback and e.gap.numel():
+            passed = np.any([np.zeros(len(times), bool), *((times > o.since) & (times < o.times[-1]) for o in passages)], axis=0)
+            states = np.where(passed[:, None], states, self._rows_on_loops(times, states, p))  # a passage closes its own
+        self.check_slopes(times, states, p)
+        return states, passages, steps
+
+    def _rows_on_loops(self, times: Array, states: Array, p: Array) -> Array:
+        """States, shape (times, size of a state), put on the loops: between steps they stand off by more than the tolerance."""
+        states, n, free = states.copy(), len(self.system.coordinates), self.equations.free
+        moves = [k for k in range(n) if k not in free] or list(range(n))
+        sizes = np.array([self.system.coordinates[k].size for k in moves])
+        for _ in range(2):  # each leaves the square of the gap
+            at = np.column_stack([self._place(t, y[:n], p) for t, y in zip(times, states, strict=True)])
+            gap, G, _ = (np.array(each) for each in self._matrices(at))
+            G = G.reshape(len(gap), len(times), n + 1).swapaxes(0, 1)
+            inverse = sizes[:, None] * np.linalg.pinv(G[:, :, moves] * sizes)
+            states[:, moves] -= np.einsum("tkl,lt->tk", inverse, gap)
+        if len(free) == n:
+            opening = np.einsum("tlk,tk->tl", G[:, :, :n], states[:, n : 2 * n]) + G[:, :, n]
+            states[:, n : 2 * n] -= np.einsum("tkl,tl->tk", inverse, opening)
+        return states
+
+    def check_motion(self, frame: pd.DataFrame, y: Array, p: Array, tolerance: float, steps: int, passages: int) -> None:
+        """Raise DescriptionError if the energy balance changes by more than errors of integration explain."""
+        n, size = len(self.system.coordinates), self.error_sizes()
+        potential = frame["potential_energy"]
+        moved = [frame["kinetic_energy"], potential - potential[0], frame["dissipated_energy"], frame["work"]]
+        of_sizes = 0.5 * size[:n] @ self.loops(y[:n], p)[2] @ size[:n]
+        energy = sum(float(each.abs().max()) for each in moved)
+        change = (frame["energy_balance"] - frame["energy_balance"][0]).abs()
+        # local errors add up: of each step some tolerances, of a passage's nodes as much as they may be moved
+        part = MOVED * (tolerance * steps + max(MOVED * tolerance, CLEAN) * NODES * passages)
+        allowed = min(part, np.sqrt(tolerance)) * energy + tolerance * of_sizes + ROUNDING * float(potential.abs().max())
+        if not (change <= allowed).all():
+            first = int(np.argmax(~(change <= allowed)))
+            raise DescriptionError(
+                f"the motion of {self.system.name!r} is wrong from {frame['time'][first]:g} s at the latest: its energy balance has changed"
+                f" by {change[first]:.3g} J, with {energy:.3g} J in motion; take a tolerance below {tolerance:g}, or a smaller `size` of"
+                " the coordinates"
+            )
+
+    def check_drives(self, times: Iterable[float], states: Array, p: Array) -> None:
+        """Raise DescriptionError if forces that act elsewhere than they hold have a pole in a state, or between two."""
+        if not self.equations.elsewhere:
+            return
+        last = 0.0, np.inf
+        for time, y in zip(times, states, strict=True):
+            value, distance = self.levers(time, y[: len(self.system.coordinates)], p)
+            if distance < HELPLESS or (value * last[0] < 0.0 and min(distance, last[1]) < np.inf):
+                names = " and ".join(repr(loop.name) for loop in self.system.loops if loop.elsewhere)
+                raise DescriptionError(
+                    f"the force of loop {names} of {self.system.name!r} cannot make its motion at {time:g} s: what it acts on stands still"
+                    " in the motion there, or does not reach it without delay; end the motion before, or let the force act on another part"
+                )
+            last = value, distance
+
+    def check(self, y: Array, p: Array, tolerance: float = 1e-9, time: float = 0.0) -> None:
+        """Check that a state in which the integration begins determines the motion.
+
+        Raises:
+            DescriptionError: accelerations are undetermined or lost in rounding, an output is not finite, or code and interpreter differ.
+        """
+        q = y[: len(self.system.coordinates)]
+        G, M, free = self.jacobian(time, q, p)[:, :-1], self.loops(q, p)[2], self.equations.free
+        Watch(self, p, tolerance).begin(y)
+        if len(free) < len(M):  # the matrices that the two forms solve
+            given = [k for k in range(len(M)) if k not in free]
+            B = np.eye(len(M))[:, free]
+            B[given] = -np.linalg.solve(G[:, given], G[:, free])
+            solved = B.T @ M @ B
+        else:
+            solved = M + np.trace(M) / max(float(np.sum(G**2)), 1e-300) * G.T @ G
+        check_condition(self.system, solved, free, tolerance)
+        x = self.input(time, y, p)
+        self._rates.check(x)
+        refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
+
+    def observe(self, times: Array, states: Array, p: Array, passages: Sequence[Passage] = ()) -> pd.DataFrame:
+        """The outputs of states, shape (times, size of a state), each in its unit.
+
+        During a passage they are interpolated, except those with forces of loops, which have a pole in the singular position.
+        """
+        rows, e = self._shown(times, states, p), self.equations
+        for passage in passages:
+            inside = (times > passage.since) & (times < passage.times[-1])
+            if np.any(inside):
+                smooth = [k for k, (value, _) in enumerate(e.stated.values()) if not ca.depends_on(value, e.forces)]
+                rows[np.ix_(inside, smooth)] = passage.between(self._shown(passage.times, passage.states, p)[:, smooth], times[inside])
+                lost = np.abs(times - passage.singular) < LOST * (passage.times[-1] - passage.times[0])
+                rows[np.ix_(inside & lost, [k for k in range(rows.shape[1]) if k not in smooth])] = np.nan
+        frame = pd.DataFrame(np.column_stack([times, rows]), columns=list(self.units)) / [in_si(unit)[0] for unit in self.units.values()]
+        frame.attrs["units"] = self.units
+        frame.attrs["singular_positions"] = [passage.singular for passage in passages if passage.singular >= 0.0]
+        return frame
+
+    def _shown(self, times: Array, states: Array, p: Array) -> Array:
+        """The outputs of states in SI, shape (times, outputs)."""
+        return np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T

@@ -1,0 +1,94 @@
+"""The table of docs/methods.md, "By hand and by computer": `taskset -c 0 python -m quickreturn.plugins.derive.tests.derived_costs`."""
+
+import io
+import time
+import tokenize
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from quickreturn.plugins import derive
+from quickreturn.plugins.derive import Model, witness
+from quickreturn.plugins.derive.equations import Equations
+from quickreturn.plugins.derive.tests.reference.by_hand import by_hand, sizes
+from quickreturn.plugins.derive.tests.reference.derived_beam import TERMS, DerivedBeam
+from quickreturn.plugins.derive.witness.description import constants, quick_return
+from quickreturn.reference_model import motion
+from quickreturn.reference_model.model import BeamModel
+from quickreturn.reference_model.slider_constraint import CLOSED
+from tests.engines.scenes import run_24
+from tests.reference_model.motion.beam_states import rates
+
+EVALUATIONS = 300
+REPETITIONS = 15
+
+
+def lines_of_code(paths: Sequence[Path]) -> int:
+    """Lines that hold code: no blank lines, comments and docstrings."""
+    count = 0
+    for path in paths:
+        tokens, held = list(tokenize.generate_tokens(io.StringIO(path.read_text()).readline)), set()
+        ignored = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+        begins = True
+        for token in tokens:
+            if token.type not in ignored and not (token.type == tokenize.STRING and begins):
+                held.update(range(token.start[0], token.end[0] + 1))
+            begins = token.type in {tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.NL, tokenize.COMMENT}
+        count += len(held)
+    return count
+
+
+def fastest(calls: Sequence[Callable[[], Any]]) -> list[float]:
+    """Microseconds a call, the least of several turns; the functions take turns."""
+    best = [np.inf] * len(calls)
+    for _ in range(REPETITIONS):
+        for k, call in enumerate(calls):
+            began = time.process_time()
+            for _ in range(EVALUATIONS):
+                call()
+            best[k] = min(best[k], (time.process_time() - began) / EVALUATIONS * 1e6)
+    return best
+
+
+def main() -> None:
+    """Print lines, processor time to derive and compile, times of an evaluation, and the largest difference of a term."""
+    (written,), (kit,), (described,) = (list(package.__path__) for package in (motion, derive, witness))
+    print("lines of code: by hand", lines_of_code(sorted(Path(written).glob("*.py"))))
+    print("description", lines_of_code([Path(described) / "description.py"]), "kit", lines_of_code(sorted(Path(kit).glob("*.py"))))
+    for modes in (1, 2, 5, 7, 11):
+        scene = run_24()
+        hand = BeamModel.following(scene, modes)
+        began = time.process_time()
+        system = quick_return(hand.parameters.tables, modes)
+        Equations(system)
+        derived = time.process_time() - began
+        began = time.process_time()
+        model = Model(system)
+        compiled = time.process_time() - began
+        state = DerivedBeam(hand, CLOSED).random_state(1)
+        y, size = state.y, sizes(state)
+        found = by_hand(hand, hand.workspace, rates(hand, y), {})
+        terms = {name: value for name, value in state.expected.items() if name in TERMS}
+        error = max(float(np.max(np.abs(found[name] - value))) / size[name] for name, value in terms.items())
+        x = model.input(0.0, model.state(state.q, state.v), model.values(constants(scene)))
+        code, interpreter, out = model._rates, model._rates.interpreter, np.empty_like(y)
+        p, w = hand._at
+        from quickreturn.reference_model.entries import KERNEL
+
+        arguments = p.address, w.address, y.ctypes.data, out.ctypes.data, 0
+        hand_time, code_time, interpreted = fastest([
+            lambda: KERNEL(*arguments),  # noqa: B023
+            lambda: code._call(*code._at),  # noqa: B023
+            lambda: interpreter(x),  # noqa: B023
+        ])  # fmt: skip
+        print(
+            f"{modes} shapes: derive {derived:.2f} s, derive and compile {compiled:.2f} s, {interpreter.n_instructions()} instructions;"
+            f" by hand {hand_time:.2f} us, machine code {code_time:.2f} us, interpreter {interpreted:.1f} us; terms {error:.0e}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,217 @@
+"""Scenes and states handed to the thesis' model, and what it and the computer's derivation say about them under common names."""
+
+import cmath
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.plugins.derive.tests.reference.derived_thesis import of_shapes, one_cubic
+from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, by_column, recorded_columns
+from quickreturn.reference_model.compiled_state import state_of
+from quickreturn.reference_model.errors import ImpossibleMechanism
+from quickreturn.reference_model.follower import Follower
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, TorqueDrive
+from quickreturn.reference_model.native.compilation import compiled
+from quickreturn.reference_model.native.memory import Placed
+from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
+from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.thesis import equations as thesis_equations
+from quickreturn.reference_model.thesis import kinematics
+from quickreturn.reference_model.thesis.dynamics import evaluate
+from quickreturn.reference_model.thesis.parameters import (
+    ThesisParameters,
+    ThesisWorkspace,
+    build_parameters,
+    build_workspace,
+    parameters_at,
+    state_size,
+    workspace_at,
+)
+from quickreturn.reference_model.tip import Tip
+from tests.reference_model.motion.random_states import random_case
+
+Array = NDArray[np.float64]
+Values = dict[str, Array]
+Case = tuple[dict[str, float], dict[str, float]]
+
+#: Parts that a scene can lack besides those which `random_case` leaves out.
+ABSENT = ("tip_mass", "tip_inertia", "base_inertia", "base_damping", "beam_damping", "crank_damping", "crank_torque")
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The functions under test, of parameters, workspace, state ...: the compiled ones, or the same source as plain Python."""
+
+    evaluate: Callable[..., Any]
+    right_hand_side: Callable[..., Any]  # ... rate and row
+
+
+@compiled
+def _evaluate(parameters: int, workspace: int, y: Array) -> tuple[bool, kinematics.Slider, kinematics.Contact]:
+    p = parameters_at(parameters)
+    return evaluate(p, workspace_at(workspace), state_of(y, p.n))
+
+
+def _by_address(function: Callable[..., Any]) -> Callable[..., Any]:
+    def call(p: ThesisParameters, w: ThesisWorkspace, *arrays: Array) -> Any:
+        at = Placed(p), Placed(w)
+        return function(at[0].address, at[1].address, *arrays)
+
+    return call
+
+
+COMPILED = Equations(_by_address(_evaluate), _by_address(thesis_equations.right_hand_side))
+
+
+def draw_case(seed: int, *, present: float = 0.5, lacking: tuple[str, ...] = ()) -> Case:
+    """A random scene in which the crank can turn all the way round, and a random state of it."""
+    rng = np.random.default_rng(seed)
+    while True:
+        parameters, state = random_case(rng, present=present)
+        if parameters["pivot_distance"] + parameters["crank_length"] < parameters["length"]:
+            return parameters | dict.fromkeys(lacking, 0.0), state
+
+
+def mechanism_of(parameters: Mapping[str, float]) -> Mechanism:
+    """The scene as the package takes it."""
+    p = parameters
+    try:
+        return Mechanism(
+            pivot_distance=p["pivot_distance"],
+            crank=Crank(
+                length=p["crank_length"],
+                drive=TorqueDrive(torque=p["crank_torque"], damping=p["crank_damping"], initial_speed=1.0),
+                mass=p["crank_mass"],
+                center_of_mass=p["crank_center_of_mass"],
+                inertia=p["crank_inertia"],
+            ),
+            base=Base(inertia=p["base_inertia"], damping=p["base_damping"]),
+            follower=Follower(
+                length=p["length"],
+                mass_per_length=p["mass_per_length"],
+                bending_stiffness=p["bending_stiffness"],
+                thickness=3e-3,
+                width=4e-2,
+                damping=p["beam_damping"],
+                strain_gauges=(0.25 * p["length"], 0.5 * p["length"], 0.75 * p["length"]),
+            ),
+            tip=Tip(
+                mass=p["tip_mass"],
+                inertia=p["tip_inertia"],
+                center_of_mass=p["tip_center_of_mass"],
+                force=(p["force_1"], p["force_2"]),
+            ),
+            slider=Slider(mass=p["slider_mass"], inertia=p["slider_inertia"]),
+            gravity=(p["gravity_1"], p["gravity_2"]),
+        )
+    except ImpossibleMechanism as error:
+        raise ValueError("draw a case whose crank can turn") from error
+
+
+def build(parameters: Mapping[str, float], *, elements: int = 1, exact: bool = False, cells: int = 0) -> tuple[ThesisParameters, ShapeSet]:
+    """Parameters of the equations with Hermite elements, and their shapes."""
+    shapes = hermite_elements(parameters["length"], elements)
+    return build_parameters(mechanism_of(parameters), shapes, exact_geometry=exact, cells=cells), shapes
+
+
+def state_vector(p: ThesisParameters, crank: Mapping[str, float], eta: Array, eta_rate: Array) -> Array:
+    y = np.zeros(state_size(p))
+    y[0], y[p.n + 1] = crank["crank_angle"], crank["crank_speed"]
+    y[1 : p.n + 1], y[p.n + 2 : 2 * p.n + 2] = eta, eta_rate
+    return y
+
+
+def flexible(state: Mapping[str, float]) -> tuple[Array, Array]:
+    """Amplitudes and rates of the single cubic."""
+    value = np.array([state["tip_deflection"], state["tip_slope"]])
+    return value, np.array([state["tip_deflection_rate"], state["tip_slope_rate"]])
+
+
+def computed(equations: Equations, p: ThesisParameters, y: Array) -> Values:
+    """What the thesis' model says about the state `y`.
+
+    Raises:
+        ValueError: it cannot be evaluated.
+    """
+    w = build_workspace(p.tables)
+    good, slider, contact = equations.evaluate(p, w, y)
+    if not good:
+        raise ValueError("the model refuses the state")
+    size = p.n + 1 if p.crank_is_free else p.n
+    factor = np.tril(w.reduced[:size, :size])  # the solution leaves Cholesky's factor of the projected mass matrix
+    free = np.r_[w.acceleration[:1], w.acceleration[2:]] if p.crank_is_free else w.acceleration[2:].copy()
+    matrix = factor @ factor.T
+    values = {
+        "follower": np.array([slider.q2, contact.q2_rate]),
+        "slider": np.array([slider.s, contact.s_rate]),
+        "projected_mass_matrix": matrix,
+        "projected_force": matrix @ free,
+        "accelerations": free,
+        "follower_acceleration": w.acceleration[1:2].copy(),
+    }
+    rate, row = np.zeros_like(y), np.zeros(1, ROW)
+    if not equations.right_hand_side(p, w, y, rate, row.view(np.float64)):
+        raise ValueError("the model refuses the state")
+    column = {name: values[0] for name, values in recorded_columns(by_column(row)).items()}
+    n = p.n
+    values |= {name: np.array([column[name]]) for name in ("slider_force", "kinetic_energy", "strain_energy", "gravity_energy")}
+    values |= {
+        "shape": np.array([column[name] for name in SHAPE]),
+        "bearings": np.array([column[name] for name in BEARINGS]),
+        "moments": np.array([column[name] for name in (*MOMENTS, "moment_slider")]),
+        "end_moments": np.array([column["moment_inboard"] - column["moment_slider"], column["moment_base"], column["moment_tip"]]),
+        "normal_forces": np.array([column["axial_base"], column["axial_tip"], column["axial_inboard"] - column["axial_slider"]]),
+        "normal_force_at_slider": np.array([column["axial_slider"]]),
+        "state_rate": np.r_[rate[: n + 1], rate[n + 1 + (not p.crank_is_free) : 2 * n + 2]],
+        "dissipated_power": rate[2 * n + 2 : 2 * n + 3],
+        "drive_power": rate[2 * n + 3 :],
+        "tip_position": np.array([column["tip_x"], column["tip_y"]]),
+        "tip_acceleration": np.array([column["tip_acceleration"]]),
+    }
+    return values
+
+
+def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) -> Values:
+    """What the computer's derivation says about the single cubic."""
+    eta, eta_rate = flexible(state)
+    found = one_cubic().at(parameters, state, eta, eta_rate)
+    return found | {
+        "shape": _cubic(parameters["length"], state),
+        "moments": _moments_of_cubic(parameters, state, float(found["slider"][0])),
+        "state_rate": np.r_[state["crank_speed"], eta_rate, found["accelerations"]],
+    }
+
+
+def _cubic(length: float, state: Mapping[str, float]) -> Array:
+    """Deflection of the single cubic at the interior twelfths, m."""
+    u = np.arange(1, 12) / 12.0
+    return np.asarray((3.0 * u**2 - 2.0 * u**3) * state["tip_deflection"] + length * (u**3 - u**2) * state["tip_slope"])
+
+
+def _moments_of_cubic(parameters: Mapping[str, float], state: Mapping[str, float], slider: float) -> Array:
+    """EI times the second derivative of the single cubic at the interior twelfths and at the slider, N m."""
+    L = parameters["length"]
+    u = np.append(np.arange(1, 12) / 12.0, slider / L)
+    curvature = (6.0 - 12.0 * u) * state["tip_deflection"] / L**2 + (6.0 * u - 2.0) * state["tip_slope"] / L
+    return np.asarray(parameters["bending_stiffness"] * curvature)
+
+
+def expected_shapes(
+    parameters: Mapping[str, float], state: Mapping[str, float], shapes: ShapeSet, eta: Array, eta_rate: Array, *, exact: bool
+) -> Values:
+    """What it says about shapes on cells of equal length."""
+    chord = parameters["crank_length"] * cmath.exp(1j * state["crank_angle"]) - parameters["pivot_distance"]
+    return of_shapes(shapes, abs(chord), exact=exact).at(parameters, state, eta, eta_rate)
+
+
+def largest_difference(found: Values, expected: Values) -> tuple[float, str]:
+    """Largest difference over all names in `expected`, relative to the name's largest element."""
+    worst, where = 0.0, ""
+    for name, value in expected.items():
+        relative = float(np.max(np.abs(found[name] - value)) / (np.max(np.abs(value)) or 1.0))
+        if not relative <= worst:
+            worst, where = relative, name
+    return worst, where

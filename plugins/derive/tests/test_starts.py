@@ -1,0 +1,209 @@
+"""Starts that a check must not refuse: equilibria, where forces cancel, and shapes of many families; and what it must refuse."""
+
+import re
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial, legendre
+
+from quickreturn.derive import Beam, DescriptionError, Model, Statics, System, natural_frequencies, natural_shapes, turned, vector
+from quickreturn.plugins.derive import machine_code as of_machine
+from quickreturn.plugins.derive.tests.descriptions import described
+from quickreturn.plugins.derive.tests.linkages import four_bar
+
+Shape = Callable[[Any], Any]
+
+
+def powers(count: int) -> list[Shape]:
+    return [lambda u, k=k: u ** (k + 2) for k in range(count)]  # type: ignore[misc]
+
+
+def orthogonal(count: int) -> list[Shape]:
+    """Legendre's polynomials times the square of x/L."""
+    held = Polynomial([0.0, 0.0, 1.0])
+    shapes = [(held * legendre.Legendre.basis(k, domain=[0.0, 1.0]).convert(kind=Polynomial)).coef for k in range(count)]
+    return [lambda u, c=c: sum(float(a) * u**j for j, a in enumerate(c)) for c in shapes]  # type: ignore[misc]
+
+
+def cantilever(shapes: list[Shape], length: float, stiffness: float, mass: float, force: float, gravity: float) -> System:
+    system = System("cantilever")
+    system.gravity = vector(0, -gravity)
+    p = system.constants(L=(length, "m"), EI=(stiffness, "N*m^2"), mu=(mass, "kg/m"), F=(force, "N"))
+    eta = system.amplitudes("eta", len(shapes), "m", size=0.01 * length)
+    beam = Beam(
+        system, "beam", origin=vector(0, 0), angle=0, edges=[0, p.L / 2, p.L], points=8, foreshortening=False,
+        deflection=lambda x: sum(eta[k] * shape(x / p.L) for k, shape in enumerate(shapes)),
+        mass_per_length=p.mu, bending_stiffness=p.EI,
+    )  # fmt: skip
+    system.load("tip", beam.end(), vector(0, -p.F))
+    system.output("tip_y", beam.end()[1], "mm")
+    return system
+
+
+@pytest.mark.parametrize("family", [powers, orthogonal, lambda count: natural_shapes("clamped-free", count)])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.verify) for k in (0, *range(2, 8)))])
+def test_a_generated_cantilever_stays_in_its_equilibrium(family: Callable[[int], list[Shape]], seed: int) -> None:
+    """The closed form is F L^3/(3 EI) + mu g L^4/(8 EI), which polynomials hold exactly."""
+    random = np.random.default_rng(seed)
+    count = int(random.integers(3, 5))
+    length, stiffness, mass, force = (float(10.0 ** random.uniform(*each)) for each in ((-2, 1), (-3, 5), (-3, 2), (-3, 3)))
+    gravity = float(random.choice([0.0, 9.81]))
+    # a deflection of some per cent of the length
+    scale = 0.03 * length / (force * length**3 / (3 * stiffness) + mass * gravity * length**4 / (8 * stiffness))
+    stiffness /= scale
+    model = Model(cantilever(family(count), length, stiffness, mass, force, gravity))
+    rest = Statics(model).equilibrium({})
+    sag = 1e3 * (force * length**3 / (3 * stiffness) + mass * gravity * length**4 / (8 * stiffness))
+    # natural shapes have no moment's slope at the end that a force makes there: 3 leave 0.3 %
+    exact = family in (powers, orthogonal) and (count > 2 + (gravity > 0) or not gravity)
+    assert rest.outputs["tip_y"] == pytest.approx(-sag, rel=1e-8 if exact else 1e-2)
+    period = 2 * np.pi / 3.516 * np.sqrt(mass * length**4 / stiffness)
+    found = model.simulate(rest, 0.2 * float(period), 0.1 * float(period))
+    np.testing.assert_allclose(found["tip_y"], rest.outputs["tip_y"], rtol=1e-7)
+
+
+def test_the_loaded_cantilever_of_10_newton() -> None:
+    model = Model(cantilever(orthogonal(4), 1.0, 350.0, 1.57, 10.0, 0.0))
+    rest = Statics(model).equilibrium({})
+    assert rest.outputs["tip_y"] == pytest.approx(-9.5238, abs=1e-4)
+    assert model.simulate(rest, 0.02, 0.01)["tip_y"].iloc[-1] == pytest.approx(-9.5238, abs=1e-4)
+
+
+def test_forces_of_loops_at_rest_are_outputs() -> None:
+    system = System("hook")
+    p = system.constants(mass=(2.0, "kg"))
+    y = system.coordinate("y", "m")
+    system.gravity = vector(0, -9.81)
+    system.body("weight", p.mass, vector(0, y))
+    system.loop("hook", y, gives=[y])
+    rest = Statics(Model(system)).equilibrium({})
+    assert rest.outputs["hook_force"] == pytest.approx(2.0 * 9.81)
+    assert dict(rest) == {"y": 0.0}
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.verify) for k in range(1, 6))])
+def test_an_assembly_far_from_the_guess_is_told(seed: int) -> None:
+    """A four-bar closes in two ways at a crank angle: the truth has both, and which one is nearer to the guess."""
+    random = np.random.default_rng(seed)
+    model = Model(four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5)))
+    pin = 0.4 * np.exp(0.5j)
+    chord, c = 1.0 - pin, abs(1.0 - pin)
+    along = (0.9**2 - 0.8**2 + c**2) / (2.0 * c)
+    joints = [pin + chord / c * (along + side * 1j * np.sqrt(0.9**2 - along**2)) for side in (1, -1)]
+    both = np.array([[np.angle(joint - pin), np.angle(joint - 1.0)] for joint in joints])
+    told = 0
+    for guess in random.uniform(-2.0, 2.0, (10, 2)):
+        model.system.coordinates[1:] = [c._replace(guess=g) for c, g in zip(model.system.coordinates[1:], guess, strict=True)]
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            found = model.start({"crank": 0.5})[1:3]
+        assert min(np.max(np.abs(np.exp(1j * found) - np.exp(1j * each))) for each in both) < 1e-9
+        if np.max(np.abs(found - guess)) > np.pi / 2:
+            assert re.match(
+                "'four-bar' (starts far from|could also start nearer to) the guess, with .*; give the guess", str(caught[0].message)
+            )
+        told += len(caught)
+        if np.max(np.abs(both - guess), axis=1).min() < 0.3:
+            assert not caught
+    assert 0 < told < 10
+
+
+def test_from_guesses_in_line_the_loops_close() -> None:
+    """There Newton's method finds no way; it begins again beside them."""
+    system = four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5))
+    system.coordinates[:] = [c._replace(guess=0.0) for c in system.coordinates]
+    with pytest.warns(UserWarning, match="starts far from the guess, with rocker = 1.77 rad in place of 0 rad"):
+        found = Model(system).start({})
+    joint = 0.4 + 0.9 * np.exp(1j * found[1])
+    assert abs(joint - 1.0 - 0.8 * np.exp(1j * found[2])) < 1e-9
+
+
+def test_an_unstable_equilibrium_is_told() -> None:
+    """Two links with springs in their hinges, a load along them: it buckles at k/L (3 - sqrt 5)/2, the columns of textbooks."""
+    system = System("column")
+    p = system.constants(k=(10.0, "N*m/rad"), length=(0.5, "m"), mass=(1.0, "kg"), load=(0.0, "N"))
+    one, two = system.coordinate("one", "rad"), system.coordinate("two", "rad")
+    middle = turned(one, p.length)
+    top = middle + turned(two, p.length)
+    system.body("middle", p.mass, middle)
+    system.body("top", p.mass, top)
+    system.spring("foot", one, p.k)
+    system.spring("knee", two - one, p.k)
+    system.load("weight", top, vector(-p.load, 0))
+    model, critical = Model(system), 10.0 / 0.5 * (3.0 - np.sqrt(5.0)) / 2.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Statics(model, parameters={"load": 0.999 * critical}).equilibrium({})
+        Statics(model, ["one", "two"], {"load": 2.0 * critical}).equilibrium({})
+    with pytest.warns(UserWarning, match="the equilibrium of 'column' is unstable: 'two' leaves it"):
+        Statics(model, parameters={"load": 1.001 * critical}).equilibrium({})
+
+
+def test_frequencies_where_forces_move_the_system_are_told() -> None:
+    """A pendulum at 57 degrees; a wheel with a motor, at any angle."""
+    system = System("pendulum")
+    system.gravity = vector(0, -9.81)
+    p = system.constants(mass=(1.0, "kg"), length=(1.0, "m"), torque=(0.0, "N*m"))
+    angle, wheel = system.coordinate("angle", "rad"), system.coordinate("wheel", "rad")
+    system.body("bob", p.mass, turned(angle, 0.0, -p.length))
+    system.body("wheel", inertia=p.mass * p.length**2, angle=wheel)
+    system.load("motor", wheel, p.torque)
+    model = Model(system)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        np.testing.assert_allclose(natural_frequencies(model, {}), [0.0, np.sqrt(9.81) / (2 * np.pi)], atol=1e-12)
+        natural_frequencies(model, {}, hold=["wheel"], parameters={"torque": 1.0})
+    for at, torque, name in (({"angle": 1.0}, 0.0, "angle"), ({}, 1.0, "wheel")):
+        with pytest.warns(UserWarning, match=f"'pendulum' is not at rest there: forces move '{name}'"):
+            natural_frequencies(model, at, parameters={"torque": torque})
+
+
+@pytest.mark.parametrize("count", [5, 6])
+def test_powers_move_as_legendres_polynomials(count: int) -> None:
+    """Both span the same motions; from a start that both can hold."""
+    found = []
+    for family in (powers, orthogonal):
+        model = Model(cantilever(family(count), 1.0, 10.0, 1.0, 0.0, 0.0))
+        found.append(model.simulate({"eta_1": 0.05}, 0.05, 0.01)["tip_y"])  # u^2 in both
+    np.testing.assert_allclose(*found, atol=2e-6)
+
+
+@pytest.mark.parametrize("count", [8, *(pytest.param(each, marks=pytest.mark.verify) for each in (9, 12))])
+def test_shapes_that_are_nearly_alike_are_named(count: int) -> None:
+    model = Model(described("spin_up").spin_up(count))
+    sentence = (
+        r"the inertias of ('eta_\d+', )+'eta_\d+' of 'spin-up' are nearly alike \(condition of the mass matrix \de\+1\d\): rounding is in"
+        r" the way of a tolerance below \S+; take shapes that differ more, such as Legendre polynomials or"
+        r" natural_shapes"
+    )
+    with pytest.raises(DescriptionError, match=sentence):
+        model.simulate({"eta_1": 0.05}, 1.0, 0.5)
+
+
+@pytest.mark.parametrize("wrong", ["sin", "mul", "add"])
+def test_a_wrong_operation_is_found_even_where_forces_cancel(wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A relative mistake of 1e-9 in one operation."""
+    number = getattr(ca, f"OP_{wrong.upper()}")
+    line = of_machine._LINES[number]
+    changed = line.replace("{r} =", "{r}w =", 1) + "\n{r} = fmul double {r}w, 0x3FF000000112E0BE"  # 1 + 1e-9
+    monkeypatch.setitem(of_machine._LINES, number, changed)
+    x = ca.SX.sym("x", 2)
+    force = ca.sin(x[0]) * x[1]
+    code = of_machine.MachineCode(x, ca.vertcat(force - 2.0 * x[1] * ca.sin(x[0]) * 0.5 * (1.0 + 1e-13), force + x[1]), ["balance", "sum"])
+    with pytest.raises(DescriptionError, match="and rounding does not explain it"):
+        code.check(np.array([0.7, 3e4]))
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e6])
+def test_a_loop_of_lengths_closes_as_well_in_a_machine_of_any_size(scale: float) -> None:
+    """A bead on a circle, its height given: the search ends by the coordinate's size."""
+    system = System("bead on a circle")
+    u = system.constants(m=(scale, "m"), kg=(1.0, "kg"))
+    x, y = (system.coordinate(name, "m", size=scale, guess=0.6 * scale) for name in "xy")
+    system.body("bead", u.kg, vector(x, y))
+    system.loop("circle", x**2 + y**2 - u.m**2, "m^2", gives=[x])
+    assert Model(system).start({"y": 0.28 * scale})[0] / scale == pytest.approx(0.96, rel=1e-14)
