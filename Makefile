@@ -52,7 +52,7 @@ record: $(READY)
 
 # Tables of the pack made anew in build/pack, and judged by those of pack/.
 pack: $(VERIFY)
-	$(BIN)/python -m quickreturn.pack.make build/pack
+	$(BIN)/python -m quickreturn.plugins.pack build/pack
 
 # The wheel with machine code for Linux on x86-64-v3; build/wheel/.
 wheel: $(TEST)

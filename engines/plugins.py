@@ -16,15 +16,21 @@ GROUP: Final = "quickreturn.plugins"
 
 @dataclass(frozen=True, kw_only=True)
 class Plugin:
-    """What a plugin adds to the program. Each value is a text "module:name", if nothing else is said.
+    """What a plugin adds to the program. A *place* is a text "module:name".
 
     Attributes:
-        engines: name of an engine -> its class, or an instance.
-        engine_files: ending of a file, without its point -> the function that makes an engine of the file's path.
+        engines: name of an engine -> the place of its class, or of an instance.
+        engine_files: ending of a file, without its point -> the place of the function that makes an engine of the file's path.
+        commands: name of a command -> its place, and the first sentence of its help.
+        page: place of what it adds to the page of a report, a `reports.page.part.Part`; "" if it adds nothing.
+        records: name of a long study -> the place of the function that gives the rows of its recorded tables.
     """
 
     engines: Mapping[str, str] = field(default_factory=dict)
     engine_files: Mapping[str, str] = field(default_factory=dict)
+    commands: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    page: str = ""
+    records: Mapping[str, str] = field(default_factory=dict)
 
 
 @cache
@@ -33,7 +39,12 @@ def plugins() -> Mapping[str, Plugin]:
     return {entry.name: entry.load() for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name)}
 
 
+def entries(of: str) -> dict[str, Any]:
+    """The entries of one of the mappings of all plugins, such as "commands"."""
+    return {name: entry for plugin in plugins().values() for name, entry in getattr(plugin, of).items()}
+
+
 def found(place: str) -> Any:
-    """What a text "module:name" stands for."""
+    """What a place stands for."""
     module, _, name = place.partition(":")
     return getattr(import_module(module), name)

@@ -1,4 +1,4 @@
-"""The engines: the four main ones, rivals, those of plugins, and third-party ones from the entry-point group `quickreturn.engines`.
+"""The engines: the four main ones, those of plugins, and third-party ones from the entry-point group `quickreturn.engines`.
 
 An engine's module is imported only when the engine is used, so that a missing or broken library disables its own engine and no
 other. An entry point maps the engine's name, which the class has as `name`, to its class:
@@ -17,13 +17,12 @@ from pathlib import PurePath
 from typing import Any, Final, NoReturn, cast
 
 from quickreturn.engines.base import ESTIMATES, INTERFACE, AnyEngine, Engine, Refusal, first_line
-from quickreturn.engines.plugins import found, plugins
+from quickreturn.engines.plugins import entries as of_plugins
+from quickreturn.engines.plugins import found
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.reference_model.errors import ToldError
 
 MAIN: Final = ("thesis", "reference", "exudyn", "mujoco")
-#: Rival methods for the constraint and the moving load, on the same beam; used only where they are asked for.
-RIVALS: Final = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load", "moving-boundaries")
 #: The main engine whose discretization is its model: its distance to the others is a model error, and reported as such.
 MODEL: Final = "thesis"
 GROUP: Final = "quickreturn.engines"
@@ -34,11 +33,6 @@ _MODULES: Final = {
     "reference": "quickreturn.engines.own.reference:ReferenceEngine",
     "exudyn": "quickreturn.engines.exudyn.engine:ExudynEngine",
     "mujoco": "quickreturn.engines.mujoco.engine:MujocoEngine",
-    "fixed-shapes": "quickreturn.engines.own.fixed_shapes:ENGINE",
-    "multiplier": "quickreturn.engines.own.multiplier:ENGINE",
-    "stiff-spring": "quickreturn.engines.own.stiff_spring:ENGINE",
-    "nodal-load": "quickreturn.engines.own.nodal_load:ENGINE",
-    "moving-boundaries": "quickreturn.engines.own.moving_boundaries:MovingBoundariesEngine",
 }
 
 
@@ -51,11 +45,11 @@ def own_engines() -> Mapping[str, str]:
 
     They load no library but numpy until a model is built, so that they can be asked about themselves anywhere.
     """
-    return _MODULES | {name: place for plugin in plugins().values() for name, place in plugin.engines.items()}
+    return _MODULES | of_plugins("engines")
 
 
 def engine_names() -> tuple[str, ...]:
-    """Names of all engines, whether usable here or not: the main ones in their order, rivals, those of plugins, then others by name."""
+    """Names of all engines, whether usable here or not: the main ones in their order, those of plugins, then others by name."""
     return (*own_engines(), *sorted(_third_party()))
 
 
@@ -71,8 +65,8 @@ def is_foreign(name: str) -> bool:
 
 def _reader_of_file(name: str) -> str | None:
     """The place of the function that makes an engine of a file with this name's ending."""
-    readers = {ending: place for plugin in plugins().values() for ending, place in plugin.engine_files.items()}
-    return readers.get(PurePath(name).suffix.removeprefix(".").lower())
+    place: str | None = of_plugins("engine_files").get(PurePath(name).suffix.removeprefix(".").lower())
+    return place
 
 
 def engine(name: str | os.PathLike[str]) -> AnyEngine:
@@ -149,7 +143,7 @@ def _unknown(name: str) -> str:
     names = engine_names()
     near = difflib.get_close_matches(name, names, n=2)
     hint = f" (perhaps {' or '.join(near)} is meant)" if near else ""
-    endings = ", ".join(f".{ending}" for plugin in plugins().values() for ending in plugin.engine_files)
+    endings = ", ".join(f".{ending}" for ending in of_plugins("engine_files"))
     known = ", ".join(names) + (f", or the path of a file that declares one ({endings})" if endings else "")
     return f'"{name[:_LONGEST_NAME]}": no such engine{hint}; accepted: {known}'
 

@@ -30,11 +30,11 @@ from quickreturn.engines.start import Start as Start
 from quickreturn.engines.start_state import reconstruct as reconstruct
 from quickreturn.engines.trajectory import Trajectory as Trajectory
 from quickreturn.frequencies import modes as modes
+from quickreturn.plugins.methods.advice import Advice as Advice
+from quickreturn.plugins.methods.advice import advise as advise
 from quickreturn.questions import list_engines as list_engines
 from quickreturn.solution import Solution as Solution
 from quickreturn.solution import simulate as simulate
-from quickreturn.studies.advice import Advice as Advice
-from quickreturn.studies.advice import advise as advise
 from quickreturn.studies.calibration import calibrate as calibrate
 from quickreturn.studies.explanation import Explanation as Explanation
 from quickreturn.studies.explanation import explain as explain

@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 from collections.abc import Sequence
-from importlib import import_module
+from functools import cache
 from types import FrameType
 from typing import TYPE_CHECKING, Final
 
@@ -22,48 +22,36 @@ from click.shell_completion import CompletionItem, shell_complete
 
 from quickreturn.cases.errors import Argument, CaseError, as_written, shortened
 from quickreturn.commands.console import Call, ExitCode, tell
+from quickreturn.engines.plugins import entries as of_plugins
+from quickreturn.engines.plugins import found
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
 
 if TYPE_CHECKING:
     from quickreturn.cases.jobs.store import Store
 
-#: The commands in the order of `--help`, each with the first sentence of its help.
+#: The commands in the order of `--help`: module of `quickreturn.commands`, and first sentence of the help. Those of plugins follow.
 COMMANDS: Final = {
-    "engines": "List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy.",
-    "cases": "List the cases of the library: name, tags, title.",
-    "new": "Write a case file of your own to FILE, with the meaning of every key beside it.",
-    "show": "Show the scene of CASE and the parts, joints and degrees of freedom that each engine builds.",
-    "simulate": "Simulate CASE from the standard start; with --output, write the trajectory.",
-    "modes": "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped.",
-    "run": "Bring engines to their steady state on each CASE, measure and compare them.",
-    "sweep": "Measure the settled motion of every machine of a grid.",
-    "uncertainty": "Say how much measures scatter because quantities do: bands, and the share of each quantity.",
-    "resonance": "Follow the periodic motion of CASE over the crank's speed or another key.",
-    "compare": "Measure recorded tables of CASE and compare them with engines.",
-    "check": "Judge a table by the reference results of PROBLEM.",
-    "calibrate": "Find parameters of CASE from a recorded table by least squares.",
-    "report": "Write the report on each CASE; without one, on the 24 runs of the thesis.",
-    "benchmark": "Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.",
-    "advise": "Say where CASE lies on the map of classes, and which methods were the fastest there to an error.",
-    "explain": "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers.",
-    "conform": "Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.",
-    "plot": "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.",
-    "animate": "Simulate CASE from the standard start and draw it moving, engines over each other.",
-}
-
-#: Command -> its module of `quickreturn.commands`, if that is not named for it.
-_MODULES: Final = {
-    "animate": "pictures",
-    "calibrate": "studies",
-    "compare": "run",
-    "conform": "engines",
-    "explain": "advise",
-    "new": "cases",
-    "plot": "pictures",
-    "resonance": "studies",
-    "show": "cases",
-    "sweep": "studies",
-    "uncertainty": "studies",
+    "engines": (
+        "engines",
+        "List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy.",
+    ),
+    "cases": ("cases", "List the cases of the library: name, tags, title."),
+    "new": ("cases", "Write a case file of your own to FILE, with the meaning of every key beside it."),
+    "show": ("cases", "Show the scene of CASE and the parts, joints and degrees of freedom that each engine builds."),
+    "simulate": ("simulate", "Simulate CASE from the standard start; with --output, write the trajectory."),
+    "modes": ("modes", "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped."),
+    "run": ("run", "Bring engines to their steady state on each CASE, measure and compare them."),
+    "sweep": ("studies", "Measure the settled motion of every machine of a grid."),
+    "uncertainty": ("studies", "Say how much measures scatter because quantities do: bands, and the share of each quantity."),
+    "resonance": ("studies", "Follow the periodic motion of CASE over the crank's speed or another key."),
+    "compare": ("run", "Measure recorded tables of CASE and compare them with engines."),
+    "check": ("check", "Judge a table by the reference results of PROBLEM."),
+    "calibrate": ("studies", "Find parameters of CASE from a recorded table by least squares."),
+    "report": ("report", "Write the report on each CASE; without one, on the 24 runs of the thesis."),
+    "explain": ("explain", "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers."),
+    "conform": ("engines", "Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures."),
+    "plot": ("pictures", "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time."),
+    "animate": ("pictures", "Simulate CASE from the standard start and draw it moving, engines over each other."),
 }
 
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
@@ -103,18 +91,25 @@ FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 PATIENCE: Final = 3.0  # s after which another Ctrl-C counts; the clean-up takes a fraction of a second unless it hangs
 
 
+@cache
+def commands() -> dict[str, tuple[str, str]]:
+    """All commands in the order of `--help`, each with its place (`engines.plugins`) and the first sentence of its help."""
+    own = {name: (f"quickreturn.commands.{module}:{name}", sentence) for name, (module, sentence) in COMMANDS.items()}
+    return own | of_plugins("commands")
+
+
 class CommandGroup(click.Group):
     """A group that imports a subcommand from `quickreturn.commands` on its first use."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of the subcommands."""
-        return list(COMMANDS)
+        return list(commands())
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The subcommand, or None if there is none of this name."""
-        if cmd_name not in COMMANDS:
+        if cmd_name not in commands():
             return None
-        command = getattr(import_module(f"quickreturn.commands.{_MODULES.get(cmd_name, cmd_name)}"), cmd_name)
+        command = found(commands()[cmd_name][0])
         assert isinstance(command, click.Command)
         if not any(each.name == "quiet" for each in command.params):
             command.params.append(_quiet_option())
@@ -123,19 +118,19 @@ class CommandGroup(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the subcommands, each with a whole sentence: click would import them all, and cut their help to one line."""
         with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+            formatter.write_dl([(name, help_text) for name, (_, help_text) in commands().items()])
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         """Completions of a subcommand or an option; no subcommand is imported for them."""
-        commands = [CompletionItem(name, help=told) for name, told in COMMANDS.items() if name.startswith(incomplete)]
-        return [*commands, *click.Command.shell_complete(self, ctx, incomplete)]
+        found_names = [CompletionItem(name, help=sentence) for name, (_, sentence) in commands().items() if name.startswith(incomplete)]
+        return [*found_names, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
         """The subcommand that the arguments begin with; UsageError with the nearest name if there is none."""
-        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            near = difflib.get_close_matches(args[0], COMMANDS, n=1)
+        if args and args[0] not in commands() and not args[0].startswith("-"):
+            near = difflib.get_close_matches(args[0], commands(), n=1)
             hint = f" (perhaps {near[0]} is meant)" if near else ""
-            raise click.UsageError(f"{as_written(args[0])}: no such command{hint}; accepted: {', '.join(COMMANDS)}", ctx)
+            raise click.UsageError(f"{as_written(args[0])}: no such command{hint}; accepted: {', '.join(commands())}", ctx)
         return super().resolve_command(ctx, args)
 
 

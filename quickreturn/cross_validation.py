@@ -222,11 +222,10 @@ def reported(
 ) -> "Written":
     """The report of `report` on loaded cases, with settings by engine as texts."""
     from quickreturn.reports.report import write_report
-    from quickreturn.reports.thesis.content import content_type
 
     names, texts, tables = prepared(cases, engines, settings)
     with computing.opened(cases, names) as workshop:
-        return write_report(cases, Path(folder), workshop, names, tables, checked(accuracy), texts, content_type(cases))
+        return write_report(cases, Path(folder), workshop, names, tables, checked(accuracy), texts)
 
 
 def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:

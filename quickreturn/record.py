@@ -1,7 +1,7 @@
 """Records results of the long studies as the tables of `reports.long_studies`: `python -m quickreturn.record`.
 
 Missing results are computed, which takes hours; `--stored` takes only stored results.
-Names of studies, as in `STUDIES`, choose among them: `python -m quickreturn.record classes`.
+Names of studies, as in `studies`, choose among them: `python -m quickreturn.record classes`.
 """
 
 import dataclasses
@@ -17,27 +17,26 @@ from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.whole_file import write_atomically
 from quickreturn.engines.registry import engine
-from quickreturn.reports.long_studies import FOLDER, STUDIES, About, about, text_of
+from quickreturn.reports.long_studies import FOLDER, About, about, studies, text_of
 from quickreturn.reports.machine import version
-from quickreturn.reports.thesis import long_studies as _  # noqa: F401 - registers its studies
 
 
 def main(arguments: Sequence[str]) -> int:
     """Write the tables of all studies, or of the named ones; exit code 2 for an unknown argument."""
     names = [each for each in arguments if each != "--stored"]
-    if unknown := sorted(set(names) - set(STUDIES)):
-        print(f"python -m quickreturn.record: {' '.join(unknown)}: accepted: --stored, {', '.join(STUDIES)}", file=sys.stderr)
+    if unknown := sorted(set(names) - set(studies())):
+        print(f"python -m quickreturn.record: {' '.join(unknown)}: accepted: --stored, {', '.join(studies())}", file=sys.stderr)
         return 2
     workshop, lines = Workshop(Store()), list[str]()
     if "--stored" in arguments:
         workshop = workshop.as_it_is
-    for study in names or STUDIES:
-        tables = STUDIES[study](workshop)
+    for study in names or studies():
+        tables = studies()[study](workshop)
         if all(tables.values()):
             for table, rows in tables.items():
                 _write(table, rows)
             lines.append(f"{study} ({', '.join(f'{len(rows)} rows of {table}' for table, rows in tables.items())})")
-            _write("about", [_about_now(each) if each == study else old for each in STUDIES if (old := about(each)) or each == study])
+            _write("about", [_about_now(each) if each == study else old for each in studies() if (old := about(each)) or each == study])
             about.cache_clear()
     print(", ".join(lines) or "nothing is stored")
     return 0
@@ -58,7 +57,7 @@ def commit() -> str:
 
 def confirm(study: str) -> None:
     """Note that cells of a recorded study came out alike at the checkout's commit."""
-    _write("about", [dataclasses.replace(old, confirmed=commit()) if each == study else old for each in STUDIES if (old := about(each))])
+    _write("about", [dataclasses.replace(old, confirmed=commit()) if each == study else old for each in studies() if (old := about(each))])
     about.cache_clear()
 
 

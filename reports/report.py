@@ -3,21 +3,14 @@
 import contextlib
 import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from quickreturn.cases import conformance
-from quickreturn.cases.benchmark import SCENES, compiling, stored
-from quickreturn.cases.benchmark.scenes import ENGINES
 from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.key import code_of
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.judging.matrix import judge_scenes
-from quickreturn.cases.library import catalogue
-from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.measures.number import SAYS_NOTHING
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.campaign import Work, cross_validate
@@ -25,13 +18,12 @@ from quickreturn.cases.runs.comparison import CaseResult, agreement
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.studies import ACCURACY_CASE, run_studies, work
-from quickreturn.engines.registry import MAIN, engine
-from quickreturn.reports import long_studies
+from quickreturn.engines.registry import MAIN
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import check_folder, write_file
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.part import parts
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.results.around import curves_around, jobs_around
 from quickreturn.reports.results.runs import settled_speed
@@ -103,7 +95,6 @@ def write_report(
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
-    content_type: type[Content] = Content,
 ) -> Written:
     """Compute what is missing, and write the page and its tables.
 
@@ -112,10 +103,9 @@ def write_report(
         folder: folder of the page; it is created and checked before anything runs (see `reports.output.check_folder`).
         workshop: processes and store.
         engines: names of engines.
-        tables: case -> its recorded tables, besides those of `content_type.recordings`.
+        tables: case -> its recorded tables, besides those of the report's subject.
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: engine -> setting -> value as text.
-        content_type: `Content`, or its subclass for cases with chapters of their own.
 
     Raises:
         CaseError: a recorded table cannot be read or is not of its case; nothing has been computed.
@@ -123,22 +113,23 @@ def write_report(
         KeyboardInterrupt: Ctrl-C; what was computed is stored.
     """
     check_folder(folder, PAGE)
+    content_type = next((kind for part in parts() if part.content and (kind := part.content(cases))), Content)
     recorded = {case: [*given] for case, given in (tables or {}).items()}
     for table in content_type.recordings():
         recorded.setdefault(table.declared["case"], []).append(table)
     own_cases = cases if content_type.is_own else []
-    other_jobs = work(engines) if _studied(cases) else Work(jobs=[job for job in jobs_around(own_cases).values() if isinstance(job, Job)])
-    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, other_jobs)
-    further, missing = content_type.further(results, workshop)
+    work = [part.work(cases, engines, content_type.is_own) for part in parts() if part.work]
+    requests = {name: request for each in work for name, request in each.requests.items()}
+    jobs = [job for each in work for job in each.jobs] + [job for job in jobs_around(own_cases).values() if isinstance(job, Job)]
+    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, Work(requests, jobs))
     content = content_type(
         results=results,
-        **_studies(cases, workshop, engines),
-        **further,
+        engines=engines,
+        workshop=workshop,
         verification=stored_verification(workshop.store.folder),
-        conformance=_conformance(engines, workshop),
         facts=machine_facts(),
         code=code_of(steady_state),
-        notices=(*missing, *workshop.store.notices),
+        notices=workshop.store.notices,
         around=curves_around(own_cases, workshop, {result.case.name: settled_speed(result) for result in results}),
     )
     return write(content, folder)
@@ -160,47 +151,6 @@ def write(content: Content, folder: Path) -> Written:
         with contextlib.suppress(OSError):  # a file that cannot be removed stays: the page does not link it
             (folder / name).unlink()
     return Written(folder / PAGE, content, tables)
-
-
-def _conformance(engines: Sequence[str], workshop: Workshop) -> dict[str, str]:
-    """Engine -> verdict on whether it does what it says: the user's stored one, else the recorded one."""
-    outcomes = {name: workshop.stored(conformance.job(name)) for name in engines}
-    judged = {name: outcome.value for name, outcome in outcomes.items() if outcome is not None and outcome.value is not None}
-    own_verdicts = {name: long_studies.ConformanceRow.of(value, engine(name).version()).words for name, value in judged.items()}
-    return long_studies.conformance() | own_verdicts
-
-
-def _studied(cases: Sequence[Case]) -> bool:
-    """Whether the studies belong to the report: the library's case that they are about is among its cases."""
-    return ACCURACY_CASE in {case.name for case in cases if case.source == "library"}
-
-
-def _studies(cases: Sequence[Case], workshop: Workshop, engines: Sequence[str]) -> dict[str, Any]:
-    """The studies as fields of `Content`: the user's own results, or the recorded ones where the user has none.
-
-    A report without the case of the studies has only the stored benchmarks of its own cases.
-    """
-    if not _studied(cases):
-        return {"benchmarks": [table for case in cases if (table := stored(case, workshop))]}
-    scenes = [load_case(entry.name) for entry in catalogue(TAG)]
-    studies, matrix = run_studies(workshop, engines), judge_scenes(scenes, workshop.as_it_is)
-    own_benchmarks, recorded_benchmarks = {name: stored(load_case(name), workshop) for name in SCENES}, long_studies.benchmarks()
-    of_record = {
-        "confirmation": not studies.confirming,
-        "benchmark": any(own_benchmarks[name] is None and name in recorded_benchmarks for name in SCENES),
-        "hard scenes": not matrix.cells,
-    }
-    return {
-        "studies": studies if studies.confirming else replace(studies, confirming=long_studies.confirming()),
-        "benchmarks": [table for name in SCENES if (table := own_benchmarks[name] or recorded_benchmarks.get(name))],
-        "compiling": compiling(workshop.as_it_is, ENGINES) or long_studies.compiling(),
-        "hard_scenes": matrix if matrix.cells else long_studies.matrix(scenes),
-        "classes": long_studies.class_map(),
-        "as_built": long_studies.built(),
-        "of_record": {
-            study: about for study in long_studies.STUDIES if of_record.get(study, True) and (about := long_studies.about(study))
-        },
-    }
 
 
 def _earlier_tables(folder: Path) -> set[str]:

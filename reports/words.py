@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from quickreturn.cases.library import registered
+from quickreturn.cases.library import ENTRIES
 from quickreturn.cases.shown import Unit
 from quickreturn.cases.units import in_si
 
@@ -148,7 +148,7 @@ def short_name(column: str) -> str:
 
 def case_label(name: str) -> str:
     """The text "run 24" for a registered case of the library, the case's name otherwise."""
-    entry = registered().get(name)
+    entry = ENTRIES.get(name)
     return name if entry is None else f"run{TIED}{entry.number}"
 
 

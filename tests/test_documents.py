@@ -29,12 +29,12 @@ from typing import Any, NamedTuple
 import pytest
 
 import quickreturn
-from quickreturn.cases.classes.map import TIMES
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.trials.queries import fastest_at
 from quickreturn.command_line import COMMANDS, main
 from quickreturn.commands.console import ExitCode
-from quickreturn.reports.chapters.classes import winners_of
+from quickreturn.plugins.methods.chapters.classes import winners_of
+from quickreturn.plugins.methods.classes.map import TIMES
+from quickreturn.plugins.methods.trials.queries import fastest_at
 from quickreturn.reports.long_studies import benchmarks, class_map
 from tests.quickreturn.conftest import warm_workers
 from tests.quickreturn.program import TESTS_ALONE

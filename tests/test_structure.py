@@ -17,6 +17,9 @@ ROOT = Path(__file__).resolve().parents[1]
 FLOORS = ("reference_model", "engines", "cases", "reports")
 TOP = "quickreturn"
 PACKAGE = Path(quickreturn.__file__).parent
+PLUGINS = sorted(path.parent.name for path in (ROOT / "plugins").glob("*/__init__.py"))
+#: Plugin -> other plugins that it imports.
+NEEDED = {"pack": {"derive"}, "thesis": {"methods"}}
 MODULES = modules_in(TOP)
 FILES = list(MODULES.values())
 
@@ -49,13 +52,14 @@ def test_imports_go_one_way(floor: str) -> None:
         assert above - {TOP} == set(), file
 
 
-def test_the_core_imports_nothing_of_the_thesis() -> None:
-    """Its engine is one method among others; its runs, words, studies and chapters register with the core, or the top passes them in."""
-    apart = {f"{TOP}.cases.thesis", f"{TOP}.reports.thesis"}
-    importing = {file.relative_to(PACKAGE) for file in FILES if any(".".join(name.split(".")[:3]) in apart for name in imported(file))}
-    core = {file for file in importing if file.parts[:2] not in (("cases", "thesis"), ("reports", "thesis")) and file.parts[0] in FLOORS}
-    assert core == {Path("reports/drawing/document_pictures.py")}  # a program of its own, which no module imports
-    assert len(importing) > 20
+@pytest.mark.parametrize("name", PLUGINS)
+def test_a_plugin_is_imported_by_none_but_those_that_name_it(name: str) -> None:
+    """And by the public names of `quickreturn`, which are imported on their first use."""
+    inner = f"{TOP}.plugins.{name}"
+    importing = {module for module, file in MODULES.items() if any(f"{each}.".startswith(f"{inner}.") for each in imported(file))}
+    apart = {module.split(".")[2] for module in importing if module.startswith(f"{TOP}.plugins.")}
+    assert {module for module in importing if not module.startswith(f"{TOP}.plugins.")} <= {f"{TOP}.{name}"}
+    assert apart - {name} <= {other for other, named in NEEDED.items() if name in named}
 
 
 def test_no_modules_import_each_other() -> None:
@@ -76,9 +80,9 @@ def test_commands_import_no_commands() -> None:
         assert found & names == set(), name
 
 
-def test_one_folder_draws() -> None:
+def test_one_folder_of_the_core_draws() -> None:
     drawing = [file for file in FILES if any(name.split(".")[0] == "matplotlib" for name in imported(file))]
-    assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {"reports/drawing"}
+    assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {"reports/drawing", "plugins/methods"}
 
 
 def test_the_tests_see_what_a_user_sees() -> None:

@@ -20,7 +20,7 @@ import numpy as np
 
 from quickreturn.cases.jobs.job import Job
 from quickreturn.engines.base import AnyEngine
-from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.registry import MAIN, engine
 from quickreturn.reference_model.imported_modules import PACKAGE, imported_modules, source_of, text_of
 
 #: Code of simulations, besides a third-party engine's own code.
@@ -69,7 +69,7 @@ def version_of(name: str) -> list[str]:
     chosen = engine(name)
     if chosen.unavailable():
         return [name]
-    return [name, chosen.version(), "" if name in (*MAIN, *RIVALS) else code_fingerprint((), chosen)]
+    return [name, chosen.version(), "" if name in MAIN else code_fingerprint((), chosen)]
 
 
 def code_of(function: Callable[..., Any]) -> str:

@@ -1,5 +1,10 @@
-"""What the plugin adds: MuJoCo's machine with contact in place of a joint."""
+"""What the plugin adds: MuJoCo's machine with contact in place of a joint, a chapter, and a record."""
 
 from quickreturn.engines.plugins import Plugin
 
-PLUGIN = Plugin(engines={"mujoco-contact": "quickreturn.plugins.as_built.contact.engine:MujocoContactEngine"})
+_HERE = "quickreturn.plugins.as_built"
+PLUGIN = Plugin(
+    engines={"mujoco-contact": f"{_HERE}.contact.engine:MujocoContactEngine"},
+    page=f"{_HERE}.chapter:PAGE",
+    records={"as built": f"{_HERE}.constructions:rows"},
+)

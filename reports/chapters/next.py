@@ -20,7 +20,6 @@ def next_steps(content: Content) -> Chapter | None:
         "shorter": case.units.of("m").text(0.9 * case.mechanism.crank.length),
         "failures": failures,
         "departing": departing,
-        "measured": bool(content.benchmarks),
     }
     return Chapter("next", "What to do next", finding(len(failures), departing), facts)
 

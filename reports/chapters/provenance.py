@@ -10,6 +10,7 @@ from quickreturn.engines.error_parts import TIP
 from quickreturn.engines.registry import own_engines
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.part import parts
 from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
@@ -20,12 +21,11 @@ from quickreturn.reports.words import counted, settings_words
 def provenance(content: Content) -> Chapter:
     """The chapter."""
     runs = [run for result in content.results for run in result.runs.values()]
-    engine_table = engines(content.results, content.conformance)
+    engine_table = engines(content)
     facts = {
         "meanings": {ending.value: ending.sentence for ending in Ending if ending in {run.status for _, run in content.troubles}},
         "settled": Ending.SETTLED.sentence,
         "of_integration": list(dict.fromkeys(run.engine for run in runs if run.usable and run.estimate_of == "integration")),
-        "study_failures": () if content.studies is None else content.studies.failures,
         "notices": content.notices,
         "assumed": content.assumed,
         "date": content.facts.get("date", ""),
@@ -46,13 +46,14 @@ def finding(engines: int, troubles: int, verification: Verification) -> str:
     return f"{counted(engines, 'engine')}, versions, machine, settings{unsettled}; {verified}"
 
 
-def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Table:
-    """One row per engine and recorded table: origin, version, conformance, method, default accuracy, status of its runs."""
-    columns = (
+def engines(content: Content) -> Table:
+    """One row per engine and recorded table: origin, version, method, default accuracy, status of its runs, and what plugins say of it."""
+    results, of_engines = content.results, {name: say(content) for part in parts() for name, say in part.of_engines.items()}
+    columns: ColumnList = (
         "engine",
         Column("origin", "from"),
         "version",
-        Column("conformance", "does what it says", meaning="by quickreturn conform ENGINE, with this version"),
+        *of_engines,
         "method",
         Column("accuracy", "accuracy asked", "%", ".2g"),
         Column("runs", form="d"),
@@ -67,9 +68,9 @@ def engines(results: Sequence[CaseResult], conformance: Mapping[str, str]) -> Ta
             engine=name,
             origin="a file" if first.recording else "this project" if name in own_engines() else "another package",
             version=next((run.version for run in runs if run.version), None) or _no_version(first),
-            conformance=None if first.recording else conformance.get(name, f"not tested: run quickreturn conform {name}"),
             runs=len(runs),
             settled=sum(run.status == Ending.SETTLED for run in runs),
+            **{heading: None if first.recording else said.get(name) for heading, said in of_engines.items()},
         )
     return table
 

@@ -1,4 +1,4 @@
-"""The answer on the first screen: the numbers behind its three sentences and four figures."""
+"""The answer on the first screen: the numbers behind its three sentences and its figures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,19 +6,15 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.benchmark import Benchmark, Compiling
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.trials.queries import LEVELS, fastest_at
-from quickreturn.engines.registry import MODEL, own_engines
+from quickreturn.engines.registry import MODEL
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.engine_differences import Spread, differences, engines_of, spread
 from quickreturn.reports.results.loads import accuracies_missed
 
 #: Largest part of an engine's numbers that may differ by more than claimed if it is to count as agreeing.
 FEW: Final = 0.05
-#: Engines that are packages of other authors, in this project's adapters.
-PACKAGES: Final = ("exudyn", "mujoco")
 
 
 @dataclass(frozen=True)
@@ -27,18 +23,6 @@ class Cubic:
 
     frequency: Spread  # relative differences of its first-mode frequency
     strain: float | None  # its peak of the strain at mid-arm over the converged one, median over the cases
-
-
-@dataclass(frozen=True)
-class Fastest:
-    """The fastest methods in a scene."""
-
-    case: str  # the scene
-    level: float  # relative error of the tip deflection that each must reach
-    solve_times: Sequence[tuple[str, float]]  # method and s: the fastest, the next of another engine, and the packages
-    setup_seconds: float = 0.0  # of the fastest method
-    own: bool = False  # whether that is code of this project, compiled for the one mechanism
-    compile_seconds: float | None = None  # of its first run on a machine; None if that was not measured
 
 
 @dataclass(frozen=True)
@@ -57,7 +41,6 @@ class Answer:
     amplitude: Spread | None  # likewise in the first-mode amplitudes
     extreme: Spread | None  # likewise in the extremes
     cubic: Cubic | None  # None if the thesis' model or the reference is missing
-    fastest: Fastest | None  # to the second of the errors at which methods are compared; None if nothing was measured
 
 
 def answer_of(content: Content) -> Answer:
@@ -72,7 +55,6 @@ def answer_of(content: Content) -> Answer:
     against = others[0] if others else REFERENCE
     kinds: tuple[Kind, ...] = ("frequency", "amplitude", "extreme")
     spreads = {kind: spread([difference for name in alike for difference in differences(results, name, kind, against)]) for kind in kinds}
-    fastest = fastest_in(content.benchmarks[0], LEVELS[1], content.compiling) if content.benchmarks else None
     return Answer(
         cases=len(results),
         compared=sum(result.passed is not None for result in results),
@@ -84,7 +66,6 @@ def answer_of(content: Content) -> Answer:
         departing=[name for name in judged if name not in alike],
         **spreads,
         cubic=_cubic(results),
-        fastest=fastest if fastest and fastest.solve_times else None,
     )
 
 
@@ -97,22 +78,3 @@ def _cubic(results: Sequence[CaseResult]) -> Cubic | None:
         run.peak("strain_2") / other.peak("strain_2") for run, other in pairs if run.usable and other.usable and other.peak("strain_2")
     ]
     return Cubic(frequency, float(np.median(ratios)) if ratios else None)
-
-
-def fastest_in(table: Benchmark, level: float, compiling: Sequence[Compiling] = ()) -> Fastest:
-    """The fastest methods in a scene to an error `level` of the tip deflection; `compiling`: what engines compile for."""
-    best = fastest_at(table.trials, level)
-    if not best:
-        return Fastest(table.case, level, [])
-    ranked = [(name, trial.engine, trial.seconds) for name, trial in best.items()]
-    others = [entry for entry in ranked[1:] if entry[1] != ranked[0][1]]
-    shown = ranked[:1] + others[:1] + [entry for entry in others[1:] if entry[0] in PACKAGES]
-    first = next(iter(best.values()))
-    compiled = next((each.compile_seconds for each in compiling if each.engine == first.engine), None)
-    times = [(name, seconds) for name, _, seconds in shown]
-    return Fastest(table.case, level, times, first.setup_seconds or 0.0, is_own(first.engine), compiled)
-
-
-def is_own(engine: str) -> bool:
-    """Whether an engine is code of this project, written for the one mechanism."""
-    return engine in own_engines() and engine not in PACKAGES

@@ -1,27 +1,24 @@
 """The data of all chapters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
-from quickreturn.cases.as_built import Construction
-from quickreturn.cases.benchmark import Benchmark, Compiling
-from quickreturn.cases.classes.map import Map
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.judging.matrix import Matrix
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
-from quickreturn.cases.studies import Studies
-from quickreturn.reports.long_studies import About
+from quickreturn.engines.registry import MAIN
 from quickreturn.reports.page.chapter import MakeChapter
 from quickreturn.reports.results.around import Around
 from quickreturn.reports.results.loads import CaseLoads, loads_of_case
 from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.verification import Verification
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -49,50 +46,46 @@ class Content:
 
     Attributes:
         results: the cases, at least one.
-        studies: results of the studies; None if their cases are not all among the results.
-        benchmarks: measurements of the scenes on which methods are compared, as far as they exist.
-        compiling: times to compile engines, if they were measured.
-        hard_scenes: the matrix of verdicts on the hard scenes, if there are results.
-        classes: the recorded map of classes.
-        as_built: recorded constructions of run 24 by users of other programs.
-        of_record: study of `long_studies.STUDIES` -> about its recorded results, where these stand for the user's own.
+        engines: names of the engines that the report is about.
+        workshop: store and processes, in which chapters find the results of studies; None: there are none.
+        data: function of the content -> its value, computed or given before (see `of`).
         verification: results of the long verification, or why there are none.
-        conformance: engine -> verdict on whether it does what it says, if that was tested.
         facts: name -> fact about the computer, its software and the date.
         code: fingerprint of the code that computed the results.
         notices: sentences of the store on damaged entries.
         around: the resonance curves of the user's own machines, around their speeds.
     """
 
-    #: Chapters of the subject, and those that stand elsewhere than in `chapters.CHAPTERS`, by the chapter that they follow; None: first.
-    placed: ClassVar[Mapping[MakeChapter | None, Sequence[MakeChapter]]] = MappingProxyType({})
+    chapters: ClassVar[Mapping[MakeChapter, float]] = MappingProxyType({})  # of the subject, with their ranks (`CHAPTERS`)
+    ranks: ClassVar[Mapping[str, float]] = MappingProxyType({})  # chapters by name that stand elsewhere than in other reports
     templates: ClassVar[tuple[str, ...]] = ()  # packages with templates of these chapters
     is_own: ClassVar[bool] = True  # whether the report is about the user's own machines
 
     results: Sequence[CaseResult]
-    studies: Studies | None = None
-    benchmarks: Sequence[Benchmark] = ()
-    compiling: Sequence[Compiling] = ()
-    hard_scenes: Matrix | None = None
-    classes: Map = field(default_factory=Map)
-    as_built: Sequence[Construction] = ()
-    of_record: Mapping[str, About] = field(default_factory=dict)
+    engines: Sequence[str] = MAIN
+    workshop: Workshop | None = None
+    data: dict[Callable[[Any], Any], Any] = field(default_factory=dict)
     verification: Verification = field(default_factory=Verification)
-    conformance: Mapping[str, str] = field(default_factory=dict)
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""
     notices: Sequence[str] = ()
     around: Sequence[Around] = ()
 
+    def of(self, load: Callable[["Content"], T]) -> T:
+        """What a function makes of the content, computed once: data that several chapters need, or that only one of them knows."""
+        if load not in self.data:
+            self.data[load] = load(self)
+        found: T = self.data[load]
+        return found
+
+    def has(self, name: str) -> bool:
+        """Whether a case of the library is among those of the report."""
+        return any(result.case.name == name and result.case.source == "library" for result in self.results)
+
     @classmethod
     def recordings(cls) -> list[RecordedTable]:
         """Recorded tables that belong to the subject. CaseError: one cannot be read."""
         return []
-
-    @classmethod
-    def further(cls, results: Sequence[CaseResult], workshop: Workshop) -> tuple[dict[str, Any], list[str]]:
-        """Values of a subclass's own fields, computed from the results, and sentences on what could not be computed."""
-        return {}, []
 
     @property
     def subject(self) -> Subject:

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from quickreturn.cases.loads import UNITS, Loads
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.shown import Unit
-from quickreturn.reports.page.answer import Answer, Cubic, Fastest
+from quickreturn.reports.page.answer import Answer, Cubic
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.results.around import Around, resonance_sentence
 from quickreturn.reports.results.loads import CaseLoads, axial_words, from_p
@@ -18,7 +18,6 @@ from quickreturn.reports.words import (
     case_label,
     counted,
     degrees,
-    duration,
     in_words,
     listed,
     number,
@@ -28,7 +27,6 @@ from quickreturn.reports.words import (
     place,
     quantity,
     size,
-    times,
 )
 
 #: Largest number of simulations that are named where they miss their accuracy.
@@ -64,16 +62,16 @@ class FirstScreen:
     resonance: str = ""
 
 
-def agreement_screen(answer: Answer, subject: Subject, title: str, first_mode: Figure | None) -> FirstScreen:
+def agreement_screen(answer: Answer, subject: Subject, title: str, last: Figure | None) -> FirstScreen:
     """How the engines agree.
 
     Args:
         answer: the numbers.
         subject: what the report is about.
         title: the heading; "": what the engines agree on.
-        first_mode: a figure for a report without a benchmark.
+        last: the last figure.
     """
-    return FirstScreen(title or headline(answer), missed_words(answer), sentences(answer, subject), figures(answer, subject, first_mode))
+    return FirstScreen(title or headline(answer), missed_words(answer), sentences(answer, subject), figures(answer, subject, last))
 
 
 def headline(answer: Answer) -> str:
@@ -138,8 +136,8 @@ def _cubic(cubic: Cubic, than: str) -> str:
     return f"The 1999 model, which lets the arm bend in one simple curve only, rings {size(median)} {faster}{than}{shows}."
 
 
-def figures(answer: Answer, subject: Subject, first_mode: Figure | None) -> list[Figure]:
-    """The large numbers: what settled, the largest differences, and the fastest method."""
+def figures(answer: Answer, subject: Subject, last: Figure | None) -> list[Figure]:
+    """The large numbers: what settled, the largest differences, and the last one that is given."""
     shown = [(f"{answer.settled} of {answer.simulations}", "simulations settled at the accuracy asked, by their own estimates")]
     alike, cubic = len(answer.alike), answer.cubic
     if answer.frequency:
@@ -156,20 +154,7 @@ def figures(answer: Answer, subject: Subject, first_mode: Figure | None) -> list
         extreme = answer.extreme.worst
         where = place(extreme.case, extreme.half, extreme.channel)
         shown.append((size(extreme.relative), f"largest difference of a peak ({where})"))
-    if answer.fastest:
-        shown.append(_fastest(answer.fastest))
-    elif first_mode:
-        shown.append(first_mode)
-    return shown
-
-
-def _fastest(found: Fastest) -> Figure:
-    (name, seconds), *others = found.solve_times
-    own = ", made for this mechanism" if found.own else ""
-    other = f"; {others[0][0]} takes {times(others[0][1] / seconds)} as long" if others else ""
-    once = f" and, once on a machine, {duration(found.compile_seconds)} of compiling" if found.compile_seconds else ""
-    solving = f"to solve {case_label(found.case)} to {percent(found.level, 'g')}, after a set-up of {duration(found.setup_seconds)}{once}"
-    return duration(seconds), f"{solving}: {name}{own}{other}"
+    return [*shown, last] if last else shown
 
 
 def machine_screen(case: CaseLoads, around: Around | None = None) -> FirstScreen:

@@ -14,6 +14,7 @@ from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, agreement_screen, machine_screen
+from quickreturn.reports.page.part import parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.templates import environment
 
@@ -69,16 +70,17 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     title_of_case = shown.case.title if len(results) == 1 else ""
     curves = {around.case.name: around for around in content.around if around.curve}
     stressed = content.loads if any(loads.lead for loads in content.loads) else []
+    figures = (part.figure(content) for part in parts() if part.figure)
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
         "report.html",
         view,
         OF_CHAPTERS,
-        content.templates,
+        (*content.templates, *(package for part in parts() for package in part.templates)),
         start=shown.case.name,
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
-        screen=agreement_screen(answer, content.subject, title_of_case, _first_mode(shown)),
+        screen=agreement_screen(answer, content.subject, title_of_case, next(filter(None, figures), _first_mode(shown))),
         machines=[(loads, machine_screen(loads, curves.get(loads.case.name))) for loads in stressed],
         curves=curves,
         shown=shown.case.name,

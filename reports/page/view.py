@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.library import registered
+from quickreturn.cases.library import ENTRIES
+from quickreturn.cases.library.hard import ORIGINAL
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Unit, Units
-from quickreturn.cases.studies import ACCURACY_CASE
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.tip_force import tip_force
@@ -59,7 +59,7 @@ class View:
 
     def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], loads: CaseLoads | None = None) -> None:
         """Add a case with the columns of each engine that has a motion; `facts`: remarks on engines; `loads`: the stress in the arm."""
-        entry = registered().get(case.name) if case.source == "library" else None
+        entry = ENTRIES.get(case.name) if case.source == "library" else None
         kept = {name: _kept(columns) for name, columns in motions.items()}
         blob, layouts = packed(kept, frozenset(SHAPE))
         self.blobs.append(blob)
@@ -188,7 +188,7 @@ def _scene(mechanism: Mechanism) -> dict[str, Any]:
 
 def shown_first(results: Sequence[CaseResult]) -> CaseResult:
     """The case with which the page opens: the thesis' example, otherwise the first case in which most engines have a cycle."""
-    example = of_library(results, ACCURACY_CASE)
+    example = of_library(results, ORIGINAL)
     if example is not None and all(run.usable for run in example.runs.values()):
         return example
     return max(results, key=lambda result: sum(run.usable for run in result.runs.values()))

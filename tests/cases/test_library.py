@@ -10,7 +10,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.library import case_names, catalogue
 from quickreturn.cases.library.hard import IMPOSSIBLE, SCENES
-from quickreturn.cases.thesis.runs import run_name
+from quickreturn.cases.library.thesis.runs import run_name
 from tests.cases.scene_texts import SCENE
 
 # Run 24 as anyone would write it down from sections 3.2 and 5.3, with the crank damping mended.

@@ -4,7 +4,7 @@ import pytest
 
 from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.library import case_names, registered
+from quickreturn.cases.library import ENTRIES, case_names
 from tests.cases.scene_texts import SCENE
 
 #: Young's modulus and density of what an arm may be made of, from common tables of materials.
@@ -91,7 +91,7 @@ def test_a_slider_may_carry_a_heavy_tool_up_to_five_arms() -> None:
 
 
 def test_values_of_the_library_are_meant_and_changed_ones_may_be_doubted() -> None:
-    published = {note for entry in registered().values() for note in entry.notes()}
+    published = {note for entry in ENTRIES.values() for note in entry.notes()}
     for name in case_names():
         assert set(load_case(name).notes) <= published, name
     assert load_case("shaper-cutting", {"crank.length": "100 mm"}).notes == ()  # 40 mm over 12 mm, as it is in the library

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from quickreturn.engines.base import Comparison, Engine, EngineFailure
 from quickreturn.engines.error_parts import Compared, compared
 from quickreturn.engines.own import fixed_shapes, multiplier, nodal_load, stiff_spring
-from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
-from quickreturn.engines.own.multiplier import MultiplierSettings
-from quickreturn.engines.own.nodal_load import NodalLoadSettings
-from quickreturn.engines.own.staying_shapes import ShapeSettings
-from quickreturn.engines.own.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringSettings
 from quickreturn.engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
+from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
+from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
+from quickreturn.plugins.methods.rivals.nodal_load import NodalLoadSettings
+from quickreturn.plugins.methods.rivals.staying_shapes import ShapeSettings
+from quickreturn.plugins.methods.rivals.stiff_spring import LEAST_STIFFNESS, MOST_DAMPING, MOST_STIFFNESS, StiffSpringSettings
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24
 

@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.engines.base import Engine, EngineFailure, Refusal
-from quickreturn.engines.own import fixed_shapes
-from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
-from quickreturn.engines.own.staying_shapes import LADDER
 from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import join
+from quickreturn.plugins.methods.rivals import fixed_shapes
+from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
+from quickreturn.plugins.methods.rivals.staying_shapes import LADDER
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes

@@ -12,12 +12,12 @@ from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.own import fixed_shapes
-from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.methods.rivals import fixed_shapes
+from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from tests.strategies import Scene
 
 Array = NDArray[np.float64]

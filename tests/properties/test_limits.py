@@ -13,9 +13,9 @@ import pytest
 from hypothesis import assume
 
 from quickreturn.engines.own import multiplier, stiff_spring
-from quickreturn.engines.own.multiplier import MultiplierSettings
-from quickreturn.engines.own.stiff_spring import StiffSpringSettings
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
+from quickreturn.plugins.methods.rivals.stiff_spring import StiffSpringSettings
 from quickreturn.reference_model.mechanism import Base, Mechanism, TorqueDrive
 from quickreturn.reference_model.tip import Tip
 from tests.properties.law import for_all

@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 from tests.pack.test_problems import PACK, bounds_of
+
 from tests.quickreturn.conftest import Call
 
 

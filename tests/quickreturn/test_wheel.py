@@ -110,7 +110,7 @@ def test_the_wheel_holds_every_package_with_its_data_and_no_tests(wheel: Path) -
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.partition("/")[0] for name in names if "dist-info" not in name} == {"quickreturn"}
     assert "quickreturn/py.typed" in names
-    for needed in ("cases/library/example.toml", "cases/thesis/data/runs.csv"):
+    for needed in ("cases/library/example.toml", "cases/library/thesis/data/runs.csv"):
         assert f"quickreturn/{needed}" in names
     assert len([name for name in names if name.endswith(".object")]) == 5
     here = {

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.plugins.thesis.content import content_type
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
-from quickreturn.reports.thesis.content import content_type
 from tests.reports.reported_results import PageReader, reported_result
 
 

@@ -13,6 +13,9 @@ from quickreturn.cases.jobs.key import code_fingerprint
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
+from quickreturn.plugins.thesis.content import ThesisContent
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import OutputError, check_folder
@@ -21,13 +24,10 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.report import CATALOGUE, PAGE, write, write_report
 from quickreturn.reports.tables.table import Table
-from quickreturn.reports.thesis.content import ThesisContent
 from quickreturn.reports.verification import FILE, PARTS, verification
 from tests.cases.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
-from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.made_up_studies import made_up_studies
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import PageReader, reported_result

@@ -33,7 +33,6 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
-from quickreturn.cases.trials.trial import errors_of, run_of
 from quickreturn.engines.accurate import Result as Accurate
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
@@ -45,6 +44,7 @@ from quickreturn.engines.registry import engine, engine_names
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.methods.trials.trial import errors_of, run_of
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.verification.claims import deliveries, left_out, summary

@@ -16,11 +16,11 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import library_case
+from quickreturn.cases.library.thesis.runs import run_name
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
-from quickreturn.cases.thesis.runs import run_name
 from quickreturn.engines.registry import engine
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from quickreturn.derive import Model
 from quickreturn.plugins import derive
-from quickreturn.plugins.derive import Model, witness
+from quickreturn.plugins.derive import witness
 from quickreturn.plugins.derive.equations import Equations
 from quickreturn.plugins.derive.tests.reference.by_hand import by_hand, sizes
 from quickreturn.plugins.derive.tests.reference.derived_beam import TERMS, DerivedBeam

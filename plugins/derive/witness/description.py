@@ -13,8 +13,8 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from quickreturn.plugins.derive import Beam, System, turned, vector
-from quickreturn.plugins.derive.system import column
+from quickreturn.plugins.derive.beam import Beam
+from quickreturn.plugins.derive.system import System, column, turned, vector
 from quickreturn.plugins.derive.witness.tool import ForceRows, share_of_turn
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow

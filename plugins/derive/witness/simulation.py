@@ -13,7 +13,9 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.engines.units import Units
-from quickreturn.plugins.derive import DescriptionError, Model, natural_frequencies
+from quickreturn.plugins.derive.model import Model
+from quickreturn.plugins.derive.statics import natural_frequencies
+from quickreturn.plugins.derive.units import DescriptionError
 from quickreturn.plugins.derive.witness.description import constants, quick_return
 from quickreturn.plugins.derive.witness.recovery import columns
 from quickreturn.plugins.derive.witness.tool import ForceRows

@@ -18,12 +18,12 @@ from quickreturn.cases.runs.marching import March, columns_of, output_step, sett
 from quickreturn.cases.runs.orbit import find_orbit
 from quickreturn.cases.runs.request import FROM_ORBIT, STANDARD, Run, RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.studies import cycle_difference
 from quickreturn.engines.base import NoSteadyState, SteadyState
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings, as_texts
 from quickreturn.engines.start import Start, standard_start
+from quickreturn.plugins.methods.accuracy import cycle_difference
 from quickreturn.reference_model.cycles.periodic import periodic_orbit
 from quickreturn.reference_model.cycles.poincare import PoincareMap
 from quickreturn.reference_model.mechanism import Mechanism

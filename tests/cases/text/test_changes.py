@@ -19,13 +19,13 @@ from quickreturn.cases.resonance_curve.search import checked_scenes, job
 from quickreturn.cases.sweep.grid import OF_START, Grid, axis, scenes_of
 from quickreturn.cases.sweep.rows import Impossible, MeasureRequest
 from quickreturn.cases.text.reading import changes_of
-from quickreturn.cases.thesis.finding.effects import effects
 from quickreturn.cases.uncertainty.calibration import Search, frees_of
 from quickreturn.cases.uncertainty.parameters import Parameter, changes
 from quickreturn.cases.uncertainty.propagation import planned
 from quickreturn.cases.units import DIMENSIONS
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.plugins.thesis.finding.effects import effects
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import values_of
 from quickreturn.reference_model.slider import Slider

@@ -17,7 +17,7 @@ import pytest
 from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
-from quickreturn.command_line import COMMANDS, quickreturn
+from quickreturn.command_line import commands, quickreturn
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.input import mistakes
 from tests.quickreturn.input.mistakes import scene, written
@@ -296,7 +296,7 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, words: 
         assert word in told
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", commands())
 def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
     command = quickreturn.get_command(click.Context(quickreturn), name)
     assert command is not None

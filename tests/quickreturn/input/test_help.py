@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from quickreturn.command_line import COMMANDS
+from quickreturn.command_line import commands
 from tests.quickreturn.conftest import Call
 
 WIDTH = 80
@@ -25,7 +25,7 @@ def entries(lines: list[str]) -> list[str]:
     return texts
 
 
-@pytest.mark.parametrize("name", ["", *COMMANDS])
+@pytest.mark.parametrize("name", ["", *commands()])
 def test_every_help_text_consists_of_whole_sentences(call: Call, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setenv("COLUMNS", str(WIDTH))
     answer = call(*filter(None, [name]), "--help")
@@ -45,7 +45,7 @@ def test_every_help_text_consists_of_whole_sentences(call: Call, monkeypatch: py
 def test_every_command_is_listed_with_the_first_sentence_of_its_help(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", str(WIDTH))
     listed = " ".join(call("--help").output.partition("Commands:\n")[2].split())
-    for name in COMMANDS:
+    for name in commands():
         told = " ".join(call(name, "--help").output.split("\n\n")[1].split())
         sentence = re.split(r"(?<=\.)\s", told)[0]
         assert sentence.endswith(".")

@@ -28,16 +28,16 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.benchmark.scenes import unsafe_engines
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.job import Limits
 from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.plugins.methods.benchmark.scenes import unsafe_engines
+from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from tests.engines import faulty_engines
 from tests.engines.faulty_engines import SIGNAL
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.processes.faulty_runs import answer_of, engines, nothing_half_done, place, prepared, run, simulations, stored
 from tests.quickreturn.program import descendants, running, started, wait_until
-from tests.reports.made_up_benchmark import made_up_benchmark
 
 __all__ = ["place"]
 
@@ -180,7 +180,7 @@ def test_a_benchmark_leaves_out_what_would_take_the_others_with_it(place: Path, 
         "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",
     }
     monkeypatch.setattr(
-        "quickreturn.cases.benchmark.measure", lambda *_, **__: dataclasses.replace(made_up_benchmark("small"), failures=found)
+        "quickreturn.plugins.methods.benchmark.measure", lambda *_, **__: dataclasses.replace(made_up_benchmark("small"), failures=found)
     )
     code, output, errors = call("benchmark", "small.toml", "--json")
     assert code == 3

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.command_line import COMMANDS, main
+from quickreturn.command_line import commands, main
 from tests.engines.faulty_engines import install_faulty_engines
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.program import PROGRAM, started
@@ -80,7 +80,7 @@ def test_show_takes_patterns_and_tags(call: Call, monkeypatch: pytest.MonkeyPatc
     assert call("show", "other.toml", "small.toml").output.count("what follows") == 2
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", commands())
 def test_every_command_can_be_quiet(call: Call, command: str) -> None:
     assert "--quiet" in call(command, "--help").output
 

@@ -9,32 +9,32 @@ from pathlib import Path
 import pytest
 
 from quickreturn import record as recording
-from quickreturn.cases.benchmark import Benchmark
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.classes.grid import CENTRE, case_of
-from quickreturn.cases.classes.map import Map
-from quickreturn.cases.classes.measurement import LEVELS, measured
 from quickreturn.cases.conformance import Check, Conformance, job
 from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.judging.matrix import Judged
-from quickreturn.cases.studies import confirming
-from quickreturn.cases.trials.trial import Trial
-from quickreturn.cases.trials.truth import confirms, truth_of
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.methods.accuracy import confirming
+from quickreturn.plugins.methods.benchmark import Benchmark
+from quickreturn.plugins.methods.classes.grid import CENTRE, case_of
+from quickreturn.plugins.methods.classes.map import Map
+from quickreturn.plugins.methods.classes.measurement import LEVELS, measured
+from quickreturn.plugins.methods.judging.matrix import Judged
+from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.methods.tests.made_up_map import made_up_map
+from quickreturn.plugins.methods.tests.made_up_matrix import made_up_matrix
+from quickreturn.plugins.methods.trials.trial import Trial
+from quickreturn.plugins.methods.trials.truth import confirms, truth_of
 from quickreturn.record import main
 from quickreturn.reports import long_studies
 from quickreturn.reports import report as report_module
 from quickreturn.reports.long_studies import About, ConformanceRow, table, text_of
-from tests.cases.made_up_map import made_up_map
 from tests.reports import pages
-from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.made_up_matrix import made_up_matrix
 
 #: Bytes of all recorded tables together; a scene of the benchmark takes forty thousand.
 MOST = 200_000

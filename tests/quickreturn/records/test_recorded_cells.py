@@ -12,33 +12,33 @@ from typing import Any, Final
 
 import pytest
 
-from quickreturn.cases.as_built import constructions
-from quickreturn.cases.benchmark.measurement import Benchmark
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.classes.grid import case_of
-from quickreturn.cases.classes.measurement import measured
 from quickreturn.cases.conformance import conform
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.judging.matrix import judge_scenes
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.library.thesis.runs import RUNS, run_case
 from quickreturn.cases.runs.orbit import orbits
-from quickreturn.cases.studies import ACCURACY_CASE
-from quickreturn.cases.thesis.finding import study as finding
-from quickreturn.cases.thesis.finding.effects import PUBLISHED, effects
-from quickreturn.cases.thesis.runs import RUNS, run_case
-from quickreturn.cases.thesis.scatter import CLAIMED_RUNS, bands
-from quickreturn.cases.trials.trial import Trial, errors_of, run_of
-from quickreturn.cases.trials.truth import confirmation_of, confirms, truth_of
 from quickreturn.engines.one_run import CompletedRun
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
+from quickreturn.plugins.as_built.constructions import constructions
+from quickreturn.plugins.methods.accuracy import ACCURACY_CASE
+from quickreturn.plugins.methods.benchmark.measurement import Benchmark
+from quickreturn.plugins.methods.classes.grid import case_of
+from quickreturn.plugins.methods.classes.measurement import measured
+from quickreturn.plugins.methods.judging.matrix import judge_scenes
+from quickreturn.plugins.methods.trials.trial import Trial, errors_of, run_of
+from quickreturn.plugins.methods.trials.truth import confirmation_of, confirms, truth_of
+from quickreturn.plugins.thesis import records as of_the_thesis
+from quickreturn.plugins.thesis.finding import study as finding
+from quickreturn.plugins.thesis.finding.effects import PUBLISHED, effects
+from quickreturn.plugins.thesis.scatter import CLAIMED_RUNS, bands
 from quickreturn.record import confirm
 from quickreturn.reports import long_studies
 from quickreturn.reports.long_studies import STUDIES, ConformanceRow, table
-from quickreturn.reports.thesis import long_studies as of_the_thesis
 from tests.slices import slice_of
 
 #: Cells of a study.

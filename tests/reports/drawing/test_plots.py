@@ -2,8 +2,10 @@
 
 import dataclasses
 import io
+import runpy
 import warnings
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,16 +14,17 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.thesis.experiment.published import printed_ranges
 from quickreturn.engines.registry import MAIN, RIVALS
+from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.thesis.experiment.published import printed_ranges
 from quickreturn.reports.drawing import cycle, recorded, work_precision
-from quickreturn.reports.drawing.document_pictures import png
 from quickreturn.reports.line_styles import looks
-from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.plotted_results import made_up_result, with_table
 
 #: Bytes: three pictures are kept in the repository.
 LARGEST = 100_000
+#: What draws the documents' pictures.
+PROGRAM = runpy.run_path(str(Path(__file__).parents[3] / "docs/pictures/draw.py"))
 
 #: Methods of which the made-up benchmark has no mark.
 NOT_DRAWN = ("nodal-load", "moving-boundaries", "mujoco", "fixed-shapes", "stiff-spring")
@@ -51,7 +54,7 @@ def _has_data(axes: object) -> bool:
 
 
 def _check(figure: Figure) -> bytes:
-    content = png(figure)
+    content = PROGRAM["png"](figure)
     assert len(content) <= LARGEST
     assert Image.open(io.BytesIO(content)).width == 2 * 480
     assert all(_has_data(axes) for axes in figure.axes)

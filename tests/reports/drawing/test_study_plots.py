@@ -1,6 +1,7 @@
 """Pictures of studies: what is drawn is what was computed, in the units that were given, and what did not settle is marked."""
 
 import math
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,6 @@ from quickreturn.cases.runs.stability import UNSTABLE
 from quickreturn.cases.sweep.grid import Grid, axis
 from quickreturn.cases.sweep.rows import LEFT, MeasureRequest
 from quickreturn.cases.sweep.study import Study
-from quickreturn.reports.drawing.document_pictures import CURVE, MAPS
 from quickreturn.reports.drawing.study import ENDINGS, draw, drawable
 from quickreturn.studies.sweeping import dataset_of, summary
 from tests.reports.test_line_styles import APART, EYES, lab
@@ -165,6 +165,7 @@ def test_steps_of_colour_go_one_way_from_dark_to_bright(eyes: str) -> None:
 
 
 def test_the_documents_show_the_commands_that_their_pictures_come_from() -> None:
-    text = (Path(__file__).parents[3] / "docs" / "studies.md").read_text("utf-8")
-    for shown in (CURVE, *(each for axes in MAPS.values() for each in axes), *MAPS):
+    docs = Path(__file__).parents[3] / "docs"
+    text, program = (docs / "studies.md").read_text("utf-8"), runpy.run_path(str(docs / "pictures/draw.py"))
+    for shown in (program["CURVE"], *(each for axes in program["MAPS"].values() for each in axes), *program["MAPS"]):
         assert shown in text

@@ -8,14 +8,14 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Page, sync_playwright
 
+from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.methods.tests.made_up_map import made_up_map
+from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
+from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.report import write
-from tests.cases.made_up_map import made_up_map
 from tests.reports.in_a_browser import RESULTS, Open, Tabs
-from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.made_up_studies import made_up_studies
 from tests.reports.pages import content_of
-from tests.reports.thesis.made_up_finding import made_up_finding
 from tests.slices import IN_A_BROWSER
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

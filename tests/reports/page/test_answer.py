@@ -5,10 +5,10 @@ import dataclasses
 import pytest
 
 from quickreturn.cases.runs.comparison import compare
+from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.words import size
 from tests.reports import pages
-from tests.reports.made_up_benchmark import made_up_benchmark
 from tests.reports.pages import content_of, one_run
 from tests.reports.plotted_results import ENGINES, with_run
 from tests.reports.reported_results import reported_result

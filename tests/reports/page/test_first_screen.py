@@ -6,6 +6,10 @@ from typing import Any
 
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.comparison import Difference
+from quickreturn.plugins.thesis.effects import tightened_words
+from quickreturn.plugins.thesis.page_data import inference
+from quickreturn.plugins.thesis.sufficiency import splits
+from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from quickreturn.reports.page.answer import Answer, Cubic, Fastest
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.page.first_screen import (
@@ -21,12 +25,8 @@ from quickreturn.reports.page.first_screen import (
 )
 from quickreturn.reports.results.engine_differences import Spread, spread
 from quickreturn.reports.results.loads import CaseLoads
-from quickreturn.reports.thesis.data import inference
-from quickreturn.reports.thesis.effects import tightened_words
-from quickreturn.reports.thesis.sufficiency import splits
 from tests.reports.made_up_loads import made_up_loads, without
 from tests.reports.pages import one_run, plain, text_of
-from tests.reports.thesis.made_up_finding import made_up_finding
 
 MOTOR = "A motor turns a crank; its slider swings a flexible arm to and fro, slowly out and quickly back."
 

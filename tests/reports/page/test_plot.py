@@ -4,13 +4,13 @@ import json
 import re
 
 from quickreturn.engines.registry import MAIN
+from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
 from quickreturn.reports.line_styles import looks
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.words import QUANTITY
-from tests.reports.made_up_benchmark import made_up_benchmark
-from tests.reports.made_up_studies import made_up_studies
 from tests.reports.pages import chapter_of, content_of
 from tests.reports.reported_results import reported_result
 

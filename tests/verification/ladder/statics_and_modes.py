@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
-from quickreturn.engines.own.multiplier import MultiplierSettings
-from quickreturn.engines.own.nodal_load import NodalLoadSettings
 from quickreturn.engines.own.reference import ReferenceSettings
-from quickreturn.engines.own.stiff_spring import StiffSpringSettings
 from quickreturn.engines.own.thesis import ThesisSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
+from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
+from quickreturn.plugins.methods.rivals.nodal_load import NodalLoadSettings
+from quickreturn.plugins.methods.rivals.stiff_spring import StiffSpringSettings
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.slider import Slider

@@ -23,13 +23,13 @@ from scipy.interpolate import PPoly
 
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.own.fixed_shapes import FixedShapesSettings
-from quickreturn.engines.own.multiplier import MultiplierSettings
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import StartState, reconstruct
+from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
+from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.tip import Tip
 from tests.verification.row import Row, smoothed

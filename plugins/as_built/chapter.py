@@ -1,0 +1,156 @@
+"""As users build it: run 24 by the means of other programs, with their own joints, contacts and integrators."""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from quickreturn.plugins.as_built.constructions import Construction, built
+from quickreturn.reports.long_studies import about
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.part import Part
+from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.words import TIED, counted, duration, listed, number, percent, percents, size
+
+#: The run that they are of.
+CASE: Final = "thesis-24"
+#: Error of a tip deflection that counts as right, and one that counts as wrong.
+RIGHT: Final = 0.05
+WRONG: Final = 0.1
+#: Error of a frequency, and a gap (m), that look right.
+CLOSE: Final = 3e-3
+NARROW: Final = 1e-4
+#: What cures an error: the setting, the construction that has it, and the one that differs in that setting alone.
+CURES: Final = (
+    ("a contact of two steps in place of 20 ms", "slot, default contact, 0.1 ms", "slot, contact 2 steps"),
+    ("no friction in place of the default", "slot, contact 2 steps, default friction", "slot, contact 2 steps"),
+    ("the integrator implicitfast in place of discrete", "slot, contact 2 steps, discrete, 0.1 ms", "slot, contact 2 steps"),
+    ("hinges of EI/h in place of 3 EI/h", "slot, contact 2 steps, hinges 3 EI/h", "slot, contact 2 steps"),
+    ("26 links in place of 13", "slot, contact 2 steps", "slot, contact 2 steps, 26 links, 0.025 ms"),
+)
+
+
+def as_built(content: Content) -> Chapter | None:
+    """The chapter; None if no constructions were recorded, or the report has not the run that they are of."""
+    rows = content.of(recorded)
+    if not rows:
+        return None
+    facts = {
+        "of_record": about("as built"),
+        "sentences": [told for told in (sentence(rows) for sentence in SENTENCES) if told],
+        "table": table(rows),
+    }
+    return Chapter("as_built", "As users build it", finding(rows), facts)
+
+
+def recorded(content: Content) -> Sequence[Construction]:
+    """The recorded constructions, for a report with the run that they are of."""
+    return built() if content.has(CASE) else []
+
+
+def finding(rows: Sequence[Construction]) -> str:
+    """How many constructions are right, lost, or wrong with a good frequency or a small gap."""
+    right = [row for row in rows if row.error is not None and row.error <= RIGHT]
+    lost, seeming = [row for row in rows if row.lost], [row for row in rows if _wrong(row) and (_narrow(row) or _close(row))]
+    programs = listed(list(dict.fromkeys(row.program.split()[0] for row in rows)))
+    of = f"{len(right)} of {counted(len(rows), 'construction')} with the means of {programs} {'is' if len(right) == 1 else 'are'}"
+    others = [f"{len(lost)} lost the motion"] * bool(lost) + [f"{len(seeming)} only looked right"] * bool(seeming)
+    return f"{of} within {percent(RIGHT, 'g')} in run 24{'; ' if others else ''}{' and '.join(others)}"
+
+
+def lost_words(rows: Sequence[Construction]) -> str:
+    """What loses the motion."""
+    lost = [row for row in rows if row.lost]
+    if not lost:
+        return ""
+    names = listed([f"{row.program} ({row.name}) after {duration(row.end)}" for row in lost])
+    return f"What diverges: {names}. Where springs are explicit, a chain of 13 links needs steps below 0.28{TIED}ms."
+
+
+def narrow_words(rows: Sequence[Construction]) -> str:
+    """How far off constructions are whose gap is small."""
+    return _seeming(rows, _narrow, f"A gap below {number(1e3 * NARROW, 'g')}{TIED}mm")
+
+
+def close_words(rows: Sequence[Construction]) -> str:
+    """How far off constructions are whose frequency is right."""
+    return _seeming(rows, _close, f"A first frequency that is right to {percent(CLOSE, 'g')}")
+
+
+def cure_words(rows: Sequence[Construction]) -> str:
+    """Which setting cures which error, by how much."""
+    errors = {row.name: row.error for row in rows if row.error is not None}
+    pairs = [(what, errors[ill], errors[cured]) for what, ill, cured in CURES if errors.keys() >= {ill, cured}]
+    told = [f"{what} ({size(ill)} to {size(cured)})" for what, ill, cured in pairs if cured < ill]
+    return f"What cures a chain of MuJoCo: {listed(told)}." if told else ""
+
+
+def price_words(rows: Sequence[Construction]) -> str:
+    """The fastest construction of each program that is right to 1 %, or the most accurate one."""
+    told = []
+    for program in dict.fromkeys(row.program for row in rows):
+        known = [(row.error, row.seconds, row.name) for row in rows if row.program == program and row.error is not None and row.seconds]
+        good = [(seconds, error, name) for error, seconds, name in known if error <= 0.01]
+        if good:
+            seconds, error, name = min(good)
+            told.append(f"{program} is within {percent(0.01, 'g')} in {duration(seconds)} ({name}: {size(error)})")
+        elif known:
+            error, seconds, name = min(known)
+            told.append(f"{program} was not tried finer than {size(error)}, in {duration(seconds)} ({name})")
+    return f"What it costs: {listed(told)}." if told else ""
+
+
+#: What a user takes away; each is a function of the record, "" where it has nothing to tell.
+SENTENCES: Final[Sequence[Callable[[Sequence[Construction]], str]]] = (lost_words, narrow_words, close_words, cure_words, price_words)
+
+
+def _wrong(row: Construction) -> bool:
+    return row.error is not None and row.error > WRONG
+
+
+def _narrow(row: Construction) -> bool:
+    return row.gap is not None and row.gap < NARROW
+
+
+def _close(row: Construction) -> bool:
+    return row.frequency is not None and abs(row.frequency) < CLOSE
+
+
+def _seeming(rows: Sequence[Construction], looks_right: Callable[[Construction], bool], sign: str) -> str:
+    """How many constructions look right by a sign, and are wrong; "" if there are none."""
+    found = [row for row in rows if _wrong(row) and looks_right(row)]
+    errors = {row.name: row.error for row in found if row.error is not None}
+    if not errors:
+        return ""
+    worst = max(errors, key=lambda name: errors[name])
+    low, high = min(errors.values()), max(errors.values())
+    off = size(high) if len(errors) == 1 else percents(low, high, ".0f")
+    with_it = f"{counted(len(errors), 'construction')} with it {'is' if len(errors) == 1 else 'are'}"
+    return f"{sign} proves nothing: {with_it} {off} off (worst: {worst})."
+
+
+def table(rows: Sequence[Construction]) -> Table:
+    """A row per construction."""
+    made = Table(
+        "as_built",
+        """Run 24, damped by its material, for 2 s. Deflection: RMS of the difference from the true one over its RMS. Peak and first
+        frequency (crank held at 180°): relative to the true ones. Damping ratio: of a pluck. Gap: of the crank’s pin from the centre line.
+        Solve: processor time, on a machine that did other work besides, so that only ratios count.""",
+        (
+            *("program", "name"),
+            Column("error", "deflection", "%", ".2g"),
+            Column("peak", unit="%", form="+.1f"),
+            Column("frequency", unit="%", form="+.2f"),
+            Column("damping", "damping ratio", "1", ".4f"),
+            Column("gap", unit="mm", form=".2g"),
+            Column("seconds", "solve", "s", ".2g"),
+            Column("end", unit="s", form="g", in_page=False),
+        ),
+    )
+    for row in rows:
+        error = row.error
+        mark: Mark = "failed" if error is None else "good" if error <= RIGHT else "missed" if error > WRONG else ""
+        made.add(row, error=Cell(None, f"lost after {duration(row.end)}", mark=mark) if error is None else Cell(error, mark=mark))
+    return made
+
+
+PAGE = Part(chapters={as_built: 54}, templates=("quickreturn.plugins.as_built",))

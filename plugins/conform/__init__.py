@@ -1,0 +1,1 @@
+"""Whether an adapter does what it says."""

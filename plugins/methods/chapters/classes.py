@@ -1,0 +1,220 @@
+"""Which method, where: the fastest method in each class of machines, and where each method fails."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from quickreturn.plugins.methods.classes.grid import CENTRE, ROWS, TURNS, grid, name_of
+from quickreturn.plugins.methods.classes.groups import MEANINGS
+from quickreturn.plugins.methods.classes.map import STATUSES, TIMES, Map
+from quickreturn.plugins.methods.classes.measurement import LEVELS, LIMIT, REACHED
+from quickreturn.plugins.methods.classes.study import ClassScene
+from quickreturn.plugins.methods.data import map_of
+from quickreturn.plugins.methods.fastest import is_own
+from quickreturn.plugins.methods.trials.trial import Trial
+from quickreturn.reports.line_styles import looks
+from quickreturn.reports.long_studies import about
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.words import counted, duration, listed, number, percent, size, times, won
+
+#: Strength of the winner's colour in a cell, %: for a runner-up that is as fast, and for one that takes ten times as long or more.
+_PALE, _FULL = 8, 34
+#: What the engine of that name is.
+CHAIN: Final = " (mujoco is this project’s chain and time loop on MuJoCo)"
+#: What an opponent would say of the race.
+CHOSEN: Final = "; all settings are this project’s choice, and reference alone slows its fast modes"
+_SPEED: Final = "crank speed over the lowest bending frequency"
+
+
+@dataclass(frozen=True)
+class Winners:
+    """Who is first in how many classes.
+
+    Attributes:
+        level: relative error that each method must reach.
+        by: the time that counts, one of `TIMES`.
+        wins: engine -> number of classes in which it is first, the most frequent winner first.
+        factors: how many times as long the runner-up takes, where the most frequent winner is first and another reaches the error.
+    """
+
+    level: float
+    by: str
+    wins: Mapping[str, int]
+    factors: Sequence[float]
+
+
+def classes(content: Content) -> Chapter | None:
+    """The chapter; None if no map was recorded."""
+    class_map = content.of(map_of)
+    if not class_map.scenes:
+        return None
+    scenes = len(class_map.scenes)
+    winners = [winners_of(class_map, level, by) for level in LEVELS for by in TIMES]
+    own = [name for name in dict.fromkeys(trial.engine for trial in class_map.trials) if is_own(name)]
+    facts = {
+        "of_record": about("classes"),
+        "turns": TURNS,
+        "winners": [winners_words(each, scenes) for each in winners],
+        "own": own,
+        "meanings": MEANINGS,
+        "sharp": sharp_words(class_map),
+        "limit": LIMIT,
+        "maps": [(f"{by}, to {percent(level, 'g')}", map_table(class_map, level, by)) for by in TIMES for level in LEVELS],
+        "failing": failing(class_map),
+        "cells": cells(class_map),
+    }
+    missing = len(list(grid())) - scenes
+    return Chapter("classes", "Which method, where", finding(winners[0], winners[1].wins, scenes, missing, own), facts)
+
+
+def finding(alone: Winners, waited: Mapping[str, int], scenes: int, missing: int, own: Sequence[str]) -> str:
+    """The most frequent winner by solve time and its lead, and the winners by waiting time.
+
+    Args:
+        alone: the winners by solve time.
+        waited: wins by waiting time.
+        scenes: number of classes.
+        missing: number of classes of the map that are not recorded.
+        own: engines that are code of this project.
+    """
+    level, of_classes = percent(alone.level, "g"), f"of {scenes} classes of machines"
+    if alone.wins:
+        name, count = next(iter(alone.wins.items()))
+        code = ", this project’s own code," if name in own else ""
+        text = f"{name}{code} solves fastest to {level} in {count} {of_classes} ({_lead(alone.factors)})"
+    else:
+        text = f"No engine reaches {level} in any {of_classes}"
+    unrecorded = f"; {missing} more classes of the map are not recorded" if missing else ""
+    return f"{text}; by waiting time, {_won(waited)}{CHAIN if 'mujoco' in waited else ''}{unrecorded}{CHOSEN if own else ''}"
+
+
+def _won(wins: Mapping[str, int]) -> str:
+    return won(wins) or "no engine in any class"
+
+
+def _lead(factors: Sequence[float]) -> str:
+    """How much longer the runner-up takes."""
+    if not factors:
+        return "no other reaches it"
+    least = f"{number(min(factors), '.2g')} to " if len(factors) > 1 else ""
+    return f"the next takes {least}{times(max(factors))} as long"
+
+
+def winners_words(winners: Winners, scenes: int) -> str:
+    """The winners to an error by a time."""
+    unwon = scenes - sum(winners.wins.values())
+    return f"{winners.by}, to {percent(winners.level, 'g')}: {_won(winners.wins)}{f'; {unwon} nobody wins' if unwon else ''}."
+
+
+def sharp_words(class_map: Map) -> str:
+    """How well the solutions are known against which errors are measured."""
+    differences = [scene.difference for scene in class_map.scenes if scene.difference is not None]
+    blunt = [scene.name for scene in class_map.scenes if scene.difference is None or scene.difference > 0.1 * LEVELS[-1]]
+    agrees = f"; a second formulation agrees with it to {size(max(differences))} or better" if differences else ""
+    care = "it is missing, or differs by more than a tenth of the smaller error: use the numbers there with care."
+    errors = f"Errors are those of the tip deflection, RMS over {ROWS} rows, against a converged solution"
+    return f"{errors}{agrees}.{f' In {listed(blunt)} {care}' if blunt else ''}"
+
+
+def winners_of(class_map: Map, level: float, by: str) -> Winners:
+    """Who is first in how many classes, to an error by a time (see `Winners`)."""
+    factors_of = class_map.factors(level, by)
+    factors = [factor for factor in next(iter(factors_of.values()), []) if factor < math.inf]
+    return Winners(level, by, {name: len(lead) for name, lead in factors_of.items()}, factors)
+
+
+def map_table(class_map: Map, level: float, by: str) -> Table:
+    """The winner in each scene, the runner-up and how many times as long it takes; a row for each machine, a column for each speed."""
+    speeds = sorted({scene.groups.speed for scene in class_map.scenes})
+    columns = [Column("machine"), *(Column(f"speed {speed:g}", f"{speed:g}", group=_SPEED) for speed in speeds)]
+    table = Table(
+        f"classes_map_{list(TIMES).index(by) + 1}_{level:g}",
+        f"""The fastest method by {by}, to an error of {percent(level, "g")}; below it the runner-up, and how many times as long it takes.
+        The colour is the winner's; the larger the lead, the stronger the colour. A click on a cell shows the times of all methods, or the
+        reason why a method has none.""",
+        columns,
+    )
+    lines: dict[str, dict[str, Cell]] = {}
+    for scene in class_map.scenes:
+        lines.setdefault(_machine(scene), {})[f"speed {scene.groups.speed:g}"] = _cell(class_map, scene, level, by)
+    for machine, of_speeds in lines.items():
+        table.add(machine=machine, **of_speeds)
+    return table
+
+
+def _machine(scene: ClassScene) -> str:
+    """The text that distinguishes a row of the map from the others."""
+    _, _, others = name_of(replace(scene.groups, speed=CENTRE.speed)).partition(", ")
+    return (others or f"tip {CENTRE.tip:g}").replace("inf", "rigid")
+
+
+def _cell(class_map: Map, scene: ClassScene, level: float, by: str) -> Cell:
+    """The winner and the runner-up; the remark lists all engines. The winner's colour is stronger the larger its lead."""
+    trials, ranked = class_map.at(scene, level), class_map.ranked(scene, level, by)
+    without_time = [_why_no_time(trial) for trial in trials if trial.engine not in ranked]
+    note = "; ".join([*(f"{name} {duration(seconds)}" for name, seconds in ranked.items()), *without_time]) or scene.failure
+    if not ranked:
+        return Cell("nobody" if trials else "no solution", note=note, mark="open")
+    (winner, first), (other, second) = [*ranked.items(), ("", math.inf)][:2]
+    text, look = (f"{winner}\n{number(second / first, '.2g')}× {other}" if other else winner), looks([winner])[winner]
+    share = _PALE + (_FULL - _PALE) * min(1.0, math.log10(second / first))
+    tint = f"color-mix(in srgb, light-dark({look.light}, {look.dark}) {share:.0f}%, transparent)"
+    return Cell(winner, text, note, tint=tint)
+
+
+def _why_no_time(trial: Trial) -> str:
+    """The reason why an engine has no time."""
+    if trial.status != REACHED:
+        return f"{trial.engine} {trial.status}" + (f" ({size(trial.error)} left)" if trial.error is not None else "")
+    return f"{trial.engine} reaches it, but its own estimate does not show it ({trial.remark})"
+
+
+def failing(class_map: Map) -> Table:
+    """The number of scenes in which each method reaches each error, and the reasons why not in the others."""
+    heads = [Column(status.replace(" ", "_"), status, form="d") for status in STATUSES]
+    unknown = Column("unclaimed", "reached, not known", form="d")
+    table = Table(
+        "classes_failing",
+        """Where each method fails: the number of classes in which it reaches an error, and the reasons in the other classes. Reached,
+        not known: some settings keep within the error, but the method's own estimate does not show it. A click on a number shows the
+        classes.""",
+        (Column("method"), Column("level", "error", "%", "g"), *heads, unknown),
+    )
+    for engine in dict.fromkeys(trial.engine for trial in class_map.trials):
+        for level in LEVELS:
+            here = [trial for trial in class_map.trials if (trial.engine, trial.level) == (engine, level)]
+            counts = {status.replace(" ", "_"): _count([trial for trial in here if trial.status == status]) for status in STATUSES}
+            silent = [trial for trial in here if trial.status == REACHED and trial.waited_seconds is None]
+            table.add(method=engine, level=level, unclaimed=_count(silent), **counts)
+    return table
+
+
+def _count(trials: Sequence[Trial]) -> Cell:
+    """A number of scenes; its remark names them and the first reason."""
+    reason = next((f": {trial.remark}" for trial in trials if trial.remark), "")
+    return Cell(len(trials), note="; ".join(trial.scene for trial in trials) + reason)
+
+
+def cells(class_map: Map) -> Table:
+    """Every method in every scene at every error, with the scene's groups."""
+    groups = [Column(name, form="g") for name in vars(CENTRE)]
+    seconds = [Column(time, unit="s", form=".3g") for time in TIMES.values()]
+    columns: list[Column | str] = ["scene", *groups, Column("difference", "sharp to", "1", ".1e"), "engine"]
+    columns += [Column("level", "error", "%", "g"), "status", *seconds, Column("error", "delivered", "%", ".2g"), "remark"]
+    table = Table(
+        "classes",
+        f"""Every method in {counted(len(class_map.scenes), "scene")}: groups, uncertainty of the solution that defines the error, times,
+        and the error of the result when the engine is asked for this error. If no settings reach the error, the table gives the least error
+        of all settings.""",
+        columns,
+        in_page=False,
+    )
+    for scene in class_map.scenes:
+        shared: dict[str, Any] = {**vars(scene.groups), "difference": scene.difference}
+        for level in LEVELS:
+            for trial in class_map.at(scene, level):
+                table.add(trial, **shared)
+    return table

@@ -1,0 +1,27 @@
+"""What the plugin adds: rival methods, commands that compare methods, chapters on them, and records of their studies."""
+
+from quickreturn.engines.plugins import Plugin
+
+_HERE = "quickreturn.plugins.methods"
+_BENCHMARK = "Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE."
+_ADVISE = "Say where CASE lies on the map of classes, and which methods were the fastest there to an error."
+PLUGIN = Plugin(
+    engines={
+        "fixed-shapes": f"{_HERE}.rivals.fixed_shapes:ENGINE",
+        "multiplier": f"{_HERE}.rivals.multiplier:ENGINE",
+        "stiff-spring": f"{_HERE}.rivals.stiff_spring:ENGINE",
+        "nodal-load": f"{_HERE}.rivals.nodal_load:ENGINE",
+        "moving-boundaries": f"{_HERE}.rivals.moving_boundaries:MovingBoundariesEngine",
+    },
+    commands={
+        "benchmark": (f"{_HERE}.benchmark_command:benchmark", _BENCHMARK),
+        "advise": (f"{_HERE}.advise_command:advise", _ADVISE),
+    },
+    page=f"{_HERE}.chapters:PAGE",
+    records={
+        "benchmark": f"{_HERE}.records:benchmark_rows",
+        "hard scenes": f"{_HERE}.records:hard_scene_rows",
+        "confirmation": f"{_HERE}.records:confirmation_rows",
+        "classes": f"{_HERE}.records:class_rows",
+    },
+)

@@ -1,0 +1,80 @@
+"""The chapter on classes says what the map says: who is first, by how much, by which time, and where each method fails."""
+
+import dataclasses
+
+from quickreturn.plugins.methods.chapters import classes as tables
+from quickreturn.plugins.methods.chapters.classes import Winners, finding, winners_words
+from quickreturn.plugins.methods.tests.made_up_map import made_up_map
+from tests.reports.pages import one_run, plain, read, text_of
+
+SOLVED = Winners(1e-2, "solve time", {"a": 20, "b": 9}, (1.43, 12.0, 48.4))
+
+
+def test_the_heading_tells_the_winner_its_lead_and_who_is_done_first() -> None:
+    told = plain(finding(SOLVED, {"b": 15, "a": 14}, 30, 2, ["a"]))
+    first = "a, this project’s own code, solves fastest to 1 % in 20 of 30 classes of machines (the next takes 1.4 to 48 times as long)"
+    waited = "by waiting time, b in 15, a in 14; 2 more classes of the map are not recorded"
+    assert told == f"{first}; {waited}; all settings are this project’s choice, and reference alone slows its fast modes"
+    assert "mujoco in 3 (mujoco is this project’s chain and time loop on MuJoCo)" in plain(finding(SOLVED, {"mujoco": 3}, 30, 0, []))
+    one = dataclasses.replace(SOLVED, factors=(3.5,))
+    assert "a solves fastest to 1 % in 20 of 30 classes of machines (the next takes 3.5 times as long);" in plain(
+        finding(one, {}, 30, 0, [])
+    )
+    alone = dataclasses.replace(SOLVED, factors=())
+    told = plain(finding(alone, {"a": 30}, 30, 0, []))
+    assert told == "a solves fastest to 1 % in 20 of 30 classes of machines (no other reaches it); by waiting time, a in 30"
+
+
+def test_the_heading_of_a_map_that_nobody_wins() -> None:
+    nobody = Winners(1e-2, "solve time", {}, ())
+    assert (
+        plain(finding(nobody, {}, 3, 0, []))
+        == "No engine reaches 1 % in any of 3 classes of machines; by waiting time, no engine in any class"
+    )
+
+
+def test_a_contest_is_told_with_the_classes_that_nobody_wins() -> None:
+    assert plain(winners_words(SOLVED, 29)) == "solve time, to 1 %: a in 20, b in 9."
+    assert plain(winners_words(SOLVED, 30)) == "solve time, to 1 %: a in 20, b in 9; 1 nobody wins."
+
+
+def test_the_heading_counts_both_times_and_says_whose_code_it_is() -> None:
+    told = text_of(one_run(classes=made_up_map()))
+    # at 0.05 reference takes 2 ms and the next 7 ms; at 0.2 mujoco is first; the third scene has no solution
+    wanted = "reference, this project’s own code, solves fastest to 1 % in 1 of 3 classes of machines (the next takes 3.5 times as long)"
+    assert f"{wanted}; by waiting time, fixed-shapes in 1, mujoco in 1" in told
+    assert "solve time, to 0.1 %: reference in 1, mujoco in 1; 1 nobody wins" in told
+    assert "a second formulation agrees with it to 0.03 % or better" in told
+    assert "In speed 0.2 and speed 0.5 it is missing, or differs by more than a tenth of the smaller error: use the numbers" in told
+
+
+def test_a_cell_has_winner_factor_and_runner_up_and_its_remark_has_everybody() -> None:
+    (row,) = tables.map_table(made_up_map(), 1e-2, "solve time").rows
+    assert (row["speed 0.05"].value, row["speed 0.05"].text) == ("reference", "reference\n3.5× fixed-shapes")
+    note = row["speed 0.05"].note.replace("\N{NO-BREAK SPACE}", " ")
+    assert note == "reference 2.0 ms; fixed-shapes 7.0 ms; thesis not reached (60 % left); multiplier refused"
+    assert (row["speed 0.5"].text or row["speed 0.5"].value, row["speed 0.5"].mark) == ("no solution", "open")
+    (row,) = tables.map_table(made_up_map(), 1e-2, "waiting time").rows
+    assert row["speed 0.05"].value == "fixed-shapes"
+    assert "exudyn reaches it, but its own estimate does not show it" in row["speed 0.2"].note
+
+
+def test_a_lead_shows_as_a_stronger_colour() -> None:
+    known = made_up_map()
+    (alone,), (waited,) = (tables.map_table(known, 1e-2, by).rows for by in ("solve time", "waiting time"))
+    # mujoco leads by 2 in solve time and by 1.5 in waiting time
+    shares = [int(row["speed 0.2"].tint.rpartition(") ")[2].partition("%")[0]) for row in (alone, waited)]
+    assert shares[0] > shares[1] > 0
+
+
+def test_where_each_method_fails_is_counted() -> None:
+    rows = {(row["method"].value, row["level"].value): row for row in tables.failing(made_up_map()).rows}
+    assert rows["thesis", 1e-2]["not_reached"].value == 2
+    assert rows["multiplier", 1e-3]["refused"].value == 2
+    assert (rows["exudyn", 1e-2]["reached"].value, rows["exudyn", 1e-2]["unclaimed"].value) == (1, 1)
+    assert "slider.joint_stiffness" in rows["multiplier", 1e-3]["refused"].note
+
+
+def test_without_a_record_there_is_no_chapter() -> None:
+    assert "classes" not in read(one_run()).anchors
+    assert "classes" in read(one_run(classes=made_up_map())).anchors

@@ -1,0 +1,51 @@
+"""Statements of the thesis about simulation and experiment, in a form that numbers can confirm or contradict."""
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from quickreturn.cases.library.thesis.data import read_toml
+from quickreturn.cases.library.thesis.runs import RUNS
+
+Kind = Literal["relation", "frequency", "observation", "cause"]
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A statement of the thesis, read as a range of numbers."""
+
+    id: str  # short name
+    section: str  # of the thesis
+    words: str  # the statement in our words
+    kind: Kind  # "relation" (a ratio per run), "frequency" (a range in Hz), "observation" or "cause" (words only)
+    quantity: str  # what is compared
+    runs: tuple[int, ...]  # numbers of the runs that it is about
+    low: float = -math.inf  # smallest value that the words mean, -inf if there is none
+    high: float = math.inf  # largest value that the words mean, inf if there is none
+    share: float = 1.0  # share of the runs that must show it
+
+    def share_of(self, values: Mapping[int, float]) -> float | None:
+        """The share of the runs that shows it, among runs with a value; None if no run has one.
+
+        Args:
+            values: number of the run -> ratio simulation / experiment (kind "relation") or frequency in Hz (kind "frequency").
+        """
+        of_runs = [values[run] for run in self.runs if run in values and not math.isnan(values[run])]
+        return sum(self.low <= value <= self.high for value in of_runs) / len(of_runs) if of_runs else None
+
+    def holds(self, values: Mapping[int, float]) -> bool | None:
+        """Whether enough runs show it; None if no run has a value, or if the statement has no numbers to check."""
+        share = self.share_of(values) if self.kind in ("relation", "frequency") else None
+        return None if share is None else share >= self.share
+
+
+@functools.cache
+def statements() -> tuple[Statement, ...]:
+    """All statements in the order of the thesis."""
+    listed = []
+    for entry in read_toml("statements.toml")["statement"]:
+        runs = tuple(RUNS) if entry["runs"] == "all" else tuple(range(entry["runs"][0], entry["runs"][1] + 1))
+        listed.append(Statement(**entry | {"runs": runs}))
+    return tuple(listed)

@@ -1,0 +1,9 @@
+"""What the plugin adds: the content of reports on runs of the thesis, and records of its studies."""
+
+from quickreturn.engines.plugins import Plugin
+
+_HERE = "quickreturn.plugins.thesis"
+PLUGIN = Plugin(
+    page=f"{_HERE}.content:PAGE",
+    records={"finding": f"{_HERE}.records:finding_rows", "unprinted": f"{_HERE}.records:band_rows"},
+)

@@ -1,0 +1,38 @@
+"""What a plugin adds to the page of a report."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+
+from quickreturn.cases.case import Case
+from quickreturn.cases.runs.campaign import Work
+from quickreturn.engines.plugins import found, plugins
+from quickreturn.reports.page.chapter import MakeChapter
+from quickreturn.reports.page.content import Content
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """What a plugin adds. Each function but `work` and `content` gets the content of the page.
+
+    Attributes:
+        chapters: function that makes a chapter -> its rank; the page has its chapters by rank (`reports.page.chapters.CHAPTERS`).
+        templates: packages with the chapters' templates.
+        work: what is computed together with the runs, for cases, names of engines, and whether the cases are the user's own machines.
+        content: class of the content for some cases, if these are a subject of the plugin; otherwise None.
+        figure: a number in large type for the first screen with its meaning, or None.
+        of_engines: heading of a column in the table of engines -> for each engine a text.
+    """
+
+    chapters: Mapping[MakeChapter, float] = field(default_factory=dict)
+    templates: Sequence[str] = ()
+    work: Callable[[Sequence[Case], Sequence[str], bool], Work] | None = None
+    content: Callable[[Sequence[Case]], type[Content] | None] | None = None
+    figure: Callable[[Content], tuple[str, str] | None] | None = None
+    of_engines: Mapping[str, Callable[[Content], Mapping[str, str]]] = field(default_factory=dict)
+
+
+@cache
+def parts() -> tuple[Part, ...]:
+    """The parts of the installed plugins."""
+    return tuple(found(plugin.page) for plugin in plugins().values() if plugin.page)
