@@ -34,8 +34,8 @@ from quickreturn.command_line import COMMANDS, main
 from quickreturn.commands.console import ExitCode
 from quickreturn.plugins.methods.chapters.classes import winners_of
 from quickreturn.plugins.methods.classes.map import TIMES
+from quickreturn.plugins.methods.records import benchmarks, class_map
 from quickreturn.plugins.methods.trials.queries import fastest_at
-from quickreturn.reports.long_studies import benchmarks, class_map
 from tests.quickreturn.conftest import warm_workers
 from tests.quickreturn.program import TESTS_ALONE
 

@@ -48,7 +48,7 @@ def finding(engines: int, troubles: int, verification: Verification) -> str:
 
 def engines(content: Content) -> Table:
     """One row per engine and recorded table: origin, version, method, default accuracy, status of its runs, and what plugins say of it."""
-    results, of_engines = content.results, {name: say(content) for part in parts() for name, say in part.of_engines.items()}
+    results, of_engines = content.results, {name: content.of(say) for part in parts() for name, say in part.of_engines.items()}
     columns: ColumnList = (
         "engine",
         Column("origin", "from"),

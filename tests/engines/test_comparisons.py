@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 
 from quickreturn.engines.base import Comparison, Engine, EngineFailure
 from quickreturn.engines.error_parts import Compared, compared
-from quickreturn.engines.own import fixed_shapes, multiplier, nodal_load, stiff_spring
 from quickreturn.engines.own.thesis import THESIS_ERROR_PER_DECADE, ThesisEngine, ThesisSettings
 from quickreturn.engines.settings import Settings
+from quickreturn.plugins.methods.rivals import fixed_shapes, multiplier, nodal_load, stiff_spring
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.plugins.methods.rivals.nodal_load import NodalLoadSettings

@@ -5,11 +5,12 @@ from dataclasses import replace
 import pytest
 
 from quickreturn.engines.base import Refusal
-from quickreturn.engines.registry import RIVALS, engine
+from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.scene import describe_scene, simulate_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import FollowerTrajectory
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, FollowerAlone, SpinUp

@@ -7,7 +7,8 @@ import pytest
 from quickreturn.engines.exudyn import settings as exudyn
 from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.mujoco import settings as mujoco
-from quickreturn.engines.own import nodal_load, reference, staying_shapes, stiff_spring
+from quickreturn.engines.own import reference
+from quickreturn.plugins.methods.rivals import nodal_load, staying_shapes, stiff_spring
 
 LADDERS: dict[str, Ladder[Any]] = {
     "reference, slowed": reference.SLOWED,

@@ -10,6 +10,7 @@ from quickreturn.engines import registry
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.exudyn import engine as exudyn
 from quickreturn.engines.registry import MAIN, UnknownEngine, engine, engine_names, usable_engine
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.scene_values import NAMED
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.engines.scenes import run_24
@@ -89,9 +90,9 @@ def test_missing_library_disables_its_own_engine_only(monkeypatch: pytest.Monkey
 def test_what_estimates_are_of() -> None:
     # how far the models of `thesis` and `moving-boundaries` are off no run of their own can show; of `nodal-load` coarser and finer
     # runs break down
-    found = {name: engine(name).estimates for name in (*MAIN, *registry.RIVALS)}
+    found = {name: engine(name).estimates for name in (*MAIN, *RIVALS)}
     others = {"thesis": "integration", "nodal-load": "unverified", "moving-boundaries": "integration"}
-    assert found == {**dict.fromkeys((*MAIN, *registry.RIVALS), "total"), **others}
+    assert found == {**dict.fromkeys((*MAIN, *RIVALS), "total"), **others}
 
 
 def test_quantities_of_all_engines_are_known() -> None:

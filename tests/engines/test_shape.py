@@ -8,9 +8,10 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.one_run import run_once
-from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.engines.scenes import run_24

@@ -8,8 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 from quickreturn.engines.accurate import Result, simulate
-from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.start import standard_start
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.columns import BENDING, ENDS
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed

@@ -28,8 +28,9 @@ from quickreturn.cases.runs.campaign import carry_out
 from quickreturn.cases.runs.request import Run, RunRequest
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.scene import simulate_scene
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.mechanism import Mechanism
 
 FOLDER: Final = Path(__file__).parent

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from hypothesis import assume
 
-from quickreturn.engines.own import multiplier, stiff_spring
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.methods.rivals import multiplier, stiff_spring
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.plugins.methods.rivals.stiff_spring import StiffSpringSettings
 from quickreturn.reference_model.mechanism import Base, Mechanism, TorqueDrive

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.settings import Settings
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.engines.scenes import run_24
 from tests.properties.law import for_all

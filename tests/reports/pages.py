@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.plugins.thesis.content import content_type
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.part import parts
 from quickreturn.reports.page.render import report_page
 from tests.reports.reported_results import PageReader, reported_result
 
@@ -39,7 +39,9 @@ def finding_of(content: Content, name: str) -> str:
 
 def content_of(*, results: Sequence[CaseResult], **more: Any) -> Content:
     """The data of a page on these results, of the kind that a report on their cases has."""
-    return content_type([result.case for result in results])(results=results, **more)
+    cases = [result.case for result in results]
+    kind = next((kind for part in parts() if part.content and (kind := part.content(cases))), Content)
+    return kind(results=results, **more)
 
 
 def one_run(*results: CaseResult, **more: Any) -> Content:

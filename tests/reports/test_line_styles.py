@@ -9,7 +9,8 @@ import pytest
 from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
-from quickreturn.engines.registry import GROUP, MAIN, RIVALS
+from quickreturn.engines.registry import GROUP, MAIN
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reports.drawing.style import all_looks
 from quickreturn.reports.line_styles import ENGINES, SIGNALS, looks
 from quickreturn.reports.page.render import KINDS

@@ -13,8 +13,10 @@ from quickreturn.cases.jobs.key import code_fingerprint
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.plugins.conform.records import verdicts
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
+from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.plugins.thesis.content import ThesisContent
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
@@ -40,7 +42,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
     benchmarks = [made_up_benchmark(), made_up_benchmark("thesis-17", confirmed=False)]
     told = {"facts": machine_facts(), "code": "abc", "notices": ("a <notice>",)}
-    content = content_of(results=results, studies=made_up_studies(), benchmarks=benchmarks, **told)  # type: ignore[arg-type]
+    data = of_studies(studies=made_up_studies(), benchmarks=benchmarks)
+    content = content_of(results=results, data=data, **told)  # type: ignore[arg-type]
     write(content, place)
     return place
 
@@ -50,7 +53,7 @@ def test_a_page_without_parts_of_the_studies_has_the_others(absent: str) -> None
     """They belong to engines that were not asked for."""
     empty = {"converged": None, "prescribed": None, "both_starts": (), "convergence": (), "accuracy": (), "confirming": ()}
     lacking = replace(made_up_studies(), **(empty if absent == "all" else {absent: empty[absent]}))
-    content = content_of(results=[reported_result("thesis-24")], studies=lacking, facts=machine_facts())
+    content = content_of(results=[reported_result("thesis-24")], data=of_studies(studies=lacking), facts=machine_facts())
     chapters = [chapter for chapter in chapters_of(content) if chapter.id == "accuracy"]
     page = report_page(content, chapters)
     assert ("confirm each other" in page) == (absent not in ("converged", "all"))
@@ -169,7 +172,7 @@ def test_recorded_tables_are_shown_with_what_they_say_of_themselves_as_text() ->
     declared = {"origin": "synthetic", "version": "<blink>7", "source": "made up"}
     result = with_table(reported_result("thesis-24"), hostile, ["strain_2"], declared, of_experiment=True)
     both = [with_table(result, "tool.csv", ["tip_deflection"], {"version": "Tool 7.1"})]
-    content = content_of(results=both, conformance={"reference": "conforms"})
+    content = content_of(results=both, data={verdicts: {"reference": "conforms"}})
     page = report_page(content, list(chapters_of(content)))
     assert hostile not in page
     read = PageReader(page)
@@ -246,7 +249,7 @@ def test_exit_codes_tell_whether_every_engine_completed(call: Call, monkeypatch:
 def test_a_second_report_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two engines on the run that settles soonest; then the same again with nothing allowed to run."""
     case, workshop = load_case("thesis-17"), Workshop(Store(tmp_path / "store"))
-    first = write_report([case], tmp_path / "first", workshop, engines=("thesis", "reference"), content_type=ThesisContent)
+    first = write_report([case], tmp_path / "first", workshop, engines=("thesis", "reference"))
     assert {run.status for run in first.content.results[0].runs.values()} <= {"settled", "not settled"}
     assert first.content.results[0].runs["reference"].status == "settled"
 
@@ -255,7 +258,7 @@ def test_a_second_report_computes_nothing(tmp_path: Path, monkeypatch: pytest.Mo
         yield from ()
 
     monkeypatch.setattr(LocalProcesses, "run", refuse)
-    write_report([case], tmp_path / "second", workshop, engines=("thesis", "reference"), content_type=ThesisContent)
+    write_report([case], tmp_path / "second", workshop, engines=("thesis", "reference"))
     for table in first.tables:
         if table.name not in ("machine", "tables"):  # these two name the time
             assert (tmp_path / "first" / table.file).read_bytes() == (tmp_path / "second" / table.file).read_bytes()

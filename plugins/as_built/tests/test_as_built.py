@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.plugins.as_built.constructions import Construction
-from quickreturn.reports.long_studies import built
+from quickreturn.plugins.as_built.constructions import Construction, built
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,7 @@ import pytest
 
 from quickreturn.plugins.as_built import chapter as chapter
 from quickreturn.plugins.as_built.chapter import close_words, cure_words, finding, lost_words, narrow_words, price_words
-from quickreturn.plugins.as_built.constructions import Construction
-from quickreturn.reports import long_studies
+from quickreturn.plugins.as_built.constructions import Construction, built
 from tests.reports import pages
 from tests.reports.pages import plain
 
@@ -63,19 +62,19 @@ def test_the_price_is_that_of_the_fastest_within_one_per_cent_or_of_the_most_acc
 
 
 def test_the_chapter_shows_every_construction_and_marks_what_was_lost() -> None:
-    page = pages.read(pages.one_run(as_built=ROWS))
+    page = pages.read(pages.one_run(data={chapter.recorded: ROWS}))
     assert "lost after 16 ms" in plain(page.text)
-    (found,) = pages.chapter_of(pages.one_run(as_built=ROWS), "as_built").tables
+    (found,) = pages.chapter_of(pages.one_run(data={chapter.recorded: ROWS}), "as_built").tables
     assert [row["error"].mark for row in found.rows] == ["good", "good", "missed", "missed", "failed"]
     assert "as_built" not in pages.read(pages.one_run()).anchors
 
 
 def test_the_record_tells_all_five_sentences() -> None:
-    rows = long_studies.built()
+    rows = built()
     assert len({row.name for row in rows}) == len(rows)
     assert all(sentence(rows) for sentence in chapter.SENTENCES)
 
 
 @pytest.mark.parametrize("program", ["MuJoCo", "Exudyn", "Drake"])
 def test_the_record_has_every_program(program: str) -> None:
-    assert any(row.program.startswith(f"{program} ") for row in long_studies.built())
+    assert any(row.program.startswith(f"{program} ") for row in built())

@@ -14,9 +14,9 @@ from quickreturn.plugins.methods.chapters.accuracy import (
     saved_words,
 )
 from quickreturn.plugins.methods.tests.made_up_studies import made_up_both_starts, made_up_studies
+from quickreturn.plugins.methods.tests.pages import finding_of, one_run, plain, text_of
 from quickreturn.plugins.methods.trials.trial import Trial
 from quickreturn.plugins.methods.trials.truth import Truth
-from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import reported_result
 

@@ -17,8 +17,9 @@ from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.registry import RIVALS, UnknownEngine
+from quickreturn.engines.registry import UnknownEngine
 from quickreturn.plugins.methods.benchmark import SCENES, Benchmark, compiling, measure, measurement, stored
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.plugins.methods.trials import truth
 from quickreturn.plugins.methods.trials.methods import Method, methods
 from quickreturn.plugins.methods.trials.queries import LEVELS, changing, fastest_at, observed_order, pareto_front, soonest_at

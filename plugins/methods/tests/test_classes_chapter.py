@@ -5,7 +5,7 @@ import dataclasses
 from quickreturn.plugins.methods.chapters import classes as tables
 from quickreturn.plugins.methods.chapters.classes import Winners, finding, winners_words
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
-from tests.reports.pages import one_run, plain, read, text_of
+from quickreturn.plugins.methods.tests.pages import one_run, plain, read, text_of
 
 SOLVED = Winners(1e-2, "solve time", {"a": 20, "b": 9}, (1.43, 12.0, 48.4))
 

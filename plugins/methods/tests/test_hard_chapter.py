@@ -13,9 +13,9 @@ from quickreturn.plugins.methods.judging.verdicts import (
     MEANINGS,
     OWN_EQUATIONS,
 )
+from quickreturn.plugins.methods.tests import pages
 from quickreturn.plugins.methods.tests.made_up_matrix import VERDICTS, made_up_matrix
-from tests.reports import pages
-from tests.reports.pages import plain
+from quickreturn.plugins.methods.tests.pages import plain
 from tests.reports.reported_results import PageReader
 
 

@@ -7,10 +7,10 @@ import pytest
 from quickreturn.plugins.methods.benchmark import Compiling
 from quickreturn.plugins.methods.chapters import methods_tables as tables
 from quickreturn.plugins.methods.chapters.methods import contest_words, finding, level_words, mark_words, waiting_words
+from quickreturn.plugins.methods.fastest import Fastest, fastest_figure
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.methods.tests.pages import chapter_of, one_run, plain, read, text_of
 from quickreturn.plugins.methods.trials.trial import Trial
-from quickreturn.reports.page.answer import Fastest
-from tests.reports.pages import chapter_of, one_run, plain, read, text_of
 
 EXAMPLE = Fastest("thesis-24", 1e-3, [("a", 4e-3), ("b", 160e-3), ("mujoco", 1.0)])
 
@@ -152,3 +152,11 @@ def test_the_chart_offers_what_one_waits_for_where_that_was_measured() -> None:
     series = {each.name: each for each in choices[1]["waiting time"].series}
     assert "Pareto front" not in series
     assert list(series["reference"].x) == pytest.approx([0.01 + 10.0 * 1e-3 * free for free in (2, 4, 8, 16)])
+
+
+def test_the_first_screen_has_a_figure_on_the_fastest_and_the_next_engine() -> None:
+    number, meaning = map(plain, fastest_figure(one_run(benchmarks=[made_up_benchmark()])) or ("", ""))
+    assert number == "4.0 ms"  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
+    assert meaning.startswith("to solve run 24 to 0.1 %, after a set-up of")
+    assert meaning.endswith("reference, made for this mechanism; multiplier takes 40 times as long")
+    assert fastest_figure(one_run()) is None

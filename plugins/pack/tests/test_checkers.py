@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.pack.test_problems import PACK, bounds_of, table_of
 
 from quickreturn.plugins.pack import by_hand, values
 from quickreturn.plugins.pack.problems import PROBLEMS
+from quickreturn.plugins.pack.tests.test_problems import PACK, bounds_of, table_of
 
 Columns = dict[str, np.ndarray]
 #: Problem, file, share -> exit code, and signal -> status.

@@ -16,7 +16,7 @@ from quickreturn.plugins.pack import by_hand, derived
 from quickreturn.plugins.pack.bounds import made, written
 from quickreturn.plugins.pack.problems import PROBLEMS
 
-PACK = Path(__file__).resolve().parents[2] / "pack"
+PACK = Path(__file__).resolve().parents[3] / "pack"
 LARGEST = 900_000  # bytes
 FEWEST_TIGHT, TIGHT = 9, 1e-4
 

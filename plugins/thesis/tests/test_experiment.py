@@ -12,7 +12,7 @@ from quickreturn.plugins.thesis.experiment.recordings import FOLDER_VARIABLE, ex
 
 
 def test_the_example_of_the_readme_has_the_form_that_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    readme = (Path(__file__).parents[3] / "cases" / "thesis" / "experiment" / "curves" / "README.md").read_text()
+    readme = (Path(__file__).parents[1] / "experiment" / "curves" / "README.md").read_text()
     example = re.search(r"```\n(# case.*?)\.\.\.\n(.*?)```", readme, re.DOTALL)
     assert example is not None
     (tmp_path / "curve.csv").write_text(example[1] + example[2])

@@ -3,6 +3,7 @@
 import dataclasses
 
 from quickreturn.plugins.thesis import records
+from quickreturn.plugins.thesis.page_data import bands_of
 from quickreturn.plugins.thesis.scatter import EXCESS, UNPRINTED
 from quickreturn.plugins.thesis.tests.made_up_finding import BAND
 from quickreturn.plugins.thesis.unprinted import bands as banded
@@ -13,12 +14,12 @@ from tests.reports.pages import text_of as told_of
 
 
 def test_the_page_says_whether_the_halves_differ() -> None:
-    told = told_of(one_run(bands=[BAND]))
+    told = told_of(one_run(data={bands_of: [BAND]}))
     assert "1.000 to 1.005 times that before it in run 24" in told
     assert "none of 14 points have this" in told
     assert "do not make them differ" in told
     other = dataclasses.replace(BAND, ratio=(0.97, 0.98, 1.0), apart=9)
-    told = told_of(one_run(bands=[other]))
+    told = told_of(one_run(data={bands_of: [other]}))
     assert "9 of 14 points have this (least: 0.970, run 24)" in told
     assert "do not make them differ" not in told
 

@@ -23,8 +23,9 @@ from quickreturn.cases.runs.request import DIRECT, FROM_ORBIT, STANDARD, RunRequ
 from quickreturn.cases.runs.steady_state import steady_state
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine
-from quickreturn.engines.registry import MAIN, RIVALS, engine
+from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.start import Start
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.mechanism import Mechanism
 
 MECHANISM = load_case("thesis-17").mechanism  # the one that settles soonest

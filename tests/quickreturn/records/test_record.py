@@ -19,6 +19,8 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.conform.records import ConformanceRow, verdicts
+from quickreturn.plugins.methods import records
 from quickreturn.plugins.methods.accuracy import confirming
 from quickreturn.plugins.methods.benchmark import Benchmark
 from quickreturn.plugins.methods.classes.grid import CENTRE, case_of
@@ -28,12 +30,13 @@ from quickreturn.plugins.methods.judging.matrix import Judged
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
 from quickreturn.plugins.methods.tests.made_up_matrix import made_up_matrix
+from quickreturn.plugins.methods.tests.pages import one_run
 from quickreturn.plugins.methods.trials.trial import Trial
 from quickreturn.plugins.methods.trials.truth import confirms, truth_of
 from quickreturn.record import main
 from quickreturn.reports import long_studies
-from quickreturn.reports import report as report_module
-from quickreturn.reports.long_studies import About, ConformanceRow, table, text_of
+from quickreturn.reports.long_studies import About, table, text_of
+from quickreturn.reports.page.content import Content
 from tests.reports import pages
 
 #: Bytes of all recorded tables together; a scene of the benchmark takes forty thousand.
@@ -67,10 +70,10 @@ def test_a_record_says_what_is_known_of_its_commits() -> None:
 
 def test_a_recorded_result_is_labelled_as_such() -> None:
     about = About("benchmark", "2001-02-03", "numpy 1", "abc1234", "def5678")
-    told = pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()], of_record={"benchmark": about}))
+    told = pages.text_of(one_run(benchmarks=[made_up_benchmark()], record=about))
     at = "2001-02-03 at commit abc1234; cells of it were last confirmed at commit def5678"
     assert f"Recorded: measured with numpy 1 on {at}." in told
-    assert "Recorded" not in pages.text_of(pages.one_run(benchmarks=[made_up_benchmark()]))
+    assert "Recorded" not in pages.text_of(one_run(benchmarks=[made_up_benchmark()]))
 
 
 def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -82,10 +85,11 @@ def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, 
     long_studies.about.cache_clear()
     workshop = Workshop(Store(tmp_path / "store"))
     workshop.kept(Outcome(job("thesis"), Conformance("thesis", False, (Check("a", "failed", "no", "mend it"),))))
-    told = report_module._conformance(("thesis", "reference", "mujoco"), workshop)
+    told = verdicts(Content(results=[], engines=("thesis", "reference", "mujoco"), workshop=workshop))
     long_studies.about.cache_clear()
     recorded = "recorded on 2001-02-03 at commit abc1234; cells of it were last confirmed at commit def5678"
     assert told == {
+        "reference": "not tested: run quickreturn conform reference",
         "thesis": "does not conform: 1 check failed; 0 checks passed",
         "mujoco": f"conforms; 2 checks passed, 1 could not be judged ({recorded})",
     }
@@ -97,9 +101,9 @@ def test_the_map_of_classes_is_read_back(tmp_path: Path, monkeypatch: pytest.Mon
     known = made_up_map()
     (tmp_path / "classes.csv").write_text(text_of(known.trials))
     (tmp_path / "classes_scenes.csv").write_text(text_of(known.scenes))
-    assert long_studies.class_map() == known  # a rigid joint is infinite, and what is not there stays None
+    assert records.class_map() == known  # a rigid joint is infinite, and what is not there stays None
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path / "nothing")
-    assert long_studies.class_map() == Map()
+    assert records.class_map() == Map()
 
 
 def test_an_unknown_study_or_option_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
@@ -107,18 +111,18 @@ def test_an_unknown_study_or_option_is_refused(capsys: pytest.CaptureFixture[str
         assert main([unknown]) == 2
         told = capsys.readouterr().err
         assert unknown in told
-        assert "accepted: --stored, benchmark, hard scenes" in told
+        assert "accepted: --stored, " in told
 
 
 def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in (long_studies, recording):
         monkeypatch.setattr(module, "FOLDER", tmp_path)
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
-    monkeypatch.setattr(long_studies.classes, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().trials)))
+    monkeypatch.setattr(records, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().trials)))
     (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "abc1234", "def5678")]))
     long_studies.about.cache_clear()
     assert main(["--stored", "classes"]) == 0
-    written = {study: made for study in long_studies.STUDIES if (made := long_studies.about(study))}
+    written = {study: made for study in long_studies.studies() if (made := long_studies.about(study))}
     long_studies.about.cache_clear()
     assert set(written) == {"finding", "classes"}
     assert written["finding"].date == "2001-02-03"
@@ -128,17 +132,17 @@ def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypa
     assert long_studies.about("classes") == written["classes"]
     long_studies.about.cache_clear()
     assert {path.name for path in tmp_path.glob("*.csv")} == {"about.csv", "classes.csv", "classes_scenes.csv"}
-    assert long_studies.class_map() == made_up_map()
+    assert records.class_map() == made_up_map()
 
 
 def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
     files = sorted(long_studies.FOLDER.glob("*.csv"))
     assert files
     assert sum(os.path.getsize(file) for file in files) <= MOST
-    made = [long_studies.about(study) for study in long_studies.STUDIES]
+    made = [long_studies.about(study) for study in long_studies.studies()]
     assert any(made)
     assert all(each.date and each.versions and each.commit for each in made if each)
-    assert bool(long_studies.benchmarks()) == (long_studies.about("benchmark") is not None)
+    assert bool(records.benchmarks()) == (long_studies.about("benchmark") is not None)
 
 
 @pytest.mark.verify
@@ -150,7 +154,7 @@ def test_two_packages_confirm_the_converged_solution() -> None:
 
 
 def test_who_has_no_confirming_solutions_sees_those_of_record() -> None:
-    assert {run.engine for run in long_studies.confirming()} == {"exudyn", "mujoco"}
+    assert {run.engine for run in records.confirming()} == {"exudyn", "mujoco"}
 
 
 @cache
@@ -163,7 +167,7 @@ def solved(case: str, name: str, settings: str) -> Trajectory:
 
 @pytest.mark.parametrize(("case", "name", "rank"), CELLS)
 def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> None:
-    found = long_studies.benchmarks().get(case)
+    found = records.benchmarks().get(case)
     if found is None:
         pytest.fail(f"{case} is not recorded")
     done = [trial for trial in found.trials if trial.method == name and trial.completed]
@@ -178,7 +182,7 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
 @pytest.mark.verify
 @pytest.mark.parametrize("name", ["thesis"])
 def test_a_recorded_error_of_the_map_comes_out_again(name: str) -> None:
-    known = long_studies.class_map()
+    known = records.class_map()
     scene = next(scene for scene in known.scenes if scene.groups == CENTRE)
     (recorded,) = (trial for trial in known.at(scene, LEVELS[0]) if trial.engine == name)
     (again, _) = measured(CENTRE, name, truth_of(case_of(CENTRE)))

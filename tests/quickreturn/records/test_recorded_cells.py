@@ -24,7 +24,9 @@ from quickreturn.cases.runs.orbit import orbits
 from quickreturn.engines.one_run import CompletedRun
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
-from quickreturn.plugins.as_built.constructions import constructions
+from quickreturn.plugins.as_built.constructions import built, constructions
+from quickreturn.plugins.conform.records import ConformanceRow
+from quickreturn.plugins.methods import records
 from quickreturn.plugins.methods.accuracy import ACCURACY_CASE
 from quickreturn.plugins.methods.benchmark.measurement import Benchmark
 from quickreturn.plugins.methods.classes.grid import case_of
@@ -38,7 +40,7 @@ from quickreturn.plugins.thesis.finding.effects import PUBLISHED, effects
 from quickreturn.plugins.thesis.scatter import CLAIMED_RUNS, bands
 from quickreturn.record import confirm
 from quickreturn.reports import long_studies
-from quickreturn.reports.long_studies import STUDIES, ConformanceRow, table
+from quickreturn.reports.long_studies import studies, table
 from tests.slices import slice_of
 
 #: Cells of a study.
@@ -58,7 +60,7 @@ Draw = Callable[[Sequence[Any]], list[Any]]
 
 def benchmark(draw: Draw, workshop: Workshop) -> None:
     """The error of a point, and its solve time over that of the first point of its scene."""
-    cells = [(scene, trial) for scene in long_studies.benchmarks().values() for trial in scene.trials if trial.completed]
+    cells = [(scene, trial) for scene in records.benchmarks().values() for trial in scene.trials if trial.completed]
     for scene, recorded in draw([cell for cell in cells if cell[1].seconds < SLOWEST]):
         case, cell = load_case(scene.case), (scene.case, recorded.method, recorded.settings)
         fixed, run = next(trial for trial in scene.trials if trial.completed), runner(scene, recorded)
@@ -87,7 +89,7 @@ def runner(scene: Benchmark, trial: Trial) -> Callable[[], CompletedRun]:
 def hard_scenes(draw: Draw, workshop: Workshop) -> None:
     """The verdict on an engine in a scene, before the comparison with other engines, and whether its claim holds."""
     cases = {entry.name: load_case(entry.name) for entry in catalogue(TAG)}
-    known = long_studies.matrix(cases.values())
+    known = records.matrix(cases.values())
     assert known is not None
     for scene, name in draw(sorted(known.cells)):
         cell, again = known.cells[scene, name], judge_scenes([cases[scene]], workshop, (name,)).cells[scene, name]
@@ -102,7 +104,7 @@ def confirmation(draw: Draw, workshop: Workshop) -> None:
     """The distance of a second solution."""
     case = load_case(ACCURACY_CASE)
     right = truth_of(case)
-    for recorded in draw(long_studies.confirming()):
+    for recorded in draw(records.confirming()):
         again = confirmation_of(case, right, recorded.engine)
         assert confirms(again)
         assert again.error == pytest.approx(recorded.error, rel=0.1), recorded.engine
@@ -122,7 +124,7 @@ def conformance(draw: Draw, workshop: Workshop) -> None:
 
 def classes(draw: Draw, workshop: Workshop) -> None:
     """The status of a method in a class, and its error, where neither is the clock's: a limit ends an answer earlier on another machine."""
-    known = long_studies.class_map()
+    known = records.class_map()
     scenes = {scene.name: scene for scene in known.scenes}
     for recorded in draw([each for each in known.trials if each.solve_seconds is not None and each.solve_seconds < SLOWEST / 10.0]):
         groups = scenes[recorded.scene].groups
@@ -134,7 +136,7 @@ def classes(draw: Draw, workshop: Workshop) -> None:
 
 def as_built(draw: Draw, workshop: Workshop) -> None:
     """The errors of a construction whose program is installed; above 1, where chaos decides, to a factor of two."""
-    quick = [row for row in long_studies.built() if (row.seconds or 0.0) < SLOWEST]
+    quick = [row for row in built() if (row.seconds or 0.0) < SLOWEST]
     installed = [row for row in quick if not row.program.startswith(("Drake", "PyElastica", "Newton"))]
     for recorded in draw(installed):
         (again,) = constructions([recorded.name])
@@ -196,7 +198,7 @@ AGAIN: Final[dict[str, Callable[[Draw, Workshop], None]]] = {
 
 
 def test_cells_of_every_study_are_computed_anew() -> None:
-    assert set(AGAIN) == set(STUDIES)
+    assert set(AGAIN) == set(studies())
 
 
 @pytest.mark.verify

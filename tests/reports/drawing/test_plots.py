@@ -14,10 +14,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.engines.registry import MAIN, RIVALS
+from quickreturn.engines.registry import MAIN
+from quickreturn.plugins.methods import work_precision
+from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.thesis.experiment.published import printed_ranges
-from quickreturn.reports.drawing import cycle, recorded, work_precision
+from quickreturn.reports.drawing import cycle, recorded
 from quickreturn.reports.line_styles import looks
 from tests.reports.plotted_results import made_up_result, with_table
 

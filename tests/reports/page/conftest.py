@@ -11,6 +11,8 @@ from playwright.sync_api import Page, sync_playwright
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
 from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
+from quickreturn.plugins.methods.tests.pages import of_studies
+from quickreturn.plugins.thesis.page_data import finding_of
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.report import write
@@ -29,10 +31,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     write(
         content_of(
             results=RESULTS,
-            studies=made_up_studies(),
-            benchmarks=benchmarks,
-            finding=made_up_finding(),
-            classes=made_up_map(),
+            data=of_studies(studies=made_up_studies(), benchmarks=benchmarks, classes=made_up_map()) | {finding_of: made_up_finding()},
             facts=machine_facts(),
         ),
         folder,

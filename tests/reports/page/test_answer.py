@@ -5,11 +5,10 @@ import dataclasses
 import pytest
 
 from quickreturn.cases.runs.comparison import compare
-from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.words import size
 from tests.reports import pages
-from tests.reports.pages import content_of, one_run
+from tests.reports.pages import content_of
 from tests.reports.plotted_results import ENGINES, with_run
 from tests.reports.reported_results import reported_result
 
@@ -64,13 +63,3 @@ def test_the_answer_follows_from_the_numbers() -> None:
     assert cubic.frequency.median == pytest.approx(0.13, abs=0.01)  # made up: 1.13 times, and 0.4 % of noise
     assert f"rings {size(cubic.frequency.median)} faster and shows".replace("\N{NO-BREAK SPACE}", " ") in told
     assert "4 of 4" in told
-
-
-def test_the_answer_names_the_fastest_and_the_next_engine() -> None:
-    found = answer_of(one_run(benchmarks=[made_up_benchmark()])).fastest
-    assert found is not None
-    assert found.solve_times[:2] == [
-        ("reference", 4e-3),
-        ("multiplier", 160e-3),
-    ]  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
-    assert answer_of(one_run()).fastest is None

@@ -7,10 +7,10 @@ from typing import Any
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.comparison import Difference
 from quickreturn.plugins.thesis.effects import tightened_words
-from quickreturn.plugins.thesis.page_data import inference
+from quickreturn.plugins.thesis.page_data import finding_of, inference
 from quickreturn.plugins.thesis.sufficiency import splits
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
-from quickreturn.reports.page.answer import Answer, Cubic, Fastest
+from quickreturn.reports.page.answer import Answer, Cubic
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.page.first_screen import (
     Figure,
@@ -58,7 +58,6 @@ def answer(**changes: Any) -> Answer:
         amplitude=spread_of(0.036, case="thesis-06"),
         extreme=spread_of(0.05, channel="strain_2"),
         cubic=Cubic(spread_of(0.11, 0.12, 0.14), 0.972),
-        fastest=Fastest("thesis-24", 1e-3, [("reference", 4e-3), ("b", 160e-3)], 0.01, True),
     )
     return dataclasses.replace(known, **changes)
 
@@ -122,7 +121,7 @@ def test_a_subject_has_its_own_arm_and_inference() -> None:
     # 60.1 GPa against 68.9 and 73.1 GPa; frequencies grow with the root
     assert "is 13 to 18 % below that of aluminium: with the usual one the arm rings 7 to 10 % faster in both halves." in found
     assert inference([], "") == ""
-    assert found in text_of(one_run(finding=made_up_finding()))
+    assert found in text_of(one_run(data={finding_of: made_up_finding()}))
 
 
 def test_simulations_that_miss_their_accuracy_are_named_up_to_three() -> None:
@@ -136,25 +135,18 @@ def shown(found: Sequence[Figure]) -> list[tuple[str, str]]:
     return [(plain(number), plain(meaning)) for number, meaning in found]
 
 
-def test_the_figures_are_what_settled_the_differences_and_the_fastest_method() -> None:
+def test_the_figures_are_what_settled_the_differences_and_a_last_one() -> None:
     settled = ("6 of 6", "simulations settled at the accuracy asked, by their own estimates")
     frequency = ("1.2 %", "largest frequency difference of the three that agree; largest amplitude difference 3.6 % (run 6)")
     peak = ("5.0 %", "largest difference of a peak (run 24, pre-return, strain 2)")
-    solving = "to solve run 24 to 0.1 %, after a set-up of 10 ms: reference"
-    fastest = ("4.0 ms", f"{solving}, made for this mechanism; b takes 40 times as long")
-    assert shown(figures(answer(), Subject(), ("1 Hz", "f"))) == [settled, frequency, peak, fastest]
+    assert shown(figures(answer(), Subject(), ("1 Hz", "f"))) == [settled, frequency, peak, ("1 Hz", "f")]
     over = "the 1999 model’s frequency over the converged one (median; 11 to 14 %); which is right is open: measured curves are lost"
     assert shown(figures(answer(), Subject(on_the_model=True), None))[2] == ("+12 %", over)
     assert shown(figures(answer(cubic=None), Subject(on_the_model=True), None))[2] == peak
-    compiled = dataclasses.replace(answer().fastest, compile_seconds=26.5)  # type: ignore[type-var]
-    (*_, (_, told_once)) = shown(figures(answer(fastest=compiled), Subject(), None))
-    assert "after a set-up of 10 ms and, once on a machine, 26 s of compiling: reference" in told_once
-    alone = Fastest("thesis-24", 1e-3, [("exudyn", 2.0)], 0.01, False)
-    assert shown(figures(answer(fastest=alone), Subject(), None))[3] == ("2.0 s", solving.replace("reference", "exudyn"))
 
 
 def test_the_figures_without_comparisons_are_fewer() -> None:
-    bare = answer(alike=[], amplitude=None, extreme=None, fastest=None)
+    bare = answer(alike=[], amplitude=None, extreme=None)
     frequency = ("1.2 %", "largest frequency difference")
     assert shown(figures(bare, Subject(), ("1 Hz", "f")))[1:] == [frequency, ("1 Hz", "f")]
     assert shown(figures(dataclasses.replace(bare, frequency=None), Subject(), None))[1:] == []

@@ -6,6 +6,7 @@ import re
 from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
+from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.reports.line_styles import looks
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
@@ -15,7 +16,7 @@ from tests.reports.pages import chapter_of, content_of
 from tests.reports.reported_results import reported_result
 
 RESULTS = [reported_result("thesis-24"), reported_result("thesis-17", seed=3)]
-CONTENT = content_of(results=RESULTS, studies=made_up_studies(), benchmarks=[made_up_benchmark()])
+CONTENT = content_of(results=RESULTS, data=of_studies(studies=made_up_studies(), benchmarks=[made_up_benchmark()]))
 
 
 def plots(chapter: str) -> list[Plot]:

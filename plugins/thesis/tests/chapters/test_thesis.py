@@ -8,6 +8,7 @@ from quickreturn.plugins.thesis.chapters.thesis import finding, model_error_word
 from quickreturn.plugins.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE
 from quickreturn.plugins.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
 from quickreturn.plugins.thesis.finding.effects import effects
+from quickreturn.plugins.thesis.page_data import finding_of as of_finding
 from quickreturn.plugins.thesis.sufficiency import Split, splits
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from tests.reports.pages import finding_of, one_run, plain
@@ -51,7 +52,7 @@ def test_the_heading_counts_the_verdicts_alone_where_nothing_is_resolved() -> No
 
 def test_the_heading_is_about_the_study_that_is_recorded() -> None:
     study = made_up_finding()
-    told, (soft, *_) = finding_of(one_run(finding=study), "thesis"), splits(study)
+    told, (soft, *_) = finding_of(one_run(data={of_finding: study}), "thesis"), splits(study)
     assert soft.strength == "20 kN/m"
     assert told.startswith(
         "What made the halves differ is open. Of the effects tried one at a time, a roller that is softer on one side would: at 20 kN/m by "

@@ -4,8 +4,7 @@ import json
 import shutil
 from pathlib import Path
 
-from tests.pack.test_problems import PACK, bounds_of
-
+from quickreturn.plugins.pack.tests.test_problems import PACK, bounds_of
 from tests.quickreturn.conftest import Call
 
 

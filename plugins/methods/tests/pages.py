@@ -1,0 +1,29 @@
+"""A report's page with made-up results of the studies of methods."""
+
+from typing import Any
+
+from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.plugins.methods import data
+from quickreturn.reports.page.content import Content
+from tests.reports import pages
+from tests.reports.pages import chapter_of, finding_of, plain, read, text_of
+
+__all__ = ["chapter_of", "finding_of", "of_studies", "one_run", "plain", "read", "text_of"]
+
+
+def of_studies(**made_up: Any) -> dict[Any, Any]:
+    """The data of a content with some results of studies, by name; none of the others."""
+    defaults = {"studies": None, "benchmarks": [], "hard_scenes": None}
+    pairs = {name: (made_up.get(name, default), made_up.get("record")) for name, default in defaults.items()}
+    return {
+        data.studies_of: pairs["studies"],
+        data.benchmarks_of: pairs["benchmarks"],
+        data.matrix_of: pairs["hard_scenes"],
+        data.compiling_of: made_up.get("compiling", []),
+        data.map_of: made_up.get("classes", data.Map()),
+    }
+
+
+def one_run(*results: CaseResult, **made_up: Any) -> Content:
+    """A report on made-up results, those of studies by name; without any, on run 24."""
+    return pages.one_run(*results, data=of_studies(**made_up))
