@@ -25,8 +25,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 ROOT = Path(__file__).resolve().parent
 TESTS_ALONE = ROOT / "build/tests-alone"
 TESTS_ALONE.mkdir(parents=True, exist_ok=True)
-with suppress(FileExistsError):
-    (TESTS_ALONE / "tests").symlink_to(ROOT / "tests")
+for folder in ("tests", "plugins"):
+    with suppress(FileExistsError):
+        (TESTS_ALONE / folder).symlink_to(ROOT / folder)
 sys.path.insert(0, str(TESTS_ALONE))
 
 from tests.ledger import Ledger, Status  # noqa: E402 - found by the path above

@@ -44,7 +44,7 @@ def as_built(content: Content) -> Chapter | None:
 
 def recorded(content: Content) -> Sequence[Construction]:
     """The recorded constructions, for a report with the run that they are of."""
-    return built() if content.has(CASE) else []
+    return built() if content.workshop and content.has(CASE) else []
 
 
 def finding(rows: Sequence[Construction]) -> str:

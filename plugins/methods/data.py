@@ -64,4 +64,4 @@ def matrix_of(content: Content) -> tuple[Matrix | None, About | None]:
 
 def map_of(content: Content) -> Map:
     """The recorded map of classes."""
-    return records.class_map() if content.has(ACCURACY_CASE) else Map()
+    return records.class_map() if content.workshop and content.has(ACCURACY_CASE) else Map()

@@ -17,7 +17,7 @@ PLUGIN = Plugin(
         "benchmark": (f"{_HERE}.benchmark_command:benchmark", _BENCHMARK),
         "advise": (f"{_HERE}.advise_command:advise", _ADVISE),
     },
-    page=f"{_HERE}.chapters:PAGE",
+    page=f"{_HERE}.page:PAGE",
     records={
         "benchmark": f"{_HERE}.records:benchmark_rows",
         "hard scenes": f"{_HERE}.records:hard_scene_rows",

@@ -90,7 +90,7 @@ class ThesisData(Content):
     @property
     def assumed(self) -> Mapping[str, Any]:
         """Driving torque of the first run that a torque drives, N m, and the largest moment of in-plane gravity on its crank, N m."""
-        assumptions: dict[str, Any] = {"template": "assumptions.html", "torque": None, "weight": None}
+        assumptions: dict[str, Any] = {"template": "templates/assumptions.html", "torque": None, "weight": None}
         for crank in (result.case.mechanism.crank for result in reversed(self.thesis_results)):
             if isinstance(crank.drive, TorqueDrive):
                 assumptions |= {"torque": crank.drive.torque, "weight": crank.mass * in_si("g0") * crank.center_of_mass}
@@ -114,12 +114,12 @@ def modes_of(content: Content) -> ThesisModes | None:
 
 def finding_of(content: Content) -> Sequence[Row]:
     """The recorded study of the causes of the thesis' finding, for a report with its example run."""
-    return records.finding() if content.has(ORIGINAL) else []
+    return records.finding() if content.workshop and content.has(ORIGINAL) else []
 
 
 def bands_of(content: Content) -> Sequence[Band]:
     """The recorded bands over the scatter of unprinted quantities, for a report with the thesis' example run."""
-    return records.bands() if content.has(ORIGINAL) else []
+    return records.bands() if content.workshop and content.has(ORIGINAL) else []
 
 
 def inference(splits: Sequence[Split], against: str) -> str:

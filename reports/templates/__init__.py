@@ -17,10 +17,9 @@ def environment(packages: tuple[str, ...] = ()) -> Environment:
     """The Jinja environment of these templates and those of other packages; inserted values are plain text to a browser.
 
     Each template is compiled once in a process.
-    A template in a package's folder `templates` goes by its name there, any other one by its path in the package: `chapters/ID.html`.
+    A template of the page goes by its name in `templates`, any other one by its path in its package: `chapters/ID.html`.
     """
-    folders = [PackageLoader(package, folder) for package in ("quickreturn.reports", *packages) for folder in ("templates", "")]
-    loader = ChoiceLoader(folders)
+    loader = ChoiceLoader([PackageLoader("quickreturn.reports"), *(PackageLoader(each, "") for each in ("quickreturn.reports", *packages))])
     jinja = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     jinja.globals |= {name: getattr(words, name) for name in WORDS}
     jinja.filters["csv"] = csv_text

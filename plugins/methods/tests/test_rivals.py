@@ -51,7 +51,7 @@ def nodal(elements: int, distribution: str) -> Trajectory:
 
 
 def test_rivals_are_listed_after_the_main_engines() -> None:
-    assert engine_names()[4:9] == RIVALS
+    assert set(RIVALS) <= set(engine_names()[4:])
     assert all(engine(name).name == name and engine(name).unavailable() is None for name in RIVALS)
 
 

@@ -24,4 +24,3 @@ def test_commands_are_for_the_case_and_with_a_value_that_it_can_have() -> None:
     told = text_of(one_run(reported_result("example", {"exudyn": "failed"})))
     assert "example, exudyn: failed at t = 0.25 s: the beam <snapped>; try another beam" in told
     assert 'quickreturn run example --set crank.length="90 mm" makes the crank a tenth shorter' in told
-    assert "quickreturn benchmark example" in told

@@ -27,7 +27,7 @@ def test_the_heading_is_about_the_runs_of_the_page() -> None:
 def test_tables_of_engines_and_settings_have_what_the_runs_have() -> None:
     """With the numbers of `reported_result`."""
     result = reported_result("thesis-24", {"exudyn": "failed"})
-    for row in engines([result], {}).rows:
+    for row in engines(one_run(result)).rows:
         assert (row["method"].value, row["accuracy"].value, row["runs"].value) == ("made up", 1e-3, 1)
     for row in settings([result]).rows:
         keys = ("accuracy", "error_estimate", "cycles", "settling_error")
