@@ -2,13 +2,12 @@
 
 The heading names columns of the trajectory, each with its unit in brackets: `time [ms], crank_angle [deg], tip_deflection [mm]`. A heading
 without a unit means SI, so the project's own trajectory files are also recorded tables. Lines `# key = value` above the heading describe
-the table. `cases/text/dialect.py` recognises how it is written, and a mapping names the columns of other programs. Only units are
+the table. `cases/text/number_rows.py` recognises how it is written, and a mapping names the columns of other programs. Only units are
 converted, and angles that wrap are made continuous: no filter, no fit.
 """
 
 import math
 import os
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -18,11 +17,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown, printable
 from quickreturn.cases.instants import gaps, single_instants
-from quickreturn.cases.named_columns import check_complete, columns_used, counts_from_zero, own_name
-from quickreturn.cases.text.column_mapping import IGNORED, Target, mapping_of, suggested, unit_in
-from quickreturn.cases.text.dialect import Dialect, dialect_of
-from quickreturn.cases.text.number_rows import does_not_rise, late_row, line_of, name_and_unit, numbers_in, unit_factor
-from quickreturn.cases.text.text_file import read_foreign_text
+from quickreturn.cases.text.column_mapping import (
+    IGNORED,
+    Target,
+    UsedColumn,
+    check_complete,
+    columns_used,
+    counts_from_zero,
+    mapping_of,
+    own_name,
+    suggested,
+    unit_in,
+)
+from quickreturn.cases.text.number_rows import Form, TableText, does_not_rise, late_row, name_and_unit, table_text, unit_factor
+from quickreturn.cases.text.text_file import read_table_text
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
@@ -30,7 +38,6 @@ Array = NDArray[np.float64]
 MOST_ROWS: Final = 1_000_000
 _MOST_BYTES: Final = 100_000_000
 _MOST_NAMED: Final = 6  # ignored headings in a message
-_EMPTY_CELL: Final = re.compile(r'(?:^|,)\s*(?:""|"?nan"?)?\s*(?=,|$)', re.IGNORECASE)
 _WRAPPING: Final = ("crank_angle", "follower_angle")  # angles that other programs wrap
 
 #: Declarations above the heading with their accepted values; without values any text.
@@ -79,14 +86,22 @@ def is_table(name: str) -> bool:
     return name.lower().endswith(".csv")
 
 
-def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[str, str] = (), decimal: str | None = None) -> RecordedTable:
+def read_table(
+    path: str | os.PathLike[str],
+    columns: Sequence[str] | Mapping[str, str] = (),
+    decimal: str | None = None,
+    separator: str | None = None,
+    skip: int = 0,
+) -> RecordedTable:
     """A recorded table from a file of any program. Its attribute `told` says how the file was read, `columns` has the numbers in SI.
 
     Args:
         path: of the file. A mapping beside it, with the same name and the ending .toml, is used.
         columns: which heading is which column: "crank.phi = crank_angle [deg]", or a dictionary of such pairs; a number in
             place of a heading counts columns from 1.
-        decimal: the decimal sign, "." or ",", where numbers such as 1,234 can be read in two ways.
+        decimal: the decimal sign, "." or ","; None: it is recognised.
+        separator: the sign between columns: ",", ";", a tabulator or a blank; None: it is recognised.
+        skip: number of lines above the headings to leave out.
 
     Raises:
         CaseError: the file cannot be read, or is not such a table, or can be read in two ways.
@@ -95,68 +110,67 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
         accepted = "give the path of a file; `qr.compare` and `qr.difference` take a DataFrame or a dictionary of arrays as it is"
         raise CaseError("table", None, None, f"{type(path).__name__} is no path", accepted)
     path = os.fspath(path)
-    shown, (text, encoding) = path_shown(path), read_foreign_text(path, "a recorded table", _MOST_BYTES)
-    mapping = mapping_of(path, columns, decimal)
-    written = dialect_of(shown, text, mapping.decimal)
+    shown, text = path_shown(path), read_table_text(path, "a recorded table", _MOST_BYTES)
+    mapping = mapping_of(path, columns, Form(separator, decimal, skip))
+    written = table_text(shown, text, mapping.form)
     declared = _declarations(shown, written.comments)
-    if (rows := written.count) > MOST_ROWS:
+    if (rows := len(written.rows)) > MOST_ROWS:
         raise CaseError(shown, None, None, f"has {rows} rows", f"at most {MOST_ROWS} are accepted")
-    used, ignored, places = columns_used(shown, written, mapping)
-    names = [target.column for target, _ in used]
-    lines, lacking = _complete_rows(written.rows(shown, places), written.first)
-    numbers = dict(zip(names, numbers_in(shown, names, lines, written.first, "time", doubled=True).T, strict=True))
-    factors = {target.column: factor for target, factor in used}
-    sizes = {target.column: (1.0 if factor is None else factor) / target.factor for target, factor in used}
-    seconds = sizes["time"] * (numbers["time"] - next(target.offset for target, _ in used if target.column == "time"))
-    values = {each.column: (numbers[each.column] - each.offset - each.drift * seconds) / each.factor for each, _ in used}
+    used, ignored = columns_used(written, mapping)
+    by_name = {each.target.column: each for each in used}
+    found = written.numbers([*by_name], [each.place for each in used], "time", doubled=True)
+    numbers = dict(zip(by_name, found.values.T, strict=True))
+    sizes = {name: (1.0 if each.factor is None else each.factor) / each.target.factor for name, each in by_name.items()}
+    seconds = sizes["time"] * (numbers["time"] - by_name["time"].target.offset)
+    values = {
+        name: (numbers[name] - each.target.offset - each.target.drift * seconds) / each.target.factor for name, each in by_name.items()
+    }
 
     def refusal(row: int, accepted: str) -> CaseError:
-        place = f"line {line_of(lines, written.first, row)}, time"
-        return does_not_rise(shown, place, float(numbers["time"][row]), accepted)
+        return does_not_rise(shown, f"line {found.lines[row]}, time", float(numbers["time"][row]), accepted)
 
+    factors = {name: each.factor for name, each in by_name.items()}
     table = _table(printable(os.path.basename(path)), path, factors, values, declared, refusal)
-    told = [*([encoding] if encoding else []), *written.told, *([f"columns by {mapping.file}"] if mapping.file else [])]
-    told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in names) else []
-    told += [f"{lacking:,} row{'s' * (lacking > 1)} with an empty cell left out"] if lacking else []
+    told = [*written.told, *["decimal comma"] * (found.decimal == ","), *([f"columns by {mapping.file}"] if mapping.file else [])]
+    told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in by_name) else []
+    told += [f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out"] if found.lacking else []
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
     told += [f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"] if ignored else []
-    texts = {target.column: _text(written, place, target) for (target, _), place in zip(used, places, strict=True)}
     told = [f"read as: {', '.join(told)}, {len(table.columns['time']):,} rows"] if told else []
-    return replace(table, told="".join(told), written={name: (text, sizes[name]) for name, text in texts.items()})
+    return replace(table, told="".join(told), written={name: (_text(written, each), sizes[name]) for name, each in by_name.items()})
 
 
-def _complete_rows(lines: Sequence[str], first: int) -> tuple[Sequence[str], int]:
-    """The lines with a blank one in place of each row that lacks a number, from index `first` on, and how many these are."""
-    lacking = {at for at in range(first, len(lines)) if lines[at].strip() and _EMPTY_CELL.search(lines[at])}
-    return [("" if at in lacking else line) for at, line in enumerate(lines)] if lacking else lines, len(lacking)
-
-
-def _text(written: Dialect, place: int, target: Target) -> str:
+def _text(written: TableText, used: UsedColumn) -> str:
     """The text of `--column` for a column, without an offset."""
-    heading = str(place + 1) if written.headings is None else written.headings[place].partition("[")[0].strip()
-    factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
-    return f"{heading} = {factor}{target.column} [{target.unit or (COLUMNS[target.column].unit.replace(' ', '*'))}]"
+    heading = str(used.place + 1) if written.headings is None else written.headings[used.place].partition("[")[0].strip()
+    unit = used.target.unit or COLUMNS[used.target.column].unit.replace(" ", "*")
+    return f"{heading} = {_times(used.target)}{used.target.column} [{unit}]"
 
 
-def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | None = None) -> str:
-    """The text of a mapping file for a table: what is known of its headings, and the nearest columns of the others."""
-    shown, mapping = path_shown(path), mapping_of(path, columns, decimal)
-    written = dialect_of(shown, read_foreign_text(path, "a recorded table", _MOST_BYTES)[0], mapping.decimal)
+def _times(target: Target) -> str:
+    return "" if target.factor == 1.0 else f"{target.factor!r} * "
+
+
+def suggested_mapping(
+    path: str, columns: Sequence[str] = (), decimal: str | None = None, separator: str | None = None, skip: int = 0
+) -> str:
+    """The text of a mapping file for a table: what is known of its headings, and the nearest columns of the others; see `read_table`."""
+    mapping = mapping_of(path, columns, Form(separator, decimal, skip))
+    written = table_text(path_shown(path), read_table_text(path, "a recorded table", _MOST_BYTES), mapping.form)
     headings = written.headings or [str(number + 1) for number in range(written.width)]
     known = dict[str, str]()
     for number, heading in enumerate(headings):
         target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
         if target is None and written.headings is not None:
-            target = own_name(shown, written.place, heading, headings)
+            target = own_name(heading, headings)
             if target is not None and target.unit and not unit_in(heading, target.column):
                 target = None
         if target is not None and target.column != IGNORED:
-            factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
             offset = f" {'-' if target.offset < 0 else '+'} {abs(target.offset)!r}" if target.offset else ""
             unit = f" [{target.unit}]" if target.unit is not None else ""
-            known[heading] = f"{factor}{target.column}{unit}{offset}"
-    return suggested(headings, known, mapping.decimal)
+            known[heading] = f"{_times(target)}{target.column}{unit}{offset}"
+    return suggested(headings, known, mapping.form)
 
 
 def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | None = None) -> RecordedTable:
@@ -183,7 +197,7 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
         for row in np.flatnonzero(~np.isfinite(values[column]))[:1].tolist():
             value, accepted = str(values[column][row]), "leave out rows that lack a number"
             wrong.append((row, CaseError(name, f"row {row}, {column}", value, "is not finite", accepted)))
-        if column == "time" and (late := late_row(values[column], doubled=True)) is not None:
+        if column == "time" and (late := late_row(values[column])) is not None:
             wrong.append((late, does_not_rise(name, f"row {late}, time", values[column][late])))
     if wrong:
         raise min(wrong, key=lambda mistake: mistake[0])[1]
@@ -267,7 +281,7 @@ def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[Reco
 def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str, str]:
     """The declarations among comments above the heading. CaseError: one is wrong. Other comments are not ours."""
     declared: dict[str, str] = {}
-    for at, line in comments:
+    for number, line in comments:
         key, _, value = (part.strip() for part in line.lstrip("#").partition("="))
         values = DECLARATIONS.get(key)
         if values is None:
@@ -281,7 +295,7 @@ def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str,
         else:
             declared[key] = value
             continue
-        raise CaseError(source, f"line {at + 1}, {key}", as_written(told[0]), *told[1:])
+        raise CaseError(source, f"line {number}, {key}", as_written(told[0]), *told[1:])
     return declared
 
 
@@ -289,7 +303,7 @@ def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str,
     """The names of the columns with the SI values of their units, None where a heading has none."""
     factors: dict[str, float | None] = {}
     for heading in headings:
-        name, unit = name_and_unit(source, place, heading, "time [s]")
+        name, unit = name_and_unit(heading)
         if name not in COLUMNS:
             near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all; leave others out"
             raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)

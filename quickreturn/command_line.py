@@ -82,6 +82,8 @@ OPTIONS: Final = {
     "overrides": "--set",
     "path": "--path",
     "samples": "--samples",
+    "separator": "--separator",
+    "skip": "--skip",
     "units": "--units",
     "vary": "--vary",
     "OutputError": "--output",

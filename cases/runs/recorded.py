@@ -23,7 +23,6 @@ from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
 from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
-from quickreturn.cases.mistakes.explanation import UNEXPLAINED
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredNumbers
@@ -57,6 +56,8 @@ OFF: Final = 2.0
 BACKLASH: Final = 0.02
 #: Least change of a column's mean from the first turn to the last, as a part of its RMS, that counts as a drift.
 DRIFTED: Final = 0.01
+#: Largest part of that change by which the turns may differ otherwise.
+STEADY: Final = 0.15
 #: Least distance from the steady state, as a part of the signals' RMS, at which a table does not show it.
 FAR: Final = 0.1
 #: Largest ratio of a step of the crank angle between two rows to the usual step.
@@ -280,7 +281,7 @@ def _drifts(cycles: Sequence[Cycle]) -> dict[str, float]:
         grids = [on_common_grid(Cycle(each.time, each.crank_angle, {name: each.channels[name]}))[name] for each in cycles]
         apart, means = grids[-1] - grids[0], [float(np.mean(grid)) for grid in grids]
         moved = abs(means[-1] - means[0])
-        if moved > DRIFTED * rms(grids[-1]) and rms(apart - np.mean(apart)) < UNEXPLAINED * moved:
+        if moved > DRIFTED * rms(grids[-1]) and rms(apart - np.mean(apart)) < STEADY * moved:
             slopes[name] = float(np.polyfit([float(np.mean(each.time[[0, -1]])) for each in cycles], means, 1)[0])
     return slopes
 
