@@ -10,18 +10,18 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown, printable
+from quickreturn.cases.errors import CaseError, as_written, path_shown, printable
 from quickreturn.cases.instants import gaps, single_instants
 from quickreturn.cases.text.column_mapping import (
     IGNORED,
+    ColumnMapping,
     Target,
     UsedColumn,
-    check_complete,
     columns_used,
     counts_from_zero,
     mapping_of,
@@ -29,7 +29,7 @@ from quickreturn.cases.text.column_mapping import (
     suggested,
     unit_in,
 )
-from quickreturn.cases.text.number_rows import Form, TableText, does_not_rise, late_row, name_and_unit, table_text, unit_factor
+from quickreturn.cases.text.number_rows import Form, TableText, does_not_rise, table_text
 from quickreturn.cases.text.text_file import read_table_text
 from quickreturn.reference_model.columns import COLUMNS
 
@@ -57,7 +57,6 @@ class RecordedTable:
     path: str
     # names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other
     columns: Mapping[str, Array] = field(repr=False)
-    bare: frozenset[str] = frozenset()  # columns whose headings have no unit
     declared: Mapping[str, str] = field(default_factory=dict)  # declarations of the file: some of `DECLARATIONS`
     of_experiment: bool = False  # whether it lies in the folder of the experiment's recordings
     told: str = ""  # how the file was read, if it is not commas, decimal points and plain names
@@ -120,25 +119,28 @@ def read_table(
     by_name = {each.target.column: each for each in used}
     found = written.numbers([*by_name], [each.place for each in used], "time", doubled=True)
     numbers = dict(zip(by_name, found.values.T, strict=True))
-    sizes = {name: (1.0 if each.factor is None else each.factor) / each.target.factor for name, each in by_name.items()}
+    sizes = {name: each.factor / each.target.factor for name, each in by_name.items()}
     seconds = sizes["time"] * (numbers["time"] - by_name["time"].target.offset)
-    values = {
-        name: (numbers[name] - each.target.offset - each.target.drift * seconds) / each.target.factor for name, each in by_name.items()
-    }
+    values = {name: sizes[name] * (numbers[name] - target.offset - target.drift * seconds) for name, (_, target, _) in by_name.items()}
 
     def refusal(row: int, accepted: str) -> CaseError:
         return does_not_rise(shown, f"line {found.lines[row]}, time", float(numbers["time"][row]), accepted)
 
-    factors = {name: each.factor for name, each in by_name.items()}
-    table = _table(printable(os.path.basename(path)), path, factors, values, declared, refusal)
+    table = _table(printable(os.path.basename(path)), path, values, declared, refusal)
     told = [*written.told, *["decimal comma"] * (found.decimal == ","), *([f"columns by {mapping.file}"] if mapping.file else [])]
     told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in by_name) else []
     told += [f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out"] if found.lacking else []
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
-    told += [f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"] if ignored else []
-    told = [f"read as: {', '.join(told)}, {len(table.columns['time']):,} rows"] if told else []
-    return replace(table, told="".join(told), written={name: (_text(written, each), sizes[name]) for name, each in by_name.items()})
+    texts = {name: (_text(written, each), sizes[name]) for name, each in by_name.items()}
+    return replace(table, told=_told(told, ignored, len(table.columns["time"])), written=texts)
+
+
+def _told(clauses: Sequence[str], ignored: Sequence[str], rows: int) -> str:
+    """How a table was read; `ignored`: its headings that are not used."""
+    named = f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"
+    told = [*clauses, *[named] * bool(ignored)]
+    return f"read as: {', '.join(told)}, {rows:,} rows" if told else ""
 
 
 def _text(written: TableText, used: UsedColumn) -> str:
@@ -182,63 +184,52 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
         case: its case; None: not declared.
 
     Raises:
-        CaseError: a heading or a column that a file must not have either; of several rows with a mistake the first is named.
+        CaseError: a heading or a column that a file must not have either.
     """
-    factors = _unit_factors(name, "heading", [str(heading) for heading in columns])
-    values, wrong = dict[str, Array](), list[tuple[int, CaseError]]()
-    cells = {column: _cells(columns[heading]) for column, heading in zip(factors, columns, strict=True)}
-    for column, given in cells.items():
-        if given.ndim != 1 or given.shape != next(iter(cells.values())).shape:
+    headings = [*columns]
+    used, ignored = columns_used(TableText(name, tuple(map(str, headings)), "heading"), ColumnMapping())
+    values = {each.target.column: _numbers(name, each.target.column, columns[headings[each.place]]) for each in used}
+    for column, given in values.items():
+        if given.ndim != 1 or given.shape != values["time"].shape:
             raise CaseError(name, column, None, f"has the shape {given.shape}", "give one number for each row, as in the other columns")
-        values[column], first = _numbers(given)
-        if first is not None:
-            cell, accepted = as_written(given[first]), "give one plain number for each row"
-            wrong.append((first, CaseError(name, f"row {first}, {column}", cell, "is no number", accepted)))
-        for row in np.flatnonzero(~np.isfinite(values[column]))[:1].tolist():
-            value, accepted = str(values[column][row]), "leave out rows that lack a number"
-            wrong.append((row, CaseError(name, f"row {row}, {column}", value, "is not finite", accepted)))
-        if column == "time" and (late := late_row(values[column])) is not None:
-            wrong.append((late, does_not_rise(name, f"row {late}, time", values[column][late])))
-    if wrong:
-        raise min(wrong, key=lambda mistake: mistake[0])[1]
 
     def refusal(row: int, accepted: str) -> CaseError:
         return does_not_rise(name, f"row {row}, time", float(values["time"][row]), accepted)
 
-    return _table(name, name, factors, values, {} if case is None else {"case": case}, refusal)
+    falls = np.flatnonzero(np.diff(values["time"]) < 0.0)
+    if falls.size:
+        raise refusal(int(falls[0]) + 1, "sort the rows and drop doubles")
+    columns_in_si = {each.target.column: each.factor * values[each.target.column] for each in used}
+    table = _table(name, name, columns_in_si, {} if case is None else {"case": case}, refusal)
+    return replace(table, told=_told([], ignored, len(table.columns["time"])))
 
 
-def _cells(given: ArrayLike) -> NDArray[np.object_]:
-    """The cells of a column; dates, which numpy would turn into nanoseconds, as texts."""
+def _numbers(name: str, column: str, given: ArrayLike) -> Array:
+    """A column as numbers. CaseError: a cell holds none."""
     cells = np.asarray(given)
-    return (cells.astype(str) if cells.dtype.kind in "mM" else cells).astype(object)
-
-
-def _numbers(cells: NDArray[np.object_]) -> tuple[Array, int | None]:
-    """The numbers of a column, shape (n,), down to its first cell that is none, and the row of that cell; None where all are numbers."""
+    cells = cells.astype(str) if cells.dtype.kind in "mM" else cells  # dates, which numpy would turn into nanoseconds
     try:
-        return np.asarray(cells, dtype=np.float64), None
+        numbers = np.asarray(cells, dtype=np.float64)
     except (TypeError, ValueError):
-        numbers = list[float]()
-        for cell in cells:
-            try:
-                numbers.append(float(cell))
-            except (TypeError, ValueError):
-                break
-        return np.array(numbers), len(numbers)
+        numbers = np.array([_number(cell) for cell in cells.ravel()])
+    for row in np.flatnonzero(~np.isfinite(numbers))[:1].tolist():
+        accepted = "give one plain number for each row, and leave out rows that lack one"
+        raise CaseError(name, f"row {row}, {column}", as_written(cells.ravel()[row]), "is no plain number", accepted)
+    return numbers
+
+
+def _number(cell: Any) -> float:
+    try:
+        return float(cell)
+    except (TypeError, ValueError):
+        return math.nan
 
 
 def _table(
-    name: str,
-    path: str,
-    factors: Mapping[str, float | None],
-    values: Mapping[str, Array],
-    declared: Mapping[str, str],
-    refusal: Callable[[int, str], CaseError],
+    name: str, path: str, values: Mapping[str, Array], declared: Mapping[str, str], refusal: Callable[[int, str], CaseError]
 ) -> RecordedTable:
-    """A table from values in the units of their headings; `factors` are those of `_unit_factors`, `refusal` as of `single_instants`."""
-    columns = {name: values[name] if factor is None else factor * values[name] for name, factor in factors.items()}
-    bare = frozenset(name for name, factor in factors.items() if factor is None)
+    """A table from values in SI; `refusal` as of `single_instants`."""
+    columns = dict(values)
     unwrapped = frozenset(each for each in _WRAPPING if each in columns and _wraps(columns[each]))
     for each in unwrapped:
         columns[each] = np.unwrap(columns[each])
@@ -247,7 +238,7 @@ def _table(
     columns, noted = single_instants(columns, refusal)
     if gap := gaps(columns["time"]):
         noted = (*noted, gap)
-    return RecordedTable(name, path, columns, bare, declared, unwrapped=unwrapped, noted=noted)
+    return RecordedTable(name, path, columns, declared, unwrapped=unwrapped, noted=noted)
 
 
 def _wraps(angle: Array) -> bool:
@@ -297,19 +288,3 @@ def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str,
             continue
         raise CaseError(source, f"line {number}, {key}", as_written(told[0]), *told[1:])
     return declared
-
-
-def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str, float | None]:
-    """The names of the columns with the SI values of their units, None where a heading has none."""
-    factors: dict[str, float | None] = {}
-    for heading in headings:
-        name, unit = name_and_unit(heading)
-        if name not in COLUMNS:
-            near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all; leave others out"
-            raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)
-        if name in factors:
-            raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
-        si_unit = COLUMNS[name].unit.replace(" ", "*") if unit is not None else ""
-        factors[name] = None if unit is None else unit_factor(source, f"{place}, {name}", si_unit, unit)
-    check_complete(source, place, factors)
-    return factors

@@ -11,7 +11,6 @@ from a smooth course (noise, rounding, sampling), and from the difference of the
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -62,9 +61,6 @@ STEADY: Final = 0.15
 FAR: Final = 0.1
 #: Largest ratio of a step of the crank angle between two rows to the usual step.
 WRAPPED: Final = 100.0
-#: Units that may be meant by a heading without a unit, with their sizes: of time (s) and of angle (rad).
-_TIMES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("ms", "us", "min")}
-_ANGLES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("deg", "turn")}
 NOTHING_TO_FIT: Final = "extremes alone are measured of this column"
 
 
@@ -149,7 +145,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
 
 
 def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism, case: str) -> None:
-    """Raise unless the crank turns about as fast as with its drive; the message names the unit that is probably meant if none is given."""
+    """Raise unless the crank turns about as fast as with its drive, and the same way."""
     time, angle = columns["time"], columns["crank_angle"]
     pace = crank_pace(mechanism)
     if pace <= 0.0 or len(time) < 2:
@@ -172,13 +168,7 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
     if 1.0 / OFF <= ratio <= OFF:
         return
     told = f"a turn of the crank takes {_turn_time(ratio * pace)} s in it, but the drive of {case} turns it in {_turn_time(pace)} s"
-    times = _TIMES if "time" in table.bare else {"": 1.0}
-    angles = _ANGLES if "crank_angle" in table.bare else {"": 1.0}
-    for units in product(times, angles):
-        if 1.0 / OFF <= ratio * angles[units[1]] / times[units[0]] <= OFF:
-            meant = " and ".join(f'"{name} [{unit}]"' for name, unit in zip(("time", "crank_angle"), units, strict=True) if unit)
-            raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {meant}")
-    raise CaseError(table.shown, "time, crank_angle", None, told, "check their units, or give the case the drive of the table")
+    raise CaseError(table.shown, "time, crank_angle", None, told, "check their units (none: SI), or give the case the drive of the table")
 
 
 def _turn_time(pace: float) -> str:

@@ -8,7 +8,7 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -51,7 +51,7 @@ class UsedColumn(NamedTuple):
 
     place: int  # counted from 0
     target: Target
-    factor: float | None  # SI value of its unit; None: no unit is given
+    factor: float  # SI value of its unit
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ def columns_used(written: TableText, mapping: ColumnMapping) -> tuple[list[UsedC
                 shown, written.place, as_written(heading), f"gives {target.column} a second time", "keep one of the two columns"
             )
         unit = unit if target.unit is None else target.unit
-        factor = None if unit is None else unit_factor(shown, f"{written.place}, {target.column}", _si_unit(target.column), unit)
+        factor = 1.0 if unit is None else unit_factor(shown, f"{written.place}, {target.column}", _si_unit(target.column), unit)
         used.append(UsedColumn(place, replace(target, unit=unit), factor))
     if targets:
         heads = ", ".join(headings or [f"1 to {written.width}"])
@@ -241,7 +241,8 @@ def _refuse(shown: str, place: str, names: Sequence[str], unknown: Sequence[str]
     if listed:
         verb = "is no column of a trajectory" if len(listed) == 1 else "are no columns of a trajectory"
         raise CaseError(shown, place, None, f"{', '.join(listed)} {verb}{lacks}", accepted)
-    check_complete(shown, place, names)
+    lacks = "has no column time" if "time" not in names else "holds time alone"
+    raise CaseError(shown, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")
 
 
 def _with_unit(heading: str, column: str) -> str:
@@ -253,10 +254,3 @@ def _is_misspelt(name: str, heading: str, unit: str | None) -> bool:
     """Whether a heading is nearly the name of a column, in a unit of that column if it has one."""
     column = similar_name(name, _MEANT)
     return bool(column) and (unit is None or bool(unit_in(heading, column)))
-
-
-def check_complete(source: str, place: str, names: Iterable[str]) -> None:
-    """Raise the CaseError of a table without time, or with time alone."""
-    if "time" not in (given := list(names)) or len(given) < 2:
-        lacks = "has no column time" if "time" not in given else "holds time alone"
-        raise CaseError(source, place, None, lacks, "give time and what was recorded, e.g. crank_angle and tip_deflection")

@@ -98,13 +98,13 @@ class TableText:
     source: str
     headings: tuple[str, ...] | None
     place: str
-    rows: Sequence[tuple[int, str]] = field(repr=False)
-    comments: tuple[tuple[int, str], ...]
-    told: tuple[str, ...]
-    separator: str
-    decimal: str | None
-    advice: str
-    units: tuple[str, ...]
+    rows: Sequence[tuple[int, str]] = field(default=(), repr=False)
+    comments: tuple[tuple[int, str], ...] = ()
+    told: tuple[str, ...] = ()
+    separator: str = ","
+    decimal: str | None = "."
+    advice: str = ADVICE
+    units: tuple[str, ...] = ()
 
     @property
     def width(self) -> int:
@@ -261,12 +261,6 @@ def unit_factor(source: str, place: str, si_unit: str, unit: str) -> float:
         return unit_size(unit, DIMENSIONS[si_unit])
     except QuantityError as wrong:
         raise CaseError(source, place, as_written(unit), wrong.problem, wrong.accepted) from None
-
-
-def late_row(values: Array) -> int | None:
-    """Index of the first row whose value is smaller than that of the row before; None: no row."""
-    late = np.flatnonzero(np.diff(values) < 0.0)
-    return int(late[0]) + 1 if late.size else None
 
 
 def does_not_rise(source: str, place: str, value: float, accepted: str = "sort the rows and drop doubles") -> CaseError:

@@ -373,12 +373,8 @@ def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"time": lambda t: 1e3 * t["time"]}, ["378 s", "0.378 s", '"time [ms]"']),
-        ({"crank_angle": lambda t: np.degrees(t["crank_angle"])}, ['"crank_angle [deg]"']),
-        (
-            {"time": lambda t: 1e3 * t["time"], "crank_angle": lambda t: np.degrees(t["crank_angle"])},
-            ['"time [ms]" and "crank_angle [deg]"'],
-        ),
+        ({"time": lambda t: 1e3 * t["time"]}, ["378 s", "0.378 s", "units"]),
+        ({"crank_angle": lambda t: np.degrees(t["crank_angle"])}, ["0.00", "0.378 s", "units"]),
         ({"time": lambda t: 7.0 * t["time"]}, ["2.65 s", "0.378 s", "thesis-24"]),
         ({"crank_angle": lambda t: t["crank_angle"] + 4.0 * (t["time"] > 1.0)}, ["crank_angle", "jumps", "run on"]),
         ({"crank_angle": lambda t: -t["crank_angle"]}, ["crank_angle", "the other way", "counter-clockwise"]),
