@@ -15,14 +15,10 @@ from quickreturn.reference_model.spring import Spring, pull_of, spring_tension
 _LENGTHS: Final = (1e-3, 20.0)
 #: Least and largest density of solids, kg/m^3: rigid foam, and metals such as platinum.
 _DENSITIES: Final = (20.0, 25e3)
-#: Elastic modulus, Pa, below which a material is a soft plastic or rubber. A metal's modulus with MPa in place of GPa is also below it.
-_SOFT_MODULUS: Final = 0.5e9
-#: Elastic modulus, Pa, that no solid has: diamond has 1.1e12 Pa.
-_IMPOSSIBLE_MODULUS: Final = 1.5e12
-#: Density, kg/m^3, above which materials are metal, glass or stone, and a modulus, Pa, that these exceed: lead, the softest, has 16 GPa.
+#: Least elastic modulus, Pa: soft plastics have less, as metals in MPa for GPa have; and the largest: diamond has 1.1e12 Pa.
+_MODULI: Final = (0.5e9, 1.5e12)
+#: Density, kg/m^3, above which materials are metal, glass or stone, and the modulus, Pa, that these exceed: lead has 16 GPa.
 _METAL_DENSITY, _METAL_MODULUS = 2500.0, 10e9
-#: Elastic moduli of metals, for comparison in messages.
-_METALS: Final = "aluminium has 70 GPa, steel 210 GPa"
 #: Largest usual mass of a tip, as a multiple of the follower's.
 _HEAVIEST_TIP: Final = 5.0
 #: Number of crank angles in a turn at which a spring's length is looked at.
@@ -33,20 +29,22 @@ _FASTEST: Final = 2e3
 
 def doubts(scene: Scene) -> Iterator[str]:
     """Sentences on values that are possible, but probably mistakes."""
-    follower, tip = scene.follower, scene.tip
-    yield from _of_follower(follower)
+    follower, tip, crank = scene.follower, scene.tip, scene.crank
+    length = f"{follower.length:.6g} m"
+    found = [*_of_follower(follower)]
     if tip is not None and tip.mass > _HEAVIEST_TIP * follower.mass:
-        yield f"tip.mass is {tip.mass:.6g} kg, {tip.mass / follower.mass:.3g} times the follower's ({follower.mass:.3g} kg): is that meant?"
+        found.append(f"tip.mass is {tip.mass:.6g} kg, {tip.mass / follower.mass:.3g} times the follower's ({follower.mass:.3g} kg)")
     if tip is not None and abs(tip.center_of_mass) > follower.length:
-        yield f"tip.center_of_mass is {tip.center_of_mass:.6g} m, more than the follower's length ({follower.length:.6g} m): is that meant?"
-    if scene.crank is None:
-        return
-    if abs(centre := scene.crank.center_of_mass) > scene.pivot_distance:
-        yield f"crank.center_of_mass is {centre:.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m): is that meant?"
-    if abs(speed := scene.crank.drive.initial_speed) > _FASTEST:
-        yield f"the crank turns at {speed / in_si('rpm'):.6g} rpm: is that meant?"
-    if (spring := scene.acting_spring) is not None and spring.stop_stiffness > 0.0:
-        yield from _of_stops(scene, spring)
+        found.append(f"tip.center_of_mass is {tip.center_of_mass:.6g} m, more than the follower's length ({length})")
+    if crank is not None and abs(crank.center_of_mass) > scene.pivot_distance:
+        found.append(
+            f"crank.center_of_mass is {abs(crank.center_of_mass):.6g} m, more than the pivot distance ({scene.pivot_distance:.6g} m)"
+        )
+    if crank is not None and abs(crank.drive.initial_speed) > _FASTEST:
+        found.append(f"the crank turns at {abs(crank.drive.initial_speed) / in_si('rpm'):.6g} rpm")
+    if crank is not None and (spring := scene.acting_spring) is not None and spring.stop_stiffness > 0.0:
+        found += _of_stops(scene, spring)
+    yield from (f"{each}: is that meant?" for each in found)
 
 
 def _of_stops(scene: Mechanism, spring: Spring) -> Iterator[str]:
@@ -60,43 +58,25 @@ def _of_stops(scene: Mechanism, spring: Spring) -> Iterator[str]:
             force = abs(spring_tension(high if key == "longest" else low, 0.0, law))
             yield (
                 f"spring.{key} is {getattr(law, key):.6g} m, and the spring is {low:.4g} to {high:.4g} m long over the turn: the stop never"
-                f" lets go, is up to {way:.3g} m engaged, and makes a force of {force:.4g} N on a stiff arm: is that meant?"
+                f" lets go, is up to {way:.3g} m engaged, and makes a force of {force:.4g} N on a stiff arm"
             )
 
 
 def _of_follower(follower: Follower) -> Iterator[str]:
     if not _LENGTHS[0] <= follower.length <= _LENGTHS[1]:
-        yield f"follower.length is {follower.length:.6g} m: is that meant?"
+        yield f"follower.length is {follower.length:.6g} m"
     section, key = follower.section, "thickness" if follower.diameter is None else "diameter"
     if section.depth > 0.25 * follower.length:
-        yield (
-            f"follower.{key} is {section.depth:.6g} m, more than a quarter of the length ({follower.length:.6g} m): that is no"
-            " slender beam, and shear is not modelled"
-        )
+        slender = f"more than a quarter of the length ({follower.length:.6g} m), and shear is not modelled"
+        yield f"follower.{key} is {section.depth:.6g} m, {slender}"
     if section.depth > section.breadth and section.name == "rectangle":
-        yield (
-            f"follower.thickness is {section.depth:.6g} m, more than the width ({section.breadth:.6g} m): the thickness lies in the"
-            " plane of motion, so the follower bends about the stiff side of its section; if it should bend about the thin side,"
-            " exchange them"
-        )
-    if not _DENSITIES[0] <= follower.density <= _DENSITIES[1]:
-        yield f"follower.mass_per_length (or density) and the section make a density of {follower.density:.3g} kg/m^3: is that meant?"
-    if not follower.is_rigid and (doubt := _of_modulus(follower.elastic_modulus, follower.density)):
-        shown = _shown(follower.elastic_modulus)
-        yield f"follower.bending_stiffness (or elastic_modulus) and the section make a modulus of {shown}, {doubt}"
-
-
-def _of_modulus(modulus: float, density: float) -> str:
-    """The doubt about an elastic modulus (Pa) at a density (kg/m^3), as a clause; "" if there is none."""
-    if modulus > _IMPOSSIBLE_MODULUS:
-        return f"and no material is that stiff ({_METALS}, diamond 1100 GPa): is that meant?"
-    if modulus < _METAL_MODULUS and density > _METAL_DENSITY:
-        return f"as plastics or rubber have it, and a density of {density:.4g} kg/m^3, as metals have it ({_METALS}): is that meant?"
-    if modulus < _SOFT_MODULUS:
-        return f"which fits rubber or a soft plastic ({_METALS}, stiff plastics 2 to 4 GPa): is that meant?"
-    return ""
-
-
-def _shown(modulus: float) -> str:
-    unit = "GPa" if modulus >= in_si("GPa") else "MPa"
-    return f"{modulus / in_si(unit):.3g} {unit}"
+        plane = "and lies in the plane of motion, so that the follower bends about its stiff side"
+        yield f"follower.thickness is {section.depth:.6g} m, more than the width ({section.breadth:.6g} m), {plane}"
+    density, modulus = follower.density, follower.elastic_modulus
+    if not _DENSITIES[0] <= density <= _DENSITIES[1]:
+        yield f"follower.mass_per_length (or density) and the section make a density of {density:.3g} kg/m^3"
+    least = _METAL_MODULUS if density > _METAL_DENSITY else _MODULI[0]
+    if not follower.is_rigid and not least <= modulus <= _MODULI[1]:
+        unit = "GPa" if modulus >= in_si("GPa") else "MPa"
+        made = f"a modulus of {modulus / in_si(unit):.3g} {unit} at a density of {density:.4g} kg/m^3"
+        yield f"follower.bending_stiffness (or elastic_modulus) and the section make {made} (aluminium has 70 GPa, steel 210 GPa)"

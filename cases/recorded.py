@@ -2,27 +2,35 @@
 
 The heading names columns of the trajectory, each with its unit in brackets: `time [ms], crank_angle [deg], tip_deflection [mm]`. A heading
 without a unit means SI, so the project's own trajectory files are also recorded tables. Lines `# key = value` above the heading describe
-the table. `cases/text/dialect.py` recognises how it is written, and a mapping names the columns of other programs. Only units are
+the table. `cases/text/number_rows.py` recognises how it is written, and a mapping names the columns of other programs. Only units are
 converted, and angles that wrap are made continuous: no filter, no fit.
 """
 
 import math
 import os
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quickreturn.cases.errors import CaseError, as_written, nearest, path_shown, printable
+from quickreturn.cases.errors import CaseError, as_written, path_shown, printable
 from quickreturn.cases.instants import gaps, single_instants
-from quickreturn.cases.named_columns import check_complete, columns_used, counts_from_zero, own_name
-from quickreturn.cases.text.column_mapping import IGNORED, Target, mapping_of, suggested, unit_in
-from quickreturn.cases.text.dialect import Dialect, dialect_of
-from quickreturn.cases.text.number_rows import does_not_rise, late_row, line_of, name_and_unit, numbers_in, unit_factor
-from quickreturn.cases.text.text_file import read_foreign_text
+from quickreturn.cases.text.column_mapping import (
+    IGNORED,
+    ColumnMapping,
+    Target,
+    UsedColumn,
+    columns_used,
+    counts_from_zero,
+    mapping_of,
+    own_name,
+    suggested,
+    unit_in,
+)
+from quickreturn.cases.text.number_rows import Form, TableText, does_not_rise, table_text
+from quickreturn.cases.text.text_file import read_table_text
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
@@ -30,7 +38,6 @@ Array = NDArray[np.float64]
 MOST_ROWS: Final = 1_000_000
 _MOST_BYTES: Final = 100_000_000
 _MOST_NAMED: Final = 6  # ignored headings in a message
-_EMPTY_CELL: Final = re.compile(r'(?:^|,)\s*(?:""|"?nan"?)?\s*(?=,|$)', re.IGNORECASE)
 _WRAPPING: Final = ("crank_angle", "follower_angle")  # angles that other programs wrap
 
 #: Declarations above the heading with their accepted values; without values any text.
@@ -50,7 +57,6 @@ class RecordedTable:
     path: str
     # names as in `reference_model.columns` -> values, each of shape (n,); "time" and at least one other
     columns: Mapping[str, Array] = field(repr=False)
-    bare: frozenset[str] = frozenset()  # columns whose headings have no unit
     declared: Mapping[str, str] = field(default_factory=dict)  # declarations of the file: some of `DECLARATIONS`
     of_experiment: bool = False  # whether it lies in the folder of the experiment's recordings
     told: str = ""  # how the file was read, if it is not commas, decimal points and plain names
@@ -79,14 +85,22 @@ def is_table(name: str) -> bool:
     return name.lower().endswith(".csv")
 
 
-def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[str, str] = (), decimal: str | None = None) -> RecordedTable:
+def read_table(
+    path: str | os.PathLike[str],
+    columns: Sequence[str] | Mapping[str, str] = (),
+    decimal: str | None = None,
+    separator: str | None = None,
+    skip: int = 0,
+) -> RecordedTable:
     """A recorded table from a file of any program. Its attribute `told` says how the file was read, `columns` has the numbers in SI.
 
     Args:
         path: of the file. A mapping beside it, with the same name and the ending .toml, is used.
         columns: which heading is which column: "crank.phi = crank_angle [deg]", or a dictionary of such pairs; a number in
             place of a heading counts columns from 1.
-        decimal: the decimal sign, "." or ",", where numbers such as 1,234 can be read in two ways.
+        decimal: the decimal sign, "." or ","; None: it is recognised.
+        separator: the sign between columns: ",", ";", a tabulator or a blank; None: it is recognised.
+        skip: number of lines above the headings to leave out.
 
     Raises:
         CaseError: the file cannot be read, or is not such a table, or can be read in two ways.
@@ -95,68 +109,70 @@ def read_table(path: str | os.PathLike[str], columns: Sequence[str] | Mapping[st
         accepted = "give the path of a file; `qr.compare` and `qr.difference` take a DataFrame or a dictionary of arrays as it is"
         raise CaseError("table", None, None, f"{type(path).__name__} is no path", accepted)
     path = os.fspath(path)
-    shown, (text, encoding) = path_shown(path), read_foreign_text(path, "a recorded table", _MOST_BYTES)
-    mapping = mapping_of(path, columns, decimal)
-    written = dialect_of(shown, text, mapping.decimal)
+    shown, text = path_shown(path), read_table_text(path, "a recorded table", _MOST_BYTES)
+    mapping = mapping_of(path, columns, Form(separator, decimal, skip))
+    written = table_text(shown, text, mapping.form)
     declared = _declarations(shown, written.comments)
-    if (rows := written.count) > MOST_ROWS:
+    if (rows := len(written.rows)) > MOST_ROWS:
         raise CaseError(shown, None, None, f"has {rows} rows", f"at most {MOST_ROWS} are accepted")
-    used, ignored, places = columns_used(shown, written, mapping)
-    names = [target.column for target, _ in used]
-    lines, lacking = _complete_rows(written.rows(shown, places), written.first)
-    numbers = dict(zip(names, numbers_in(shown, names, lines, written.first, "time", doubled=True).T, strict=True))
-    factors = {target.column: factor for target, factor in used}
-    sizes = {target.column: (1.0 if factor is None else factor) / target.factor for target, factor in used}
-    seconds = sizes["time"] * (numbers["time"] - next(target.offset for target, _ in used if target.column == "time"))
-    values = {each.column: (numbers[each.column] - each.offset - each.drift * seconds) / each.factor for each, _ in used}
+    used, ignored = columns_used(written, mapping)
+    by_name = {each.target.column: each for each in used}
+    found = written.numbers([*by_name], [each.place for each in used], "time", doubled=True)
+    numbers = dict(zip(by_name, found.values.T, strict=True))
+    sizes = {name: each.factor / each.target.factor for name, each in by_name.items()}
+    seconds = sizes["time"] * (numbers["time"] - by_name["time"].target.offset)
+    values = {name: sizes[name] * (numbers[name] - target.offset - target.drift * seconds) for name, (_, target, _) in by_name.items()}
 
     def refusal(row: int, accepted: str) -> CaseError:
-        place = f"line {line_of(lines, written.first, row)}, time"
-        return does_not_rise(shown, place, float(numbers["time"][row]), accepted)
+        return does_not_rise(shown, f"line {found.lines[row]}, time", float(numbers["time"][row]), accepted)
 
-    table = _table(printable(os.path.basename(path)), path, factors, values, declared, refusal)
-    told = [*([encoding] if encoding else []), *written.told, *([f"columns by {mapping.file}"] if mapping.file else [])]
-    told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in names) else []
-    told += [f"{lacking:,} row{'s' * (lacking > 1)} with an empty cell left out"] if lacking else []
+    table = _table(printable(os.path.basename(path)), path, values, declared, refusal)
+    told = [*written.told, *["decimal comma"] * (found.decimal == ","), *([f"columns by {mapping.file}"] if mapping.file else [])]
+    told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in by_name) else []
+    told += [f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out"] if found.lacking else []
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
-    told += [f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"] if ignored else []
-    texts = {target.column: _text(written, place, target) for (target, _), place in zip(used, places, strict=True)}
-    told = [f"read as: {', '.join(told)}, {len(table.columns['time']):,} rows"] if told else []
-    return replace(table, told="".join(told), written={name: (text, sizes[name]) for name, text in texts.items()})
+    texts = {name: (_text(written, each), sizes[name]) for name, each in by_name.items()}
+    return replace(table, told=_told(told, ignored, len(table.columns["time"])), written=texts)
 
 
-def _complete_rows(lines: Sequence[str], first: int) -> tuple[Sequence[str], int]:
-    """The lines with a blank one in place of each row that lacks a number, from index `first` on, and how many these are."""
-    lacking = {at for at in range(first, len(lines)) if lines[at].strip() and _EMPTY_CELL.search(lines[at])}
-    return [("" if at in lacking else line) for at, line in enumerate(lines)] if lacking else lines, len(lacking)
+def _told(clauses: Sequence[str], ignored: Sequence[str], rows: int) -> str:
+    """How a table was read; `ignored`: its headings that are not used."""
+    named = f"ignored: {', '.join(ignored[:_MOST_NAMED])}{' and others' * (len(ignored) > _MOST_NAMED)}"
+    told = [*clauses, *[named] * bool(ignored)]
+    return f"read as: {', '.join(told)}, {rows:,} rows" if told else ""
 
 
-def _text(written: Dialect, place: int, target: Target) -> str:
+def _text(written: TableText, used: UsedColumn) -> str:
     """The text of `--column` for a column, without an offset."""
-    heading = str(place + 1) if written.headings is None else written.headings[place].partition("[")[0].strip()
-    factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
-    return f"{heading} = {factor}{target.column} [{target.unit or (COLUMNS[target.column].unit.replace(' ', '*'))}]"
+    heading = str(used.place + 1) if written.headings is None else written.headings[used.place].partition("[")[0].strip()
+    unit = used.target.unit or COLUMNS[used.target.column].unit.replace(" ", "*")
+    return f"{heading} = {_times(used.target)}{used.target.column} [{unit}]"
 
 
-def suggested_mapping(path: str, columns: Sequence[str] = (), decimal: str | None = None) -> str:
-    """The text of a mapping file for a table: what is known of its headings, and the nearest columns of the others."""
-    shown, mapping = path_shown(path), mapping_of(path, columns, decimal)
-    written = dialect_of(shown, read_foreign_text(path, "a recorded table", _MOST_BYTES)[0], mapping.decimal)
+def _times(target: Target) -> str:
+    return "" if target.factor == 1.0 else f"{target.factor!r} * "
+
+
+def suggested_mapping(
+    path: str, columns: Sequence[str] = (), decimal: str | None = None, separator: str | None = None, skip: int = 0
+) -> str:
+    """The text of a mapping file for a table: what is known of its headings, and the nearest columns of the others; see `read_table`."""
+    mapping = mapping_of(path, columns, Form(separator, decimal, skip))
+    written = table_text(path_shown(path), read_table_text(path, "a recorded table", _MOST_BYTES), mapping.form)
     headings = written.headings or [str(number + 1) for number in range(written.width)]
     known = dict[str, str]()
     for number, heading in enumerate(headings):
         target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
         if target is None and written.headings is not None:
-            target = own_name(shown, written.place, heading, headings)
+            target = own_name(heading, headings)
             if target is not None and target.unit and not unit_in(heading, target.column):
                 target = None
         if target is not None and target.column != IGNORED:
-            factor = "" if target.factor == 1.0 else f"{target.factor!r} * "
             offset = f" {'-' if target.offset < 0 else '+'} {abs(target.offset)!r}" if target.offset else ""
             unit = f" [{target.unit}]" if target.unit is not None else ""
-            known[heading] = f"{factor}{target.column}{unit}{offset}"
-    return suggested(headings, known, mapping.decimal)
+            known[heading] = f"{_times(target)}{target.column}{unit}{offset}"
+    return suggested(headings, known, mapping.form)
 
 
 def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | None = None) -> RecordedTable:
@@ -168,63 +184,52 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
         case: its case; None: not declared.
 
     Raises:
-        CaseError: a heading or a column that a file must not have either; of several rows with a mistake the first is named.
+        CaseError: a heading or a column that a file must not have either.
     """
-    factors = _unit_factors(name, "heading", [str(heading) for heading in columns])
-    values, wrong = dict[str, Array](), list[tuple[int, CaseError]]()
-    cells = {column: _cells(columns[heading]) for column, heading in zip(factors, columns, strict=True)}
-    for column, given in cells.items():
-        if given.ndim != 1 or given.shape != next(iter(cells.values())).shape:
+    headings = [*columns]
+    used, ignored = columns_used(TableText(name, tuple(map(str, headings)), "heading"), ColumnMapping())
+    values = {each.target.column: _numbers(name, each.target.column, columns[headings[each.place]]) for each in used}
+    for column, given in values.items():
+        if given.ndim != 1 or given.shape != values["time"].shape:
             raise CaseError(name, column, None, f"has the shape {given.shape}", "give one number for each row, as in the other columns")
-        values[column], first = _numbers(given)
-        if first is not None:
-            cell, accepted = as_written(given[first]), "give one plain number for each row"
-            wrong.append((first, CaseError(name, f"row {first}, {column}", cell, "is no number", accepted)))
-        for row in np.flatnonzero(~np.isfinite(values[column]))[:1].tolist():
-            value, accepted = str(values[column][row]), "leave out rows that lack a number"
-            wrong.append((row, CaseError(name, f"row {row}, {column}", value, "is not finite", accepted)))
-        if column == "time" and (late := late_row(values[column], doubled=True)) is not None:
-            wrong.append((late, does_not_rise(name, f"row {late}, time", values[column][late])))
-    if wrong:
-        raise min(wrong, key=lambda mistake: mistake[0])[1]
 
     def refusal(row: int, accepted: str) -> CaseError:
         return does_not_rise(name, f"row {row}, time", float(values["time"][row]), accepted)
 
-    return _table(name, name, factors, values, {} if case is None else {"case": case}, refusal)
+    falls = np.flatnonzero(np.diff(values["time"]) < 0.0)
+    if falls.size:
+        raise refusal(int(falls[0]) + 1, "sort the rows and drop doubles")
+    columns_in_si = {each.target.column: each.factor * values[each.target.column] for each in used}
+    table = _table(name, name, columns_in_si, {} if case is None else {"case": case}, refusal)
+    return replace(table, told=_told([], ignored, len(table.columns["time"])))
 
 
-def _cells(given: ArrayLike) -> NDArray[np.object_]:
-    """The cells of a column; dates, which numpy would turn into nanoseconds, as texts."""
+def _numbers(name: str, column: str, given: ArrayLike) -> Array:
+    """A column as numbers. CaseError: a cell holds none."""
     cells = np.asarray(given)
-    return (cells.astype(str) if cells.dtype.kind in "mM" else cells).astype(object)
-
-
-def _numbers(cells: NDArray[np.object_]) -> tuple[Array, int | None]:
-    """The numbers of a column, shape (n,), down to its first cell that is none, and the row of that cell; None where all are numbers."""
+    cells = cells.astype(str) if cells.dtype.kind in "mM" else cells  # dates, which numpy would turn into nanoseconds
     try:
-        return np.asarray(cells, dtype=np.float64), None
+        numbers = np.asarray(cells, dtype=np.float64)
     except (TypeError, ValueError):
-        numbers = list[float]()
-        for cell in cells:
-            try:
-                numbers.append(float(cell))
-            except (TypeError, ValueError):
-                break
-        return np.array(numbers), len(numbers)
+        numbers = np.array([_number(cell) for cell in cells.ravel()])
+    for row in np.flatnonzero(~np.isfinite(numbers))[:1].tolist():
+        accepted = "give one plain number for each row, and leave out rows that lack one"
+        raise CaseError(name, f"row {row}, {column}", as_written(cells.ravel()[row]), "is no plain number", accepted)
+    return numbers
+
+
+def _number(cell: Any) -> float:
+    try:
+        return float(cell)
+    except (TypeError, ValueError):
+        return math.nan
 
 
 def _table(
-    name: str,
-    path: str,
-    factors: Mapping[str, float | None],
-    values: Mapping[str, Array],
-    declared: Mapping[str, str],
-    refusal: Callable[[int, str], CaseError],
+    name: str, path: str, values: Mapping[str, Array], declared: Mapping[str, str], refusal: Callable[[int, str], CaseError]
 ) -> RecordedTable:
-    """A table from values in the units of their headings; `factors` are those of `_unit_factors`, `refusal` as of `single_instants`."""
-    columns = {name: values[name] if factor is None else factor * values[name] for name, factor in factors.items()}
-    bare = frozenset(name for name, factor in factors.items() if factor is None)
+    """A table from values in SI; `refusal` as of `single_instants`."""
+    columns = dict(values)
     unwrapped = frozenset(each for each in _WRAPPING if each in columns and _wraps(columns[each]))
     for each in unwrapped:
         columns[each] = np.unwrap(columns[each])
@@ -233,7 +238,7 @@ def _table(
     columns, noted = single_instants(columns, refusal)
     if gap := gaps(columns["time"]):
         noted = (*noted, gap)
-    return RecordedTable(name, path, columns, bare, declared, unwrapped=unwrapped, noted=noted)
+    return RecordedTable(name, path, columns, declared, unwrapped=unwrapped, noted=noted)
 
 
 def _wraps(angle: Array) -> bool:
@@ -267,7 +272,7 @@ def tables_of(paths: Iterable[str], cases: Sequence[str]) -> dict[str, list[Reco
 def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str, str]:
     """The declarations among comments above the heading. CaseError: one is wrong. Other comments are not ours."""
     declared: dict[str, str] = {}
-    for at, line in comments:
+    for number, line in comments:
         key, _, value = (part.strip() for part in line.lstrip("#").partition("="))
         values = DECLARATIONS.get(key)
         if values is None:
@@ -281,21 +286,5 @@ def _declarations(source: str, comments: Iterable[tuple[int, str]]) -> dict[str,
         else:
             declared[key] = value
             continue
-        raise CaseError(source, f"line {at + 1}, {key}", as_written(told[0]), *told[1:])
+        raise CaseError(source, f"line {number}, {key}", as_written(told[0]), *told[1:])
     return declared
-
-
-def _unit_factors(source: str, place: str, headings: Sequence[str]) -> dict[str, float | None]:
-    """The names of the columns with the SI values of their units, None where a heading has none."""
-    factors: dict[str, float | None] = {}
-    for heading in headings:
-        name, unit = name_and_unit(source, place, heading, "time [s]")
-        if name not in COLUMNS:
-            near = f"the nearest one is {nearest(name, COLUMNS)}, and `quickreturn show CASE --for-other-tools` lists all; leave others out"
-            raise CaseError(source, place, as_written(heading), "is no column of a trajectory", near)
-        if name in factors:
-            raise CaseError(source, place, as_written(heading), f"gives {name} a second time", "keep one of the two columns")
-        si_unit = COLUMNS[name].unit.replace(" ", "*") if unit is not None else ""
-        factors[name] = None if unit is None else unit_factor(source, f"{place}, {name}", si_unit, unit)
-    check_complete(source, place, factors)
-    return factors

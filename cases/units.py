@@ -17,7 +17,10 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from quickreturn.cases.errors import as_written
-from quickreturn.cases.mistakes import quantity_texts
+
+#: A plain decimal number.
+NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_LONGEST: Final = 100  # characters of a quantity
 
 Exponents = tuple[int, int, int, int]  # of metre, kilogram, second, radian
 
@@ -132,14 +135,23 @@ def parse_quantity(text: str, dimension: Dimension, *, infinity_accepted: bool =
         return math.inf
     if dimension is PURE:
         if (value := plain_number(text)) is None or not math.isfinite(value):
-            part = re.fullmatch(rf"({quantity_texts.NUMBER}) ?(?:%|percent)", text)
-            meant = f' (perhaps meant as "{float(part[1]) / 100.0:.9g}")' if part else ""
-            raise QuantityError(f"is not a pure number{meant}", f"write one plain number without a unit, such as {PURE.example}")
+            raise QuantityError("is not a pure number", f"write one plain number without a unit, such as {PURE.example}")
         return value
-    if problem := quantity_texts.in_quantity(text):
+    if problem := _misfit(text):
         raise QuantityError(problem, accepted)
     number, _, unit = text.partition(" ")
-    return _to_si(number, _factor(number, unit, dimension, accepted))
+    return _to_si(number, _factor(unit, dimension, accepted))
+
+
+def _misfit(text: str) -> str:
+    """What is wrong with a text that is not one plain number, one space and a unit, as a clause; "" if it is."""
+    if re.fullmatch(rf"{NUMBER} \S.*(?<!\s)", text, re.DOTALL) and len(text) <= _LONGEST:
+        return ""
+    if plain_number(text) is not None:
+        return "has no unit"
+    if re.match(r"[+-]?[0-9.]*,[0-9]", text):
+        return "has a comma in its number (the decimal sign is a point)"
+    return f"is longer than {_LONGEST} characters" if len(text) > _LONGEST else "cannot be read"
 
 
 def is_in_range(value: float) -> bool:
@@ -149,7 +161,7 @@ def is_in_range(value: float) -> bool:
 
 def unit_size(unit: str, dimension: Dimension) -> float:
     """A unit expression, such as "in/s^2", in SI units. QuantityError: no unit expression of this dimension."""
-    return float(_factor("", unit, dimension, f"write a unit such as {' or '.join(dimension.examples)}"))
+    return float(_factor(unit, dimension, f"write a unit such as {' or '.join(dimension.examples)}"))
 
 
 @functools.cache
@@ -158,37 +170,35 @@ def in_si(unit: str) -> float:
     return PURE_UNITS[unit] if unit in PURE_UNITS else float(_read_unit(unit)[0])
 
 
-def _factor(number: str, unit: str, dimension: Dimension, accepted: str) -> Decimal:
-    """The SI value of a unit of a dimension; `number` is the text before it, "" in a heading."""
+def _factor(unit: str, dimension: Dimension, accepted: str) -> Decimal:
+    """The SI value of a unit of a dimension."""
     try:
         factor, exponents = _read_unit(unit)
     except _UnitError as wrong:
-        problem, rule = wrong.args
-        raise QuantityError(f"{problem}{_meant(number, unit, dimension) or rule}", accepted) from None
+        raise QuantityError(str(wrong), accepted) from None
     if not dimension.accepts(exponents):
-        meant = _meant(number, unit, dimension)
-        raise QuantityError(f"is {_name(exponents)}{meant}, but {dimension.name} is needed", accepted)
+        raise QuantityError(f"is {_name(exponents)}, but {dimension.name} is needed", accepted)
     return factor
 
 
 def plain_number(text: str) -> float | None:
     """The value of a plain decimal number without a unit, infinite beyond the range of doubles; None for any other text."""
-    return float(text) if re.fullmatch(quantity_texts.NUMBER, text) else None
+    return float(text) if re.fullmatch(NUMBER, text) else None
 
 
 class _UnitError(Exception):
-    """A unit expression cannot be read: what is wrong, and the rule for the message if there is no better hint."""
+    """A unit expression cannot be read: what is wrong."""
 
 
 def _read_unit(unit: str) -> tuple[Decimal, Exponents]:
     """Factor to SI and exponents of a unit expression. Raises _UnitError."""
     if not _UNIT.fullmatch(unit):
-        raise _UnitError(f"has the unreadable unit {as_written(unit)}", _UNIT_RULE)
+        raise _UnitError(f"has the unreadable unit {as_written(unit)}{_UNIT_RULE}")
     factor, exponents = Decimal(1), (0, 0, 0, 0)
     for sign, name, exponent in re.findall(rf"(^|[*/]){_FACTOR}", unit):
         known_unit = _unit(name)
         if known_unit is None:
-            raise _UnitError(f"has the unknown unit {as_written(name)}", "")
+            raise _UnitError(f"has the unknown unit {as_written(name)}")
         power = int(exponent or 1) * (-1 if sign == "/" else 1)
         factor = _DECIMAL.multiply(factor, _DECIMAL.power(known_unit[0], power))
         length, mass, time, angle = (total + power * one for total, one in zip(exponents, known_unit[1], strict=True))
@@ -202,43 +212,6 @@ def measures(unit: str, dimension: Dimension) -> bool:
         return dimension.accepts(_read_unit(unit)[1])
     except _UnitError:
         return False
-
-
-def _meant(number: str, unit: str, dimension: Dimension) -> str:
-    """The unit that is probably meant, as a clause, or ""."""
-    if dimension is ANGULAR_SPEED and (turning := _turning(number, unit)):
-        return f" (perhaps meant as {turning})"
-    other_case = re.sub(r"[^\W\d_]+", lambda name: _OF_OTHER_CASE.get(name[0].lower(), name[0]), unit)
-    probable = next(
-        (meant for meant in (other_case, *quantity_texts.units_meant(unit)) if meant != unit and measures(meant, dimension)), None
-    )
-    if probable is None and not _is_unit(unit):
-        other = next((meant for meant in quantity_texts.units_meant(unit) if _is_unit(meant)), None)
-        return f' (perhaps meant as "{other}", {_name(_read_unit(other)[1])}, but {dimension.name} is needed)' if other else ""
-    return f' (perhaps meant as "{probable}")' if probable else ""
-
-
-def _is_unit(text: str) -> bool:
-    """Whether a text is a unit expression of any dimension."""
-    try:
-        return bool(_read_unit(text))
-    except _UnitError:
-        return False
-
-
-def _turning(number: str, unit: str) -> str:
-    """A speed given as a frequency, in rpm; "" if it is not one. Only "1/s" and the like may mean radians as well as turns."""
-    try:
-        factor, exponents = _read_unit(quantity_texts.frequency_meant(unit))
-    except _UnitError:
-        return ""
-    turns_per_minute = 60.0 * float(number or 1) * float(factor)
-    if exponents != _FREQUENCY or not math.isfinite(turns_per_minute):
-        return ""
-    meant = [f"{turns_per_minute:.9g} rpm" if number else "rps" if round(turns_per_minute, 9) == 60.0 else "rpm"]
-    if unit.lstrip("1/ ").startswith("s"):
-        meant.append(f"{number} rad/s".lstrip())
-    return " or ".join(f'"{one}"' for one in meant)
 
 
 #: The commonest units, as pint has them: factor to SI and exponents. A file with no others does not load pint, which takes 0.4 s.
@@ -274,9 +247,6 @@ COMMON_UNITS: Final = MappingProxyType(
         "rpm": ("0.1047197551196597746154214461", (0, 0, -1, 1)),
     }
 )
-
-#: A name in small letters -> the commonest unit of this name: "mpa" -> "MPa".
-_OF_OTHER_CASE: Final = MappingProxyType({name.lower(): name for name in COMMON_UNITS})
 
 
 @functools.cache

@@ -70,6 +70,8 @@ OPTIONS: Final = {
     "overrides": "--set",
     "path": "--path",
     "samples": "--samples",
+    "separator": "--separator",
+    "skip": "--skip",
     "units": "--units",
     "vary": "--vary",
     "OutputError": "--output",

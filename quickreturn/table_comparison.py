@@ -1,4 +1,4 @@
-"""Tables compared: a recorded one with engines, with departures, their size and their cause; and two, column by column."""
+"""Tables compared: a recorded one with engines, with the size and place of departures; and two, column by column."""
 
 import math
 import os
@@ -22,6 +22,7 @@ from quickreturn.cases.runs.campaign import hold_against_engines
 from quickreturn.cases.runs.column_differences import Causes, causes, column_differences, places
 from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
 from quickreturn.cases.runs.request import NOTHING, Run
+from quickreturn.cases.text.number_rows import PLAIN, Form
 from quickreturn.cases.uncertainty.quantities import leads
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.computing import Computing
@@ -108,15 +109,15 @@ class TableComparison(Displayed):
 
     @cached_property
     def causes(self) -> Causes | None:
-        """Causes of the differences from the first engine; None if there is none to compare with."""
-        return next((causes(self.run, other, self.result.case) for other in self._comparable), None)
+        """What explains the differences from the first engine; None if there is none to compare with."""
+        return next((causes(self.run, other) for other in self._comparable), None)
 
     @property
     def explanations(self) -> dict[str, str]:
-        """Column -> the mistake that explains its difference, or noise, and what to do; "crank_angle" -> how late all columns are.
+        """Column -> its factor or its lateness, where one explains its difference; "crank_angle" -> how late all columns are.
 
-        "quantities" -> with which other value of a quantity of the scene, or of two, the case would give the table; "unexplained" -> the
-        columns for whose difference no cause is known.
+        "quantities" -> with which other value of a quantity of the scene the case would give the table; "unexplained" -> the columns for
+        whose difference nothing of these is known.
         """
         return self.causes.told(self.result.case.name, self.result.leads.get(self.name, "")) if self.causes else {}
 
@@ -144,6 +145,9 @@ def compare(
     *,
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, Any]] | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    skip: int = 0,
     jobs: int | None = None,
     quiet: bool = False,
 ) -> TableComparison:
@@ -156,6 +160,9 @@ def compare(
         engines: names, or engines that are installed, one or several; default: the four main ones.
         accuracy: relative error of the tip deflection asked of every engine; None: each engine's default.
         settings: settings by engine: {"mujoco": {"links": 16}}.
+        separator: sign between the columns of a file; None: recognised.
+        decimal: decimal sign of a file; None: recognised.
+        skip: number of lines above the headings of a file.
         jobs: how many processes at a time; None: one per core.
         quiet: whether progress on standard error is left out.
 
@@ -163,7 +170,8 @@ def compare(
         CaseError: no such case; the table cannot be read, declares another case, or has no whole turn of the crank.
         UnknownEngine, Refusal, SettingError, StoreError, KeyboardInterrupt: as of `run`.
     """
-    recorded, computing = as_table(table), Computing(jobs, quiet=quiet)
+    recorded = as_table(table, form=Form(separator, decimal, skip))
+    computing = Computing(jobs, quiet=quiet)
     results = compared(one_case(case), [recorded], engines, given_settings(settings), accuracy, computing)
     return next(comparison for result in results for comparison in tables_in(result) if comparison.name == recorded.name)
 
@@ -276,8 +284,13 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
     return Differences(relative, absolute, len(rows), float(np.median(np.diff(their_columns["time"][other_rows]))))
 
 
-def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
-    """Any kind of table as a recorded table, which declares its case if that is known; `name` is given to a table without a file.
+def as_table(given: AnyTable, name: str = "table", form: Form = PLAIN) -> RecordedTable:
+    """Any kind of table as a recorded table, which declares its case if that is known.
+
+    Args:
+        given: the table.
+        name: of a table without a file.
+        form: how a file is written.
 
     Raises:
         CaseError: it cannot be read, or is not a table.
@@ -289,7 +302,7 @@ def as_table(given: AnyTable, name: str = "table") -> RecordedTable:
     if isinstance(given, Trajectory):
         return table_of(given.columns, name)
     if isinstance(given, (str, os.PathLike)):
-        return read_table(os.fspath(given))
+        return read_table(given, (), form.decimal, form.separator, form.skip)
     if hasattr(given, "keys") and hasattr(given, "__getitem__"):
         case = getattr(given, "attrs", {}).get("case")
         columns = {heading: given[heading] for heading in given.keys()}  # noqa: SIM118

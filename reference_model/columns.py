@@ -42,6 +42,8 @@ class Observable:
 
 #: Number of interior places of the centre line at which the deflection is given.
 PLACES: Final = 11
+#: Number of strain gauges.
+GAUGES: Final = 3
 
 #: Name -> column, in the order of tables: those that every engine delivers first.
 COLUMNS: Final = MappingProxyType(

@@ -9,7 +9,7 @@ import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam import tables as beam
-from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
+from quickreturn.reference_model.columns import NUMBERS, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
 from quickreturn.reference_model.entries import KERNEL, OBSERVATIONS
 from quickreturn.reference_model.integrate import Equations, dop853
@@ -231,15 +231,15 @@ class BeamModel:
         Raises:
             ObservationFailed: the loop does not close in a state.
         """
-        states, rows = np.ascontiguousarray(states, dtype=float), np.empty(len(states), ROW)
-        rate = np.empty(states.shape[1])
-        arrays = states.ctypes.data, *states.shape, rate.ctypes.data, rows.ctypes.data
+        states, table = np.ascontiguousarray(states, dtype=float), np.empty((NUMBERS, len(states)))
+        scratch = np.empty(states.shape[1] + NUMBERS)
+        arrays = states.ctypes.data, *states.shape, scratch.ctypes.data, table.ctypes.data
         filled = OBSERVATIONS(KERNEL.address, self._at[0].address, self._at[1].address, *arrays)
         if filled < len(states):
             raise ObservationFailed(filled)
         alone = self.parameters.constraint == BASE
         joint, spring = not (alone or self.closes_loop), self.scene.acting_spring is not None
-        return recorded_columns(by_column(rows), alone=alone, joint=joint, spring=spring)
+        return recorded_columns(table, alone=alone, joint=joint, spring=spring)
 
     def deflection(self, y: Array) -> "tuple[scipy.interpolate.CubicHermiteSpline, scipy.interpolate.CubicHermiteSpline]":
         """Deflection W(x) (m) and its rate (m/s) in the state `y`, as functions of arc length with derivatives."""

@@ -9,62 +9,50 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
-from quickreturn.cases.case import Case
 from quickreturn.cases.measures.steady_state import GRID, on_common_grid
-from quickreturn.cases.mistakes.diagnosis import Finding, diagnose, share_of
-from quickreturn.cases.mistakes.explanation import UNEXPLAINED, Hypothesis
 from quickreturn.cases.runs.marching import channels_of
-from quickreturn.cases.runs.noise import white_noise
 from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.engines.relative import rms, scale
-from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]
 
 #: Least relative RMS difference of a column that needs an explanation.
 LEAST_DIFFERENCE: Final = 0.02
-#: What to do about a column that is late.
-_SHIFTED: Final = "look from where the crank angle is counted, and when the row is taken"
+#: Largest part of a difference that lateness may leave: a turn that does not repeat is taken to do so.
+LATE: Final = 0.15
 #: Least relative difference in the duration of a turn that is told: an engine that is 10 % off in the deflection keeps it to 1e-4.
 SLOW: Final = 3e-3
 #: Key of the sentence on a quantity of the scene, and of the sentence that nothing explains the difference.
 QUANTITIES: Final = "quantities"
-UNEXPLAINED_COLUMNS: Final = "unexplained"
+UNEXPLAINED: Final = "unexplained"
 MOST_NAMED: Final = 6  # columns in that sentence
-#: Least RMS of a difference besides noise that is reported, as a part of the noise, whose RMS is known to 7 % from 200 rows.
-LEAST_REST: Final = 0.5
 
 
 class Causes(NamedTuple):
-    """Causes of the differences of a table's columns.
+    """What explains the differences of a table's columns.
 
     Attributes:
-        sure: column -> a sentence on its noise, or on a mistake; "crank_angle" -> that all columns are late; "time" -> that a turn takes
-            longer or shorter.
-        fitted: column -> a sentence on a mistake that another motion may look like: one with a fitted number, or a small one.
-        differing: column -> its relative difference, where it needs an explanation and `sure` has none.
-        open: whether a quantity of the scene may be the cause: most of the columns that vibrate differ, and are not all late alike.
+        plain: column -> a sentence on one plain relation to the engine's column; "crank_angle" -> that all columns are late; "time" -> that
+            a turn takes longer or shorter.
+        differing: column -> its relative difference, where `plain` has none.
+        open: whether a quantity of the scene may explain them: most of the columns that vibrate differ, and are not all late alike.
     """
 
-    sure: Mapping[str, str]
-    fitted: Mapping[str, str]
+    plain: Mapping[str, str]
     differing: Mapping[str, float]
     open: bool
 
     def told(self, case: str, lead: str = "") -> dict[str, str]:
-        """The sentences by column; `lead`: on a quantity of the scene, which takes the place of fitted numbers.
-
-        Where the motion may be another one, fitted numbers are told only if they explain every column.
-        """
-        if lead:
-            return {**self.sure, QUANTITIES: lead}
-        left = {name: off for name, off in self.differing.items() if name not in self.fitted}
-        if not left:
-            return {**self.sure, **self.fitted}
-        if self.open:
-            return {**self.sure, UNEXPLAINED_COLUMNS: _unexplained(case, self.differing)}
-        return {**self.sure, **self.fitted, UNEXPLAINED_COLUMNS: _unexplained(case, left)}
+        """The sentences by column; `lead`: on a quantity of the scene."""
+        if lead or not self.differing:
+            return {**self.plain, **({QUANTITIES: lead} if lead else {})}
+        least, most = (f"{100.0 * share:.2g} %" for share in (min(self.differing.values()), max(self.differing.values())))
+        names = [*self.differing]
+        few = ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else "")
+        quantity = f", and no single quantity of {case}," if self.open else ""
+        off = most if least == most else f"{least} to {most}"
+        return {**self.plain, UNEXPLAINED: f"no factor and no lateness{quantity} explains the difference of {few} (off by {off})"}
 
 
 def column_differences(run: Run, other: Run) -> dict[str, float]:
@@ -81,85 +69,50 @@ def places(run: Run, other: Run) -> dict[str, float]:
     return {name: float(angles[np.argmax(np.abs(recorded - expected))]) for name, (recorded, expected) in _on_grid(run, other).items()}
 
 
-def causes(run: Run, other: Run, case: Case) -> Causes:
-    """The causes of the differences of a table, whose run is `run`, from an engine on the case, in the same turn or state.
-
-    If all columns that vibrate are late alike, the other mistakes are those that are left when the lateness is taken off.
-    """
-    grids, right = _on_grid(run, other), on_common_grid(channels_of(other.cycle, COLUMNS.keys() & other.cycle.keys()))
-    noises = {name: noise for name in grids if (noise := _noise_of(name, run, other))}
-    vibrating = [name for name in grids if name in VIBRATING and name not in noises]
-    off_by = column_differences(run, other)
-    lag, left = _common_lag([grids[name] for name in vibrating])
-    sure = dict(noises)
+def causes(run: Run, other: Run) -> Causes:
+    """What explains the differences of a table, whose run is `run`, from an engine in the same turn or state."""
+    grids, off_by, plain = _on_grid(run, other), column_differences(run, other), dict[str, str]()
+    vibrating = [name for name in grids if name in VIBRATING]
     if abs(later := float(np.ptp(run.cycle["time"]) / np.ptp(other.cycle["time"])) - 1.0) > SLOW:
         pace = f"{100.0 * abs(later):.2g} % {'longer' if later > 0.0 else 'shorter'}"
-        sure["time"] = f"a turn of the crank takes {pace} in it than in {other.engine}: its clock or its drive is another one"
-    if lag:
+        plain["time"] = f"a turn of the crank takes {pace} in it than in {other.engine}"
+    if lag := _common_lag([grids[name] for name in vibrating]):
         grids = {name: (_late(recorded, -lag), expected) for name, (recorded, expected) in grids.items()}
-        sure["crank_angle"] = _told_lag(lag, left, run)
-
-    def mistake(name: str, tolerance: float | None) -> Finding | None:
-        recorded, expected = grids[name]
-        alone = _lag([grids[name]])
-        told = f"is about {math.degrees(abs(alone)):.3g} deg of the crank {_when(alone)}"
-        late = Hypothesis(told, _SHIFTED, _late(expected, alone), fitted=1)
-        finding = diagnose(name, recorded, expected, tolerance, right, case.mechanism, [late])
-        return finding if finding is not None and finding.explained else None
-
-    def differing() -> dict[str, float]:
-        return {name: off for name, off in off_by.items() if off > LEAST_DIFFERENCE and name not in sure}
-
-    def is_open() -> bool:
-        return not lag and 2 * len(differing().keys() & {*vibrating}) > len(vibrating)
-
-    of_columns = [name for name in grids if name not in sure]
-    found = {name: mistake(name, LEAST_DIFFERENCE * max(map(rms, grids[name]))) for name in of_columns}
-    told = {name: f"{each.cause}; {each.advice}" for name, each in found.items() if each is not None}
-    sure |= {name: told[name] for name, each in found.items() if each is not None and not each.fitted}
-    if is_open():  # a small mistake of a column may be one of the motion
-        sure = {name: sentence for name, sentence in sure.items() if name in noises or name == "time" or mistake(name, None)}
-    fitted = {name: sentence for name, sentence in told.items() if name not in sure}
-    return Causes(sure, fitted, {} if lag else differing(), is_open())
+        plain["crank_angle"] = _sentence_of_lag(lag, run)
+    differing = {name: off_by[name] for name, pair in grids.items() if not _is_near(*pair) and off_by[name] > LEAST_DIFFERENCE}
+    is_open = not lag and 2 * len(differing.keys() & {*vibrating}) > len(vibrating)
+    for name in [*differing]:
+        if relation := _relation(*grids[name], run, other.engine):
+            plain[name] = f"{name} {relation}"
+            del differing[name]
+    return Causes(plain, differing, is_open)
 
 
-def _unexplained(case: str, columns: Mapping[str, float]) -> str:
-    """The sentence on columns whose differences nothing explains; `columns`: their relative differences."""
-    least, most = (share_of(share) for share in (min(columns.values()), max(columns.values())))
-    off = most if least == most else f"{least} to {most}"
-    names = [*columns]
-    few = ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else "")
-    tried = f"lateness, another value of one quantity of {case} or two, mistakes in a column"
-    return f"none of these explains the difference of {few} (off by {off}): {tried}"
+def _relation(recorded: Array, expected: Array, run: Run, engine: str) -> str:
+    """The factor or the lateness that makes the engine's column the table's, as a clause; "": neither does."""
+    factor = float(recorded @ expected / (expected @ expected))
+    if factor and _is_near(recorded, factor * expected):
+        return f"is {factor:.4g} times that of {engine}"
+    lag = _lag([(recorded, expected)])
+    left = rms(recorded - _late(expected, lag))
+    return f"is {_ms(lag, run)}" if left <= max(LEAST_DIFFERENCE * rms(expected), LATE * rms(recorded - expected)) else ""
 
 
-def _noise_of(name: str, run: Run, other: Run) -> str:
-    """A sentence on a column whose differences are mostly noise, if that is more than `LEAST_DIFFERENCE` of the column; otherwise ""."""
-    turned, other_turned = (np.abs(each.cycle["crank_angle"] - each.cycle["crank_angle"][0]) for each in (run, other))
-    expected = CubicSpline(other_turned, other.cycle[name])(turned)
-    inside = slice(1, -1)  # the first and the last row of a turn are interpolated
-    difference, size = (run.cycle[name] - expected)[inside], rms(expected)
-    noise = white_noise(run.cycle["time"][inside], difference)
-    if noise is None or noise.rms <= LEAST_DIFFERENCE * size:
-        return ""
-    white = f"{100.0 * noise.rms / size:.2g} % RMS, white" + (f" above {noise.above:.2g} Hz" if noise.above else "")
-    besides = math.sqrt(max(rms(difference) ** 2 - noise.rms**2, 0.0))
-    more = f"; besides that it is off by {100.0 * besides / size:.1g} %" if besides > LEAST_REST * noise.rms else ""
-    return f"the differences of {name} look like noise of {white}{more}"
+def _is_near(recorded: Array, expected: Array) -> bool:
+    """Whether the difference of a column needs no explanation."""
+    return rms(recorded - expected) <= LEAST_DIFFERENCE * rms(expected)
 
 
-def _common_lag(pairs: Sequence[tuple[Array, Array]]) -> tuple[float, float]:
-    """Lateness (rad of the crank) of all columns alike that explains their differences, and the part of these that it leaves; 0: none.
+def _common_lag(pairs: Sequence[tuple[Array, Array]]) -> float:
+    """Lateness (rad of the crank) of all columns alike that explains their differences; 0: none.
 
     Offsets and factors of single columns do not count. `pairs`: recorded and expected values of two columns at least.
     """
     if len(pairs) < 2:
-        return 0.0, 1.0
+        return 0.0
     lag = _lag(pairs)
     apart, left = (math.sqrt(max(1.0 - _alike(pairs, each), 0.0)) for each in (0.0, lag))
-    if apart < LEAST_DIFFERENCE or left > UNEXPLAINED * apart:
-        return 0.0, 1.0
-    return lag, left / apart
+    return 0.0 if apart < LEAST_DIFFERENCE or left > LATE * apart else lag
 
 
 def _lag(pairs: Sequence[tuple[Array, Array]]) -> float:
@@ -195,18 +148,19 @@ def _late(values: Array, lag: float) -> Array:
     return np.asarray(CubicSpline(turned, np.append(values, values[0]))(np.mod(turned[:-1] - lag, 2.0 * math.pi)))
 
 
-def _told_lag(lag: float, left: float, run: Run) -> str:
-    time, (first, last) = run.cycle["time"], run.cycle["crank_angle"][[0, -1]]
-    turning, ms = math.copysign(1.0, last - first), 1e3 * float(time[-1] - time[0]) * abs(lag) / (2.0 * math.pi)
-    off = turning * math.degrees(lag)
+def _sentence_of_lag(lag: float, run: Run) -> str:
+    """That all columns are late by an angle, rad, and how to take it off."""
+    first, last = run.cycle["crank_angle"][[0, -1]]
+    off = math.copysign(1.0, last - first) * math.degrees(lag)
     zero = f"crank_angle is about {abs(off):.3g} deg too {'large' if off > 0.0 else 'small'}"
     mend = f'"HEADING = crank_angle [deg] {"+" if off > 0.0 else "-"} {abs(off):.3g}"'
-    explained = f"that explains all but {share_of(left)} of the difference"
-    return f"{zero}, or all other columns are {ms:.3g} ms {_when(lag)}: {explained}; --column {mend} takes it off"
+    return f"{zero}, or all other columns are {_ms(lag, run)}: --column {mend} takes it off"
 
 
-def _when(lag: float) -> str:
-    return "late" if lag > 0 else "early"
+def _ms(lag: float, run: Run) -> str:
+    """Lateness by an angle of the crank, rad, in time."""
+    ms = 1e3 * float(np.ptp(run.cycle["time"])) * abs(lag) / (2.0 * math.pi)
+    return f"{ms:.3g} ms {'late' if lag > 0 else 'early'}"
 
 
 def _on_grid(run: Run, other: Run) -> dict[str, tuple[Array, Array]]:

@@ -11,7 +11,6 @@ from a smooth course (noise, rounding, sampling), and from the difference of the
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -23,7 +22,6 @@ from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
 from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.measures.time_scale import CHANNELS, TURN, time_scale
-from quickreturn.cases.mistakes.explanation import UNEXPLAINED
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredNumbers
@@ -57,13 +55,12 @@ OFF: Final = 2.0
 BACKLASH: Final = 0.02
 #: Least change of a column's mean from the first turn to the last, as a part of its RMS, that counts as a drift.
 DRIFTED: Final = 0.01
+#: Largest part of that change by which the turns may differ otherwise.
+STEADY: Final = 0.15
 #: Least distance from the steady state, as a part of the signals' RMS, at which a table does not show it.
 FAR: Final = 0.1
 #: Largest ratio of a step of the crank angle between two rows to the usual step.
 WRAPPED: Final = 100.0
-#: Units that may be meant by a heading without a unit, with their sizes: of time (s) and of angle (rad).
-_TIMES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("ms", "us", "min")}
-_ANGLES: Final = {"": 1.0} | {unit: in_si(unit) for unit in ("deg", "turn")}
 NOTHING_TO_FIT: Final = "extremes alone are measured of this column"
 
 
@@ -148,7 +145,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
 
 
 def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: Mechanism, case: str) -> None:
-    """Raise unless the crank turns about as fast as with its drive; the message names the unit that is probably meant if none is given."""
+    """Raise unless the crank turns about as fast as with its drive, and the same way."""
     time, angle = columns["time"], columns["crank_angle"]
     pace = crank_pace(mechanism)
     if pace <= 0.0 or len(time) < 2:
@@ -171,13 +168,7 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
     if 1.0 / OFF <= ratio <= OFF:
         return
     told = f"a turn of the crank takes {_turn_time(ratio * pace)} s in it, but the drive of {case} turns it in {_turn_time(pace)} s"
-    times = _TIMES if "time" in table.bare else {"": 1.0}
-    angles = _ANGLES if "crank_angle" in table.bare else {"": 1.0}
-    for units in product(times, angles):
-        if 1.0 / OFF <= ratio * angles[units[1]] / times[units[0]] <= OFF:
-            meant = " and ".join(f'"{name} [{unit}]"' for name, unit in zip(("time", "crank_angle"), units, strict=True) if unit)
-            raise CaseError(table.shown, "heading", None, told, f"without a unit SI is meant: write {meant}")
-    raise CaseError(table.shown, "time, crank_angle", None, told, "check their units, or give the case the drive of the table")
+    raise CaseError(table.shown, "time, crank_angle", None, told, "check their units (none: SI), or give the case the drive of the table")
 
 
 def _turn_time(pace: float) -> str:
@@ -280,7 +271,7 @@ def _drifts(cycles: Sequence[Cycle]) -> dict[str, float]:
         grids = [on_common_grid(Cycle(each.time, each.crank_angle, {name: each.channels[name]}))[name] for each in cycles]
         apart, means = grids[-1] - grids[0], [float(np.mean(grid)) for grid in grids]
         moved = abs(means[-1] - means[0])
-        if moved > DRIFTED * rms(grids[-1]) and rms(apart - np.mean(apart)) < UNEXPLAINED * moved:
+        if moved > DRIFTED * rms(grids[-1]) and rms(apart - np.mean(apart)) < STEADY * moved:
             slopes[name] = float(np.polyfit([float(np.mean(each.time[[0, -1]])) for each in cycles], means, 1)[0])
     return slopes
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, path_shown
-from quickreturn.cases.text.dialect import dialect_of
-from quickreturn.cases.text.number_rows import name_and_unit, numbers_in, unit_factor
+from quickreturn.cases.text.number_rows import name_and_unit, table_text, unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.reference_model.tip import ROUNDING, ForceTable
 
@@ -55,28 +54,27 @@ def text_of_table(table: ForceTable) -> str:
 
 
 def _table(text: str, source: str, file: str) -> ForceTable:
-    if all(not line.strip() or line.startswith("#") for line in text.splitlines()):
-        raise CaseError(source, None, None, "is empty", f"begin with the headings {_ACCEPTED}")
-    written = dialect_of(source, text, asked="write decimals with a point, and thousands without a sign")
+    written = table_text(source, text, advice=f"begin with {_ACCEPTED}; write decimals with a point, and thousands without a sign")
     if written.headings is None:
         raise CaseError(source, written.place, None, "has numbers where a heading is due", f"begin with the headings {_ACCEPTED}")
     names, factors = _columns(source, written.place, written.headings)
-    lines = written.rows(source, range(len(names)))
-    values = numbers_in(source, names, lines, written.first, ANGLE) * np.array(factors)
-    numbers = [number for number, line in enumerate(lines[written.first :], written.first + 1) if line.strip()]
+    found = written.numbers(names, range(len(names)), ANGLE)
+    if found.lacking:
+        raise CaseError(source, None, None, f"lacks a number in {found.lacking} of its rows", "give one number for each column")
+    values = found.values * np.array(factors)
     forces = FOLLOWING if FOLLOWING[0] in names else FIXED
     angles, *components = (values[:, names.index(name)] for name in (ANGLE, *forces))
-    angles, both = _of_a_turn(source, numbers, forces, angles, np.column_stack(components))
-    rows = [", ".join(written.headings), *(line.strip().replace('"', "") for line in lines[written.first :] if line.strip())]
+    angles, both = _of_a_turn(source, found.lines, forces, angles, np.column_stack(components))
+    kept = [", ".join(written.headings), *(", ".join(map(repr, row)) for row in found.values.tolist())]
     first, second = (tuple(each.tolist()) for each in both.T)
-    return ForceTable(tuple(angles.tolist()), first, second, forces == FOLLOWING, file, "\n".join(rows))
+    return ForceTable(tuple(angles.tolist()), first, second, forces == FOLLOWING, file, "\n".join(kept))
 
 
 def _columns(source: str, place: str, headings: Sequence[str]) -> tuple[list[str], list[float]]:
     """Names of the three columns in their order, and the SI values of their units."""
     names, factors = list[str](), list[float]()
     for heading in headings:
-        name, unit = name_and_unit(source, place, heading, "crank_angle [deg]")
+        name, unit = name_and_unit(heading)
         if name not in (ANGLE, *FIXED, *FOLLOWING):
             raise CaseError(source, place, as_written(heading), "is no column of a table of forces", f"write {_ACCEPTED}")
         if name in names:

@@ -1,20 +1,38 @@
-"""Rows of numbers below one line of headings, each a name with its unit in brackets, and messages that name the place of a mistake."""
+"""Rows of numbers below a line of headings: how a table is written, its headings with their units, and its numbers.
+
+Separator, decimal sign, comment lines, headings in the last comment and a row of units are recognised; a `Form` states what is not.
+"""
 
 import csv
-import io
 import math
 import re
+from array import array
 from collections.abc import Mapping, Sequence
-from itertools import islice
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.errors import CaseError, as_written, shortened
-from quickreturn.cases.units import DIMENSIONS, PURE_UNITS, QuantityError, in_si, plain_number, unit_size
+from quickreturn.cases.units import DIMENSIONS, PURE_UNITS, QuantityError, in_si, unit_size
 
 Array = NDArray[np.float64]
+
+#: Separator -> its name.
+SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks"}
+#: Beginnings of a comment line: Python and Exudyn; MATLAB and TeX; Fortran.
+_COMMENTS: Final = ("#", "%", "!")
+#: What to do about a table that cannot be read.
+ADVICE: Final = "say how it is written by --separator, --decimal or --skip LINES (in Python separator=, decimal=, skip=)"
+_NUMBER: Final = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
+_NUMBER_WITH_UNIT: Final = re.compile(rf"{_NUMBER.pattern}\s+([^\W\d]+)")
+_BEGINS_AS_NUMBER: Final = re.compile(r"[+-]?[.,]?\d|[+-]?(nan|inf)", re.IGNORECASE)
+#: A comma in a number that does not separate thousands, and one that may.
+_DECIMAL_COMMA: Final = re.compile(r"(?<![\d.,])[+-]?(0\d*|\d{4,})?,\d|(?<=\d),(\d{1,2}|\d{4,})(?!\d)")
+_COMMA: Final = re.compile(r"[+-]?\d+,\d+")
+_HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
+_UNIT_OF_HEADING: Final = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
 
 #: SI unit -> units that pint does not know, or knows as something else -> the same as `in_si` reads it.
 _OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
@@ -22,36 +40,219 @@ _OTHER_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
     "m/s^2": {"g": "g0"},
 }
 #: Characters in the units of headings, as printed -> as `in_si` reads them.
-_PRINTED: Final[Mapping[str, str]] = {"°": "deg", "²": "^2", "³": "^3", "·": "*", "⋅": "*"}
+_PRINTED: Final = str.maketrans({"°": "deg", "²": "^2", "³": "^3", "·": "*", "⋅": "*"})
 #: Units that are hardly meant as pint reads them -> what to write: a thousand million radians, 1/400 of a turn, a thousand kilometres.
 _TWO_MEANINGS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("Grad", "grad"), 'write "deg" for 1/360 of a turn, "gon" for 1/400'),
     "Mm": 'write "mm" for millimetres',
 }
-#: Pattern in a text that is not a number -> advice; the first that fits is given.
-_HINTS: Final = {
-    r"\d{4}-\d\d?-\d\d?|\d\d?[./]\d\d?[./]\d{2,4}": "it is a date: write seconds from the first row",
-    r"^\d+:\d\d": "of a clock: write hours, minutes and seconds, or seconds",
-    r"\d;": "semicolons separate it: use commas, and decimal points",
-    r"\d,\d{3}(,\d{3})*\.": "leave out the separators of thousands",
-    r"\d,|,\d": "the decimal sign is a point",
-    r"\d[dD][-+]?\d": "write e for D",
-}
-_HEADING: Final = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])]\s*)?")
 
 
-def name_and_unit(source: str, place: str, heading: str, example: str) -> tuple[str, str | None]:
-    """The name and the unit in a heading; None for no unit. CaseError: it is a number."""
+@dataclass(frozen=True)
+class Form:
+    """How a table is written."""
+
+    separator: str | None = None  # one of `SEPARATORS`; None: recognised
+    decimal: str | None = None  # "." or ","; None: recognised
+    skip: int = 0  # number of lines above the headings that are left out
+
+
+#: The form that is recognised.
+PLAIN: Final = Form()
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers of a table.
+
+    Attributes:
+        values: shape (rows, columns).
+        decimal: the decimal sign.
+        lines: the line of each row, counted from 1.
+        lacking: number of rows that are left out, since a cell is empty or "nan".
+    """
+
+    values: Array
+    decimal: str
+    lines: Sequence[int]
+    lacking: int
+
+
+@dataclass(frozen=True)
+class TableText:
+    """The parts of a table's text.
+
+    Attributes:
+        source: name of the table, for messages.
+        headings: one for each column, with its unit in brackets if it has one; None: the table has none.
+        place: line of the headings, for messages.
+        rows: the lines of numbers, each with its number in the file.
+        comments: the comment lines above the headings, each with its number in the file.
+        told: what was recognised, as clauses; empty for commas and one line of headings.
+        separator: sign between columns.
+        decimal: the decimal sign; None: the numbers show it.
+        advice: what to do if it cannot be read.
+        units: of each column's cells, where numbers have a unit behind them, otherwise "".
+    """
+
+    source: str
+    headings: tuple[str, ...] | None
+    place: str
+    rows: Sequence[tuple[int, str]] = field(default=(), repr=False)
+    comments: tuple[tuple[int, str], ...] = ()
+    told: tuple[str, ...] = ()
+    separator: str = ","
+    decimal: str | None = "."
+    advice: str = ADVICE
+    units: tuple[str, ...] = ()
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return len(self.headings or _split(self.rows[0][1], self.separator))
+
+    def numbers(self, names: Sequence[str], places: Sequence[int], rising: str, doubled: bool = False) -> Numbers:
+        """The numbers of columns.
+
+        Args:
+            names: of the columns, for messages.
+            places: of the columns, counted from 0.
+            rising: name of the column that must rise.
+            doubled: whether it may have the same value in two rows.
+
+        Raises:
+            CaseError: the first mistake.
+        """
+        values, lines, lacking, before, width = array("d"), list[int](), 0, -math.inf, self.width
+        decimal, rises = self.decimal or _decimal(self.source, self.rows, self.advice), names.index(rising)
+        swap = str.maketrans(",.", ".,") if decimal == "," else {}
+        units = [self.units[place] if self.units else "" for place in places]
+        for number, line in self.rows:
+            cells = _split(line, self.separator)
+            if not any(cells):
+                continue
+            if len(cells) < width or any(cells[width:]):
+                problem = f"has cells of {len(cells)} columns, the headings are those of {width}"
+                raise CaseError(self.source, f"line {number}", f'"{shortened(line)}"', problem, self.advice)
+            row = [_number(cells[place].removesuffix(unit), swap) for place, unit in zip(places, units, strict=True)]
+            for name, place, value in zip(names, places, row, strict=True):
+                if math.isinf(value):
+                    accepted = f"leave out the row or the column, or {self.advice}"
+                    raise CaseError(self.source, f"line {number}, {name}", as_written(cells[place]), "is no plain number", accepted)
+            if math.isnan(sum(row)):
+                lacking += 1
+                continue
+            if row[rises] < before or (row[rises] == before and not doubled):
+                raise does_not_rise(self.source, f"line {number}, {rising}", row[rises])
+            before = row[rises]
+            values.extend(row)
+            lines.append(number)
+        if not lines:
+            raise CaseError(self.source, None, None, "has no rows below its headings", "a whole turn of the crank is needed")
+        return Numbers(np.frombuffer(values).reshape(-1, len(names)), decimal, lines, lacking)
+
+
+def table_text(source: str, text: str, form: Form = PLAIN, advice: str = ADVICE) -> TableText:
+    """The parts of a table's text.
+
+    Args:
+        source: name of the table, for messages.
+        text: its text.
+        form: how it is written, where that is known.
+        advice: what to do if it cannot be read, for messages.
+
+    Raises:
+        CaseError: it has no headings and no rows, two units for a column, or numbers that can be read in two ways.
+    """
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if number > form.skip and line.strip()]
+    rows = [(number, line) for number, line in lines if not line.lstrip().startswith(_COMMENTS)]
+    if any(len(line) > csv.field_size_limit() for _, line in rows):
+        raise CaseError(source, None, None, "is no table of lines", advice)
+    if not rows:
+        problem = "has no headings" if lines else "is empty"
+        raise CaseError(source, None, None, problem, 'write a line such as "time [s],crank_angle [deg]"')
+    at, head = rows[0]
+    comments = [(number, line) for number, line in lines if number < at and line.lstrip().startswith(_COMMENTS)]
+    separator = form.separator or _separator(head)
+    cells, told = _split(head, separator), [SEPARATORS[separator]] if separator != "," else []
+    headings, noted = list[str](), ""
+    if not all(_NUMBER.fullmatch(cell) for cell in cells if cell):
+        headings, rows = cells, rows[1:]
+        if headings and not headings[-1]:  # each line ends with a separator
+            headings.pop()
+    elif comments and len(inside := _split(comments[-1][1].lstrip(" " + "".join(_COMMENTS)), separator)) == len(cells):
+        (at, _), headings, noted = comments.pop(), inside, "heading in a comment"
+    place = f"line {at}"
+    below = _split(rows[0][1], separator) if rows else []
+    if headings and any(below) and len(below) - len(headings) in (0, 1) and not any(_BEGINS_AS_NUMBER.match(cell) for cell in below):
+        rows, noted = rows[1:], "units in the second row"
+        headings = [_headed(source, place, heading, unit.strip("[]() ")) for heading, unit in zip(headings, below, strict=False)]
+        below = _split(rows[0][1], separator) if rows else []
+    units = tuple(match[3] if (match := _NUMBER_WITH_UNIT.fullmatch(cell)) else "" for cell in below)
+    if headings and any(units):
+        headings = [_headed(source, place, heading, unit) for heading, unit in zip(headings, units, strict=False)]
+    told += [*[noted] * bool(noted), *["units in the cells"] * any(units)]
+    if any("=" not in line for _, line in comments):
+        told.append(f"{len(comments)} comment line{'s' * (len(comments) > 1)}")
+    decimal = "." if separator == "," else form.decimal
+    return TableText(
+        source, tuple(headings) or None, place, rows, tuple(comments), tuple(told), separator, decimal, advice, units if any(units) else ()
+    )
+
+
+def _separator(line: str) -> str:
+    """The separator of a line of headings or numbers; signs in quotes and in brackets do not count."""
+    outside = re.sub(r'"[^"]*"|[\[(][^\])]*[\])]', "x", line).strip()
+    return next((sign for sign in ";\t, " if sign in outside), ",")
+
+
+def _split(line: str, separator: str) -> list[str]:
+    """The cells of a line, without quotes and blanks around them; among blanks, a unit in brackets belongs to the name before it."""
+    if separator == " ":
+        line = re.sub(r" (?=[\[(])", "", " ".join(line.split()))
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
+
+
+def _number(cell: str, swap: Mapping[int, int]) -> float:
+    """The number in a cell: NaN if it is empty, infinite if it is no plain number. `swap`: what makes its decimal sign a point."""
+    try:
+        return float(cell.translate(swap).replace("_", "?") or math.nan)  # Python reads 1_0 as 10
+    except ValueError:
+        return math.inf
+
+
+def _decimal(source: str, rows: Sequence[tuple[int, str]], advice: str) -> str:
+    """The decimal sign of numbers that no commas separate. CaseError: it may be either."""
+    commas = [(number, match[0]) for number, line in rows if "," in line and (match := _COMMA.search(line))]
+    if not commas:
+        return "."
+    pointed = any(re.search(r"\d\.\d", line) for _, line in rows)
+    if pointed or not any(_DECIMAL_COMMA.search(line) for _, line in rows if "," in line):
+        problem = "stands in a table that has decimal points too" if pointed else "can be read in two ways"
+        raise CaseError(source, f"line {commas[0][0]}", as_written(commas[0][1]), problem, advice)
+    return ","
+
+
+def _headed(source: str, place: str, heading: str, unit: str) -> str:
+    """A heading with the unit that stands below it. CaseError: it has another one already."""
+    own = _UNIT_OF_HEADING.search(heading)
+    if own and unit and unit != own[1].strip():
+        raise CaseError(
+            source, place, as_written(heading), f'is followed by the unit "{unit}"', "give one unit, in the heading or below it"
+        )
+    return f"{heading} [{unit}]" if unit and not own else heading
+
+
+def name_and_unit(heading: str) -> tuple[str, str | None]:
+    """The name and the unit in a heading; None for no unit."""
     match = _HEADING.fullmatch(heading)
     name, unit = (match[1], match[2]) if match else (heading, None)
-    if plain_number(name.strip()) is not None:
-        raise CaseError(source, place, as_written(heading), "is a number where a heading is due", f'begin with one such as "{example}"')
     return name, unit if unit is None else unit.strip()
 
 
 def unit_factor(source: str, place: str, si_unit: str, unit: str) -> float:
     """The SI value of a unit in a heading, for a column whose SI unit is `si_unit`. CaseError: no such unit, or one that means two."""
-    others, unit = _OTHER_UNITS.get(si_unit, {}), _as_here(unit)
+    others, unit = _OTHER_UNITS.get(si_unit, {}), unit.translate(_PRINTED)
     if unit in _TWO_MEANINGS:
         raise CaseError(source, place, as_written(unit), "can be read in two ways", _TWO_MEANINGS[unit])
     if unit in others:
@@ -62,74 +263,6 @@ def unit_factor(source: str, place: str, si_unit: str, unit: str) -> float:
         raise CaseError(source, place, as_written(unit), wrong.problem, wrong.accepted) from None
 
 
-def _as_here(unit: str) -> str:
-    for printed, here in _PRINTED.items():
-        unit = unit.replace(printed, here)
-    return unit
-
-
-def numbers_in(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str, doubled: bool = False) -> Array:
-    """The numbers in the lines from `first` on, shape (rows, columns).
-
-    CaseError: the first mistake; the column `rising` must rise, or must not fall if the same value may be `doubled` in the next row.
-    """
-    if not any(line.strip() for line in lines[first:]):
-        raise CaseError(source, None, None, "has no rows below its heading", "a whole turn of the crank is needed")
-    try:
-        values = np.loadtxt(io.StringIO("\n".join(lines[first:])), delimiter=",", ndmin=2, comments=None, quotechar='"')
-    except ValueError:
-        values = None
-    if (
-        values is None
-        or values.shape[1] != len(names)
-        or not np.all(np.isfinite(values))
-        or late_row(values[:, names.index(rising)], doubled) is not None
-    ):
-        raise _bad_row(source, names, lines, first, rising, doubled)
-    return values
-
-
-def late_row(values: Array, doubled: bool = False) -> int | None:
-    """Index of the first row whose value is smaller than that of the row before, or equal unless it may be `doubled`; None: no row."""
-    steps = np.diff(values)
-    late = np.flatnonzero(steps < 0.0 if doubled else steps <= 0.0)
-    return int(late[0]) + 1 if late.size else None
-
-
 def does_not_rise(source: str, place: str, value: float, accepted: str = "sort the rows and drop doubles") -> CaseError:
     """The mistake of a value that is not larger than that of the row before."""
     return CaseError(source, place, f"{value:.12g}", "does not rise", accepted)
-
-
-def line_of(lines: Sequence[str], first: int, row: int) -> int:
-    """Number of the line, counted from 1, that holds a row, counted from 0; rows begin at index `first`."""
-    return next(islice((number for number in range(first, len(lines)) if lines[number].strip()), row, None)) + 1
-
-
-def _bad_row(source: str, names: Sequence[str], lines: Sequence[str], first: int, rising: str, doubled: bool) -> CaseError:
-    """The mistake in the first row that is not one finite number for each column, or does not rise."""
-    before = -math.inf
-    for number, line in enumerate(lines[first:], first + 1):
-        if not line.strip():
-            continue
-        place, row = f"line {number}", f'"{shortened(line)}"'
-        cells = next(csv.reader([line], skipinitialspace=True))
-        if not any(re.match(r"\s*[+-]?\.?[0-9]", cell) for cell in cells):
-            accepted = "after the one line of headings, with units in their brackets, come rows of numbers alone"
-            return CaseError(source, place, row, "is no row of numbers", accepted)
-        for name, cell in zip(names, cells, strict=False):
-            value = plain_number(cell.strip())
-            if value is None or not np.isfinite(value):
-                hint = next((f" ({told})" for pattern, told in _HINTS.items() if re.search(pattern, cell)), "")
-                problem = f"is no plain number{hint}" if cell.strip() else "is empty"
-                accepted = "leave out rows that lack a number, or columns that were not recorded"
-                return CaseError(source, f"{place}, {name}", as_written(cell), problem, accepted)
-            if name == rising:
-                if not (value > before or (doubled and value == before)):
-                    return does_not_rise(source, f"{place}, {name}", value)
-                before = value
-        if len(cells) != len(names):
-            problem = f"has {len(cells)} numbers, the heading {len(names)} columns"
-            accepted = f"give one number for each column{'; decimals need a point, not a comma' if len(cells) > len(names) else ''}"
-            return CaseError(source, place, row, problem, accepted)
-    return CaseError(source, None, None, "cannot be read as rows of numbers", "give one plain number for each column")

@@ -1,7 +1,8 @@
 """Reads a text file that the user names, or says in one sentence why it cannot be read."""
 
+import codecs
+import contextlib
 import os
-import re
 import stat
 from collections.abc import Sequence
 from itertools import islice
@@ -12,12 +13,6 @@ from quickreturn.cases.errors import CaseError, path_shown, similar_name
 
 #: Largest number of entries of a folder that are searched; a user's own folder has fewer.
 _MOST_ENTRIES: Final = 10_000
-#: Python's name of an encoding -> its name in messages.
-_NAMES: Final = {"utf-8": "", "utf-16": "UTF-16", "utf-16-le": "UTF-16", "utf-16-be": "UTF-16", "cp1252": "Windows-1252"}
-#: Characters that no text has: control characters other than tabulators, line ends, form feeds and the end of a file of DOS.
-_OF_NO_TEXT: Final = re.compile(r"[\x00-\x08\x0e-\x19\x1b-\x1f\x7f]")
-#: Number of bytes in which zeros are counted, and their least part of every second byte in UTF-16: all but a few characters are ASCII.
-_SAMPLE, _ZEROS = 4096, 0.7
 
 
 def read_text(
@@ -36,46 +31,22 @@ def read_text(
     """
     content = _content(path, what, largest, library)
     try:
-        return _plain(content.decode("utf-8-sig"))
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as wrong:
         line = content.count(b"\n", 0, wrong.start) + 1
         raise CaseError(path_shown(path), None, None, f"is not in UTF-8 (line {line})", "save it as plain text in UTF-8") from None
 
 
-def read_foreign_text(path: str, what: str, largest: int) -> tuple[str, str]:
-    """The text of a file of any program, and the name of its encoding; "" for UTF-8.
-
-    UTF-16, which Excel calls Unicode text, has a byte order mark, or a zero in nearly every second byte. Other bytes that are not UTF-8 are
-    read as Windows-1252, in which degree sign, micro sign and umlauts are those of Latin-1.
-
-    Raises:
-        CaseError: as of `read_text`, but for the encoding; or the file holds bytes that no text has.
-    """
+def read_table_text(path: str, what: str, largest: int) -> str:
+    """The text of a table of any program: in UTF-8, UTF-16 with its byte order mark, or Windows-1252. CaseError: as of `read_text`."""
     content = _content(path, what, largest)
-    for name in _encodings(content):
-        try:
-            text = content.decode(name)
-        except UnicodeDecodeError:
-            continue
-        if not _OF_NO_TEXT.search(text):
-            return _plain(text.removeprefix("\ufeff")), _NAMES[name]
-    accepted = "export it as plain text, such as CSV"
-    raise CaseError(path_shown(path), None, None, "is no text, but a program's own binary form", accepted)
-
-
-def _encodings(content: bytes) -> Sequence[str]:
-    """The encodings that a content may have, the most probable one first."""
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return ("utf-16",)
-    zeros = [content[:_SAMPLE][first::2].count(0) for first in (0, 1)]
-    if max(zeros) > _ZEROS * len(content[:_SAMPLE]) / 2 and min(zeros) == 0:
-        return ("utf-16-be",) if zeros[0] else ("utf-16-le",)
-    return ("utf-8", "cp1252")
-
-
-def _plain(text: str) -> str:
-    """A text with plain line ends."""
-    return text.replace("\r\n", "\n")
+    is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in ("utf-16",) if is_wide else ("utf-8-sig", "cp1252"):
+        with contextlib.suppress(UnicodeDecodeError):
+            text = content.decode(encoding)
+            if "\0" not in text:
+                return text
+    raise CaseError(path_shown(path), None, None, "is no text, but a program's own binary form", "export it as plain text, such as CSV")
 
 
 def _content(path: str, what: str, largest: int, library: Sequence[str] = ()) -> bytes:

@@ -1,8 +1,8 @@
 """`quickreturn run` and `compare`: engines, and recorded tables, measured and compared by what they claim."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -84,8 +84,7 @@ def compare(
     engines: Sequence[str],
     accuracy: float | None,
     assignments: Sequence[str],
-    columns: Sequence[str],
-    decimal: str | None,
+    reading: Mapping[str, Any],
     writes_mapping: bool,
     output: str | None,
     as_json: bool,
@@ -94,9 +93,10 @@ def compare(
     """Measure recorded tables of CASE and compare them with engines.
 
     A FILE is a table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from another
-    tool, an earlier version or a test rig. Separator, decimal sign, comments and a row of units are recognised and told; --column names
-    the columns of other programs. `quickreturn show CASE --for-other-tools` says what to record. A table that begins in the standard start
-    and has not settled is compared with the engines in the same turn of the crank, any other table in the steady state.
+    tool, an earlier version or a test rig. Separator, decimal sign, comments and a row of units are recognised; --separator, --decimal and
+    --skip say what is not, --column names the columns of other programs. `quickreturn show CASE --for-other-tools` says what to record. A
+    table that begins in the standard start and has not settled is compared with the engines in the same turn of the crank, any other table
+    in the steady state.
 
     The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
     the engine's own estimate. Exit codes 2 and 3 are those of `run`.
@@ -105,13 +105,13 @@ def compare(
     loaded = options.load(case, overrides)
     options.refuse_missing(engines)
     if writes_mapping:
-        return tables.write_mapping(files, columns, decimal)
+        return tables.write_mapping(files, reading)
     if output is not None:
         check_writable(Path(output), loaded.source, *PICTURES)
     from quickreturn.table_comparison import compared, parts_of_tables, tables_in
     from quickreturn.verdict_text import as_document
 
-    results = compared(loaded, tables.read(files, columns, decimal), engines, settings, accuracy, computing)
+    results = compared(loaded, tables.read(files, reading), engines, settings, accuracy, computing)
     if as_json:
         document = as_document(results, console.call().notices)
         for entry, result in zip(document["cases"], results, strict=True):

@@ -1,9 +1,9 @@
 """`quickreturn sweep`, `uncertainty`, `resonance` and `calibrate`: a machine over its quantities, and these from a recorded table."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import click
 
@@ -265,8 +265,7 @@ def calibrate(
     case: str,
     file: str,
     free: Sequence[str],
-    columns: Sequence[str],
-    decimal: str | None,
+    reading: Mapping[str, Any],
     assignments: Sequence[str],
     output: str | None,
     as_json: bool,
@@ -283,7 +282,7 @@ def calibrate(
     loaded = options.load(case, options.read_overrides(assignments))
     if output is not None:
         check_writable(Path(output), loaded.source, ".toml")
-    (table,) = tables.read([file], columns, decimal)
+    (table,) = tables.read([file], reading)
     found = qr.calibrate(loaded, table, free, limits=computing.limits, quiet=computing.quiet)
     if output is not None:
         write_file(Path(output), found.fitted.to_toml().encode())

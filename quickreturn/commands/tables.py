@@ -1,6 +1,7 @@
 """How commands read recorded tables: their options, how a table was read, and the file that names its columns."""
 
-from collections.abc import Callable, Iterable, Sequence
+import functools
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,26 +18,36 @@ if TYPE_CHECKING:
 _MAPPED: Final = 'What a heading of FILE is: "crank.phi = crank_angle [deg]", "phi = -1 * crank_angle [deg] + 90".'
 
 
+_SIGN: Final = 'Sign between the columns of FILE: ",", ";", "tab" or "blank"; default: recognised.'
+_DECIMAL: Final = 'Decimal sign of FILE, "." or ","; default: recognised.'
+_SKIP: Final = "Number of lines above the headings of FILE to leave out."
+
+
 def options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that say how recorded tables are to be read."""
-    sign = 'Decimal sign of FILE, "." or ",", where it can be read in two ways.'
-    return common.several("--column", "columns", metavar="TEXT", help=_MAPPED)(
-        common.single("--decimal", metavar="SIGN", help=sign)(command)
-    )
+    """Add the options that say how recorded tables are to be read, and pass them on as one argument `reading`, those of `read_table`."""
+
+    @functools.wraps(command)
+    def called(*, columns: Sequence[str], decimal: str | None, separator: str | None, skip: int | None, **others: Any) -> Any:
+        sign = {"tab": "\t", "blank": " "}.get(separator or "", separator)
+        return command(reading={"columns": columns, "decimal": decimal, "separator": sign, "skip": skip or 0}, **others)
+
+    lines = common.single("--skip", metavar="LINES", read=common.number(0, 10_000, 3, whole=True), help=_SKIP)(called)
+    signs = common.single("--separator", metavar="SIGN", help=_SIGN)(common.single("--decimal", metavar="SIGN", help=_DECIMAL)(lines))
+    return common.several("--column", "columns", metavar="TEXT", help=_MAPPED)(signs)
 
 
-def read(paths: Iterable[str], columns: Sequence[str], decimal: str | None) -> "list[RecordedTable]":
+def read(paths: Iterable[str], reading: Mapping[str, Any]) -> "list[RecordedTable]":
     """Recorded tables; standard error is told how each is written."""
     from quickreturn.cases.recorded import read_table
 
-    read = [read_table(path, columns, decimal) for path in dict.fromkeys(paths)]
+    read = [read_table(path, **reading) for path in dict.fromkeys(paths)]
     for table in read:
         if table.told:
             console.tell(f"{table.shown}: {table.told}")
     return read
 
 
-def write_mapping(files: Sequence[str], columns: Sequence[str], decimal: str | None) -> int:
+def write_mapping(files: Sequence[str], reading: Mapping[str, Any]) -> int:
     """Write the mapping of the only table to the file beside it, unless that exists."""
     from quickreturn.cases.recorded import suggested_mapping
     from quickreturn.cases.text.column_mapping import mapping_file
@@ -47,6 +58,6 @@ def write_mapping(files: Sequence[str], columns: Sequence[str], decimal: str | N
     if target.exists():
         raise click.UsageError(f"--write-mapping: {target} exists already; edit it")
     check_writable(target, files[0], ".toml")
-    write_file(target, suggested_mapping(files[0], columns, decimal).encode())
+    write_file(target, suggested_mapping(files[0], **reading).encode())
     click.echo(f"{target}: edit the lines with -, then compare again")
     return ExitCode.GOOD

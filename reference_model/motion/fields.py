@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import point
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.simd import load, plus, spread, store
+from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
@@ -23,10 +23,10 @@ SMALL_ANGLE = 0.25 * math.pi
 def interpolate_row(t: BeamTables, s: float, row: Array) -> int:
     """To `row`: the table's row at s. Returns the number of the cell that ends at the slider."""
     k = min(max(int((s - t.low) / t.step), 0), t.coefficients.shape[0] - 1)
-    ds = s - t.low - k * t.step
-    c3, c2, c1, c0 = t.coefficients[k, 0], t.coefficients[k, 1], t.coefficients[k, 2], t.coefficients[k, 3]
-    for j in range(len(row)):
-        row[j] = ((c3[j] * ds + c2[j]) * ds + c1[j]) * ds + c0[j]
+    ds, c = spread(s - t.low - k * t.step), t.coefficients[k]
+    for j in range(0, len(row), 4):
+        slope = plus_product(load(c[1], j), ds, load(c[0], j))
+        store(row, j, plus_product(load(c[3], j), ds, plus_product(load(c[2], j), ds, slope)))
     return int(t.slider_cell[k])
 
 
@@ -106,10 +106,8 @@ def cumulate(t: BeamTables, length: Array, f: Array, out: Array) -> None:
         _cumulate(t, length, f, out, t.gauss_points, t.cell_size)
 
 
-@inner
-def cumulate_real(t: BeamTables, length: Array, f: Array, out: Array) -> None:
-    """`cumulate` for a real function, in rows of N numbers."""
-    G, S = t.gauss_points, t.cell_size
+@inlined
+def _cumulate_real(t: BeamTables, length: Array, f: Array, out: Array, G: int, S: int) -> None:
     before = 0.0
     for cell in range(t.cells):
         first = cell * S
@@ -121,14 +119,23 @@ def cumulate_real(t: BeamTables, length: Array, f: Array, out: Array) -> None:
         before = out[first + G]
 
 
+@inner
+def cumulate_real(t: BeamTables, length: Array, f: Array, out: Array) -> None:
+    """`cumulate` for a real function, in rows of N numbers."""
+    if t.gauss_points == 11:
+        _cumulate_real(t, length, f, out, 11, 12)
+    else:
+        _cumulate_real(t, length, f, out, t.gauss_points, t.cell_size)
+
+
 @inlined
 def turned(rate: Array, e: Array, f: Array) -> None:
     """To `f`: i rate e, for N real rates and N complex e."""
-    N = len(e) // 2
-    for j in range(N):
-        f[j] = -rate[j] * e[N + j]
-    for j in range(N):
-        f[N + j] = rate[j] * e[j]
+    N, none = len(e) // 2, spread(0.0)
+    for j in range(0, N, 4):
+        here = load(rate, j)
+        store(f, j, plus(none, -1.0, plus_product(none, here, load(e, N + j))))
+        store(f, N + j, plus_product(none, here, load(e, j)))
 
 
 @inlined

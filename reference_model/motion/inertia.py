@@ -161,8 +161,8 @@ def assemble(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> No
             w.Q[k] -= w.squares[k - 1] * y.eta[k - 1]
         if p.bending_damping > 0.0:
             w.Q[k] -= _bending_force(t, w, k, n)
-        for j in range(size):
-            w.weighted[j] = w.mass[j] * w.V[k, j]
+        for j in range(0, size, 4):
+            store(w.weighted, j, plus_product(spread(0.0), load(w.mass, j), load(w.V[k], j)))
         for i in range(k + 1):
             w.M[k, i] = _dot(w.weighted, w.V[i], size)
         if 0 < k <= n:

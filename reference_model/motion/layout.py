@@ -181,7 +181,7 @@ class BeamParameters(NamedTuple):
     base_speed: float  # rad/s, of BASE after its spin-up
     base_time: float  # s, of the spin-up
     extreme_fibre: float  # m
-    gauges: Vector
+    places: Vector  # m, see `parameters.places`
     added_inertia: Vector  # (n,) of the amplitudes over their modal masses, see `parameters.added_inertia`
     reach: float  # m, slider position beyond which the slider counts as off the follower
     knows_frequency: int  # whether the shapes' highest frequency bounds that of the equations (5.9)
@@ -243,6 +243,7 @@ class BeamWorkspace(NamedTuple):
     recovered_angle: Vector  # (N,)
     recovered_e: Vector  # (2 N,)
     recovered_place: Vector  # (2 N,) m
+    at_places: Matrix  # (2, 4) a field and the deflection at places of a row
     watched: Vector  # (2,) read by the integrator: s, m; highest angular frequency, rad/s, 0 if unknown
     facts: Facts
 
@@ -261,6 +262,7 @@ def workspace(p: BeamParameters) -> BeamWorkspace:
         ("V", (m, M)),
         ("M factor", (m, m)),
         ("watched", (2,)),
+        ("at_places", (2, 4)),
     )
     fields: dict[str, Any] = {name: on_lines(size) for names, size in sizes for name in names.split()}
     fields |= {name: np.zeros(m, dtype=complex) for name in ("foot_rate", "closing")}

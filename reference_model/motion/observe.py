@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import PLACES
+from quickreturn.reference_model.columns import GAUGES, NUMBERS, PLACES
 from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
 from quickreturn.reference_model.motion.compiled_layout import parameters_at, rows_at, workspace_at
@@ -21,8 +21,8 @@ from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
 from quickreturn.reference_model.motion.plane import angle_of, cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, number_at_spring, spring_energy
 from quickreturn.reference_model.native.compilation import inner
-from quickreturn.reference_model.native.pointers import call_equations
-from quickreturn.reference_model.native.simd import load, plus_product, spread, total
+from quickreturn.reference_model.native.pointers import call_equations, matrix_at, numbers_at
+from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
 from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
@@ -138,10 +138,12 @@ def _bending_moment(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_p
     if p.constraint != BASE:
         row.axial_base += f.slider_force.real
         row.axial_inboard += dot(along, f.slider_force)
-        row.moment_base += cross(point(w.z, slider_point, N), f.slider_force) + f.slider_moment
+        pushed = f.slider_force
+        of_slider = cross(point(w.z, slider_point, N), pushed) + f.slider_moment
+        row.moment_base += of_slider
         # at the slider the moment jumps by the slider's moment, and the outboard side counts
         for j in range(slider_point):
-            w.moment[j] += cross(point(w.z, slider_point, N) - point(w.z, j, N), f.slider_force) + f.slider_moment
+            w.moment[j] += of_slider - cross(point(w.z, j, N), pushed)
     row.moment_slider = w.moment[slider_point]
     if p.is_held > 0:
         row.moment_base += cross(f.spring_place, f.spring_force)
@@ -177,20 +179,20 @@ def _recover(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, slide
             w.moment[j] += _moment_of_spring(t, w, j)
         if not _bend(p, t, w, 0.0, complex(0.0, 0.0), False):
             return False
-        _read(p, t, w, row)
+        _read(p, t, w, row, -1.0)
         place, tangent = point(w.recovered_place, slider_point, N), point(w.recovered_e, slider_point, N)
         angle, joint = number_at_spring(w, w.recovered_angle), at_spring(w, w.recovered_place, N)
         for j in range(N):
             w.moment[j] -= _moment_of_spring(t, w, j)
         if not _bend(p, t, w, angle, joint, True):
             return False
-        _read_beyond_spring(p, t, w, row)
+        _read(p, t, w, row, p.spring_place)
         if f.s > p.spring_place:
             place, tangent = point(w.recovered_place, slider_point, N), point(w.recovered_e, slider_point, N)
     else:
         if not _bend(p, t, w, 0.0, complex(0.0, 0.0), False):
             return False
-        _read(p, t, w, row)
+        _read(p, t, w, row, -1.0)
         place, tangent = point(w.recovered_place, slider_point, N), point(w.recovered_e, slider_point, N)
     frame, ds = f.frame, 0.0
     if p.constraint == BASE:
@@ -244,59 +246,69 @@ def _bend(p: BeamParameters, t: BeamTables, w: BeamWorkspace, angle: float, plac
 
 
 @inner
-def _read(p: BeamParameters, t: BeamTables, w: BeamWorkspace, row: Any) -> None:
-    """To the row: moments, shape and strains at its places."""
-    for place in range(PLACES):
-        x = (place + 1) * p.L / (PLACES + 1)
-        row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
-    for gauge in range(3):
-        row.strains[gauge] = p.extreme_fibre * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
+def _read(p: BeamParameters, t: BeamTables, w: BeamWorkspace, row: Any, beyond: float) -> None:
+    """To the row: moments, shape and strains at its places beyond an arc length."""
+    k = 0
+    while k < PLACES:
+        count = min(_at_places(t, w, w.moment, p.places, k), PLACES - k)
+        for i in range(count):
+            if p.places[k + i] > beyond:
+                row.moments[k + i], row.shapes[k + i] = w.at_places[0, i], w.at_places[1, i]
+        k += count
+    while k < PLACES + GAUGES:
+        count = _at_places(t, w, w.curvature, p.places, k)
+        for i in range(count):
+            if p.places[k + i] > beyond:
+                row.strains[k + i - PLACES] = p.extreme_fibre * w.at_places[0, i]
+        k += count
 
 
 @inner
-def _read_beyond_spring(p: BeamParameters, t: BeamTables, w: BeamWorkspace, row: Any) -> None:
-    """The same at its places beyond the spring's."""
-    for place in range(PLACES):
-        x = (place + 1) * p.L / (PLACES + 1)
-        if x > p.spring_place:
-            row.moments[place], row.shapes[place] = _at_place(t, w, w.moment, x)
-    for gauge in range(3):
-        if p.gauges[gauge] > p.spring_place:
-            row.strains[gauge] = p.extreme_fibre * _at_place(t, w, w.curvature, p.gauges[gauge])[0]
+def _at_places(t: BeamTables, w: BeamWorkspace, field: Array, places: Array, k: int) -> int:
+    """To `at_places`: a field (moment or curvature) and the deflection at four places, from number k on.
 
-
-@inner
-def _at_place(t: BeamTables, w: BeamWorkspace, field: Array, x: float) -> tuple[float, float]:
-    """A field (moment or curvature) and the deflection at x, by the polynomials through the points of its cell (Lagrange's form)."""
-    cell, begin = 0, 0.0
-    # with room for rounding; a cell beyond a slider that has left the follower has no length
-    while cell < t.cells - 1 and w.length[cell + 1] > 0.0 and x > begin + w.length[cell] * (1.0 + 1e-12):
-        begin += w.length[cell]
-        cell += 1
-    first, u = cell * t.cell_size, (x - begin) / w.length[cell]
-    value = deflection = 0.0
-    before = 1.0  # product of the distances from the points passed
-    for j in range(t.gauss_points):
-        away, share = u - t.u[j], t.lagrange[j] * before
-        value = value * away + share * field[first + j]
-        deflection = deflection * away + share * w.recovered_place[t.points + first + j]
-        before *= away
-    return value, deflection
-
-
-def observe_states(function: int, parameters: int, workspace: int, states: int, count: int, size: int, rate: int, rows: int) -> int:
-    """Fill `rows`, (count,) records `columns.ROW`, from `states` (count, size); `rate` (size,) is overwritten.
-
-    `function` is the address of `equations.kernel`, the rest are those of arrays.
+    They are on the polynomials through the points of the first place's cell (Lagrange's form).
 
     Returns:
-        Number of rows filled before a state that cannot be.
+        Number of places in that cell, before the first that is not.
     """
-    p, w, filled = parameters_at(parameters), workspace_at(workspace), rows_at(rows, count)
+    cell, begin = 0, 0.0
+    # with room for rounding; a cell beyond a slider that has left the follower has no length
+    while cell < t.cells - 1 and w.length[cell + 1] > 0.0 and places[k] > begin + w.length[cell] * (1.0 + 1e-12):
+        begin += w.length[cell]
+        cell += 1
+    first, length, count = cell * t.cell_size, w.length[cell], 1
+    while count < 4 and begin < places[k + count] <= begin + length * (1.0 + 1e-12):
+        count += 1
+    none = spread(0.0)
+    u = plus(none, 1.0 / length, plus(load(places, k), -1.0, spread(begin)))
+    value, deflection, before = none, none, spread(1.0)  # product of the distances from the points passed
+    for j in range(t.gauss_points):
+        away, share = plus(u, -1.0, spread(t.u[j])), plus(none, t.lagrange[j], before)
+        value = plus(plus_product(none, value, away), field[first + j], share)
+        deflection = plus(plus_product(none, deflection, away), w.recovered_place[t.points + first + j], share)
+        before = plus_product(none, before, away)
+    store(w.at_places[0], 0, value)
+    store(w.at_places[1], 0, deflection)
+    return count
+
+
+def observe_states(function: int, parameters: int, workspace: int, states: int, count: int, size: int, scratch: int, table: int) -> int:
+    """Fill `table` (`NUMBERS`, count), a column for each row of `columns.ROW`, from `states` (count, size).
+
+    `scratch` (size + `NUMBERS`,) is overwritten. `function` is the address of `equations.kernel`, the rest are those of arrays.
+
+    Returns:
+        Number of columns filled before a state that cannot be.
+    """
+    p, w, filled = parameters_at(parameters), workspace_at(workspace), matrix_at(table, NUMBERS, count)
+    row, numbers = rows_at(scratch + 8 * size, 1)[0], numbers_at(scratch + 8 * size, NUMBERS)
     for k in range(count):
         state = states + 8 * size * k
-        if call_equations(function, parameters, workspace, state, rate) != 1:
+        if call_equations(function, parameters, workspace, state, scratch) != 1:
             return k
-        if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), filled[k]):
+        if not observe(p, p.tables, w, state_at(state, p.n, p.speeds), row):
             return k
+        for i in range(NUMBERS):
+            filled[i, k] = numbers[i]
     return count

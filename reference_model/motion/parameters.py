@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants, pace, unslowed
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, ShapeRow
@@ -32,8 +33,10 @@ def parameters(
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
     spring = scene.acting_spring or Spring(anchor=(0.0, 0.0))
+    of_scene = constants(scene)
+    of_scene["places"] = places(scene.follower.length, of_scene.pop("gauges"))
     return BeamParameters(
-        **constants(scene),
+        **of_scene,
         constraint=kind,
         n=shapes,
         speeds=shapes + (1 if kind in (ELIMINATED, BASE) else 2),
@@ -67,6 +70,11 @@ def parameters(
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,
         tables=tables,
     )
+
+
+def places(length: float, gauges: Vector) -> Vector:
+    """Places of a row's moments and shape, then of its strains, m; and fillers, for places are read in fours."""
+    return np.concatenate([length * np.arange(1, PLACES + 1) / (PLACES + 1), gauges, np.zeros(3)])
 
 
 def added_inertia(tables: BeamTables, shapes: int, slowed_to: float) -> Vector:

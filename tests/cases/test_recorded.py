@@ -38,7 +38,6 @@ def refusal(folder: Path, text: str) -> str:
 def test_units_are_turned_into_si_and_nothing_else_is_touched(tmp_path: Path, text: str) -> None:
     table = read_table(written(tmp_path, text))
     assert table.name == "tool.csv"
-    assert table.bare == frozenset()
     np.testing.assert_allclose(table.columns["time"], [0.0, 1e-3], rtol=1e-15)
     np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 181.0]), rtol=1e-15)
     np.testing.assert_allclose(table.columns["tip_deflection"], [-2.5e-3, 1e-6], rtol=1e-15)
@@ -66,47 +65,41 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
     table = read_table(written(tmp_path, f"time,{heading}\n0,2\n"))
     (name,) = set(table.columns) - {"time"}
     np.testing.assert_allclose(table.columns[name], [2.0 * size], rtol=1e-15)
-    assert (name in table.bare) == ("[" not in heading)
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("", ["is empty"]),
-        ("# case = x\n", ["no heading"]),
+        ("# case = x\n", ["no headings"]),
         ("time,tip_deflection\n", ["no rows"]),
         ("time,tip_deflecton [mm]\n0,1", ["line 1", "tip_deflecton", "tip_deflection", "--for-other-tools"]),
-        ("time;tip_x\n0;3\n1;1,234\n", ["line 3", "1,234", "two ways", "1234 or 1.234", "--decimal"]),
-        ("time;tip_x\n0;3,5\n1;1.5\n", ["line 3", "1.5", "decimal commas too"]),
-        ("time [s];tip_x\nms;m\n0;1\n", ["line 1", "time [s]", "ms", "one unit"]),
         ("Time,crank.phi,tip_deflecton\n0,1,2", ["crank.phi", "crank_angle", "tip_deflecton", "tip_deflection", "--write-mapping"]),
-        ("time,tip_deflection\n0;1\n", ["line 2, time", "0;1", "semicolons"]),
-        ("time,tip_deflection\n0,1,5\n", ["line 2", "0,1,5", "3 numbers", "2 columns", "comma"]),
+        ("time_ms,tip_defl_mm\n0,1\n", ["nearest: time [ms]", "nearest: tip_deflection [mm]"]),
+        ("time;tip_x\n0;3\n1;1,234\n", ["line 3", "1,234", "two ways", "--decimal"]),
+        ("time;tip_x\n0;3,5\n1;1.5\n", ["line 2", "3,5", "decimal points too", "--decimal"]),
+        ("time [s];tip_x\nms;m\n0;1\n", ["line 1", "time [s]", "ms", "one unit"]),
+        ("time,tip_deflection\n0;1\n", ["line 2", "0;1", "--separator"]),
+        ("time,tip_deflection\n0,1,5\n", ["line 2", "0,1,5", "3 columns", "of 2", "--decimal"]),
+        ("Solver 7, 2 s\ntime [ms],tip_x [um]\n0,1\n", ["line 1", "no column time", "--skip"]),
         ("time,tip_deflection [kg]\n0,1", ["line 1, tip_deflection", "kg", "a mass", "a length", "mm"]),
         ("time,tip_deflection [m m]\n0,1", ["line 1, tip_deflection", "unreadable unit"]),
         ("time,strain_1 [mm]\n0,1", ["strain_1", "mm", "a length", "a pure number", "microstrain", "percent"]),
-        ("time,crank_speed [Hz]\n0,1", ["crank_speed", "Hz", 'meant as "rps"', "rpm"]),
-        ("time,crank_speed [1/min]\n0,1", ['meant as "rpm"']),
-        ("time,crank_speed [1/s]\n0,1", ['meant as "rps" or "rad/s"']),
-        ('time,tip_x\n0,"1,5"\n', ["line 2, tip_x", "1,5", "the decimal sign is a point"]),
-        ("time,tip_x\n0,#DIV/0!\n", ["line 2, tip_x", "#DIV/0!", "is no plain number; leave out"]),
-        ('time,tip_x\n0,"1,065.8"\n', ["line 2, tip_x", "1,065.8", "separators of thousands"]),
-        ("time,tip_x\n2024-05-06 10:11:12,1\n", ["line 2, time", "a date", "seconds from the first row"]),
-        ("time [ms];tip_x [um]\n0;0\n1;980\n2;1.066\n", ["line 4", "1.066", "two ways", "1066 or 1.066", "--decimal"]),
-        ("time_ms,tip_defl_mm\n0,1\n", ["nearest: time [ms]", "nearest: tip_deflection [mm]"]),
-        ("time,tip_x\n0,1.5D-3\n", ["line 2, tip_x", "1.5D-3", "e for D"]),
-        ("time,tip_x\n0,1\n# end\n", ["line 3", "# end", "no row of numbers"]),
+        ("time,crank_speed [Hz]\n0,1", ["crank_speed", "Hz", "rpm"]),
+        ("time,crank_angle [Grad]\n0,1\n", ["crank_angle", "Grad", "two ways", "gon"]),
+        ("time,tip_x [Mm]\n0,1\n", ["tip_x", "Mm", "two ways", '"mm"']),
+        ('time,tip_x\n0,"1,5"\n', ["line 2, tip_x", "1,5", "no plain number"]),
+        ("time;tip_x\n0;1\n1;2\nSumme;3\n", ["line 4, time", "Summe", "no plain number"]),
         ("time,tip_x\n0,1\n2,1\n\n1,2", ["line 5, time", "1", "does not rise"]),
         ("time,tip_x\n0,1\n0,2", ["line 3, time", "does not rise"]),
-        ("time,tip_x\n0,1\n1,inf", ["line 3, tip_x", "inf"]),
         ("time,tip_x\n0,1\n1,1e999", ["line 3, tip_x", "1e999"]),
-        ("time,tip_x\n0,1\n1", ["line 3", "1 numbers", "2 columns"]),
+        ("time,tip_x\n0,1\n1", ["line 3", "1 columns", "of 2"]),
         ("time,tip_x\n0,1_0", ["line 2, tip_x", "1_0"]),
-        ("time,tip_x\nbegin,now here\n0,1", ["line 2", "begin,now here", "headings", "brackets"]),
         ("0,1\n1,2", ["line 1", "heading"]),
         ("time,time [ms]\n0,1", ["line 1", "second time"]),
         ("tip_x\n0", ["no column time"]),
         ("time\n0", ["time alone"]),
+        (f"time,tip_x\n{'x' * 200_000}", ["no table of lines"]),
         ("# origin = guessed\ntime,tip_x\n0,1", ["line 1, origin", "guessed", "measured"]),
         ("# case = a\n# case = b\ntime,tip_x\n0,1", ["line 2", "twice"]),
         ("# origin\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
@@ -138,68 +131,99 @@ def test_of_several_mistakes_in_a_file_the_first_is_named(tmp_path: Path, rows: 
 @pytest.mark.parametrize(
     ("columns", "told"),
     [
-        ({"time": [0.0, 1.0, 2.0, 1.5], "crank_angle": [1.0, math.nan, 2.0, 3.0]}, "row 1, crank_angle: nan is not finite"),
-        ({"time": [0.0, -1.0, 1.0], "crank_angle": [1.0, 2.0, math.inf]}, "row 1, time: -1 does not rise"),
-        ({"time": [0.0, 1.0, 2.0], "crank_angle": [1.0, 2.0, math.inf], "tip_x": [1.0, math.nan, 3.0]}, "row 1, tip_x: nan is not finite"),
-        ({"time": [0.0, 1.0, "later"], "crank_angle": [1.0, "west", 2.0]}, 'row 1, crank_angle: "west" is no number'),
-        ({"time": [0.0, 1.0, "later"], "crank_angle": [1.0, 2.0, 3.0]}, 'row 2, time: "later" is no number'),
+        ({"time": [0.0, 1.0, 2.0], "crank_angle": [1.0, math.nan, 2.0]}, "row 1, crank_angle: nan is no plain number"),
+        ({"time": [0.0, -1.0, 1.0], "crank_angle": [1.0, 2.0, 3.0]}, "row 1, time: -1 does not rise"),
+        ({"time": [0.0, 1.0, "later"], "crank_angle": [1.0, 2.0, 3.0]}, 'row 2, time: "later" is no plain number'),
+        ({"time": [0.0, 1.0], "crank_angle": [1.0]}, "crank_angle: has the shape (1,)"),
+        ({"time": [0.0, 1.0], "crank_angel": [1.0, 2.0]}, 'heading: "crank_angel" (nearest: crank_angle) is no column'),
     ],
 )
-def test_of_several_mistakes_in_memory_the_first_is_named(columns: dict[str, list[Any]], told: str) -> None:
+def test_a_mistake_in_memory_is_named(columns: dict[str, list[Any]], told: str) -> None:
     with pytest.raises(CaseError) as refused:
         table_of(columns)
     assert str(refused.value).startswith(f"table: {told}")
     assert "\n" not in str(refused.value)
 
 
-FORMS = {
-    "Excel": (
-        "\ufeffsep=;\r\ntime [ms];crank_angle [deg];tip_x [mm]\r\n0;180;1.234,5\r\n0,5;181,25;2\r\n",
+def test_foreign_columns_in_memory_are_ignored_as_those_of_a_file() -> None:
+    table = table_of({"time [ms]": [0.0, 1.0], "tip_x": [1.0, 2.0], "world.g": [9.8, 9.8]})
+    assert table.told == "read as: ignored: world.g, 2 rows"
+    assert set(table.columns) == {"time", "tip_x"}
+
+
+ROWS_OF_TWO = "0;180;1234,5\n0,5;181,25;2\n"
+#: Text, arguments of `read_table`, and what is told.
+FORMS: dict[str, tuple[str | bytes, dict[str, Any], str]] = {
+    "semicolons": (f"\ufefftime [ms];crank_angle [deg];tip_x [mm]\r\n{ROWS_OF_TWO};;\r\n", {}, "semicolons, decimal comma"),
+    "tabs": ("Time (ms)\tcrank angle (deg)\tTip X (mm)\n0\t180\t1234.5\n0.5\t181.25\t2\n", {}, "tabulators"),
+    "cp1252": (f"time [ms];crank_angle [\u00b0];tip_x [mm]\n{ROWS_OF_TWO}".encode("cp1252"), {}, "semicolons, decimal comma"),
+    "UTF-16": (f"time [ms];crank_angle [\u00b0];tip_x [mm]\n{ROWS_OF_TWO}".encode("utf-16"), {}, "semicolons, decimal comma"),
+    "Exudyn": (
+        "#Exudyn version = 1.13.6; date=2026\n#sensor type = Body\n#time [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n",
+        {},
+        "heading in a comment",
+    ),
+    "Dymola": ('"time [ms]","crank_angle [deg]","tip_x [mm]","world.g"\n0,180,1234.5,9.81\n0.5,181.25,2,9.81\n', {}, "ignored: world.g"),
+    "units below": (f"time;crank_angle;tip_x\nms;(deg);[mm]\n{ROWS_OF_TWO}", {}, "semicolons, units in the second row, decimal comma"),
+    "MATLAB": ("time,crank_angle [deg],tip_x [mm]\n0 sec,180,1234.5\n0.0005 sec,181.25,2\n", {}, "units in the cells"),
+    "blanks": ("% MBDyn\n  time [ms]  crank_angle [deg]  tip_x [mm]\n  0 180 1234.5\n 0.5   181.25 2\n", {}, "blanks, 1 comment line"),
+    "blanks and commas": (f"time [ms] crank_angle [deg] tip_x [mm]\n{ROWS_OF_TWO.replace(';', ' ')}", {}, "blanks, decimal comma"),
+    "pandas' index": (",time [ms],crank_angle [deg],tip_x [mm]\n0,0,180,1234.5\n1,0.5,181.25,2\n", {}, "ignored: column 1"),
+    "ends with a separator": ("time [ms];crank_angle [deg];tip_x [mm];\n0;180;1234.5;\n0.5;181.25;2;\n", {}, "semicolons"),
+    "a comment at the end": ("time [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n# end\n", {}, ""),
+    "a title": ("Run 7, 2 s\ntime [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n", {"skip": 1}, ""),
+    "a declared separator": (
+        f"time crank_angle;phi tip_x\n{ROWS_OF_TWO}",
+        {"separator": ";", "columns": {"1": "time [ms]", "2": "crank_angle [deg]", "3": "tip_x [mm]"}, "skip": 1},
         "semicolons, decimal comma",
     ),
-    "tabs": ("Time (ms)\tcrank angle (deg)\tTip X (mm)\n0\t180\t1234.5\n0.5\t181.25\t2\n", "tabulators"),
-    "Exudyn": (
-        "#Exudyn sensor output file\n#sensor type = Body\n#time [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n",
-        "heading in a comment, 2 comment lines",
+    "LabVIEW": (
+        "LabVIEW\t\nTime\t10:12:33,45\nX_Value\tcrank_angle\ttip_x\tComment\nms\tdeg\tmm\t\n0\t180\t1234,5\t\n0,5\t181,25\t2\t\n",
+        {"skip": 2, "columns": "X_Value = time"},
+        "tabulators, units in the second row, decimal comma, ignored: Comment",
     ),
-    "Dymola": (
-        '"time [ms]","crank_angle [deg]","tip_x [mm]","world.g"\n0,180,1234.5,9.81\n0.5,181.25,2,9.81\n',
-        "ignored: world.g",
-    ),
-    "LabVIEW": ("time;crank_angle;tip_x\nms;deg;mm\n0,0;180;1234,5\n0,5;181,25;2\n", "semicolons, decimal comma, units in the second row"),
-    "units in brackets": ("time,crank_angle,tip_x\n[ms],(deg),[mm]\n0,180,1234.5\n0.5,181.25,2\n", "units in the second row"),
-    "MATLAB": ("time,crank_angle [deg],tip_x [mm]\n0 sec,180,1234.5\n0.0005 sec,181.25,2\n", "durations"),
-    "clock": ("time,crank_angle [deg],tip_x [mm]\n00:00:00,180,1234.5\n00:00:00.0005,181.25,2\n", "durations"),
-    "blanks": ("% MBDyn\n  time [ms]  crank_angle [deg]  tip_x [mm]\n  0 180 1234.5\n 0.5   181.25 2\n", "blanks, 1 comment line"),
-    "blanks and commas": ("time [ms] crank_angle [deg] tip_x [mm]\n0 180 1234,5\n0,5 181,25 2\n", "blanks, decimal comma"),
-    "thousands": ("time [ms];crank_angle [deg];tip_x [mm]\n0;180;1,234.5\n0.5;181.25;2\n", "semicolons"),
-    "pandas' index": (
-        ",time [ms],crank_angle [deg],tip_x [mm]\n0,0,180,1234.5\n1,0.5,181.25,2\n",
-        "ignored: column 1",
-    ),
-    "ends with a separator": ("time [ms];crank_angle [deg];tip_x [mm];\n0;180;1234.5;\n0.5;181.25;2;\n", "semicolons"),
 }
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_forms_of_other_programs_are_recognised_and_told(tmp_path: Path, form: str) -> None:
-    text, told = FORMS[form]
-    table = read_table(written(tmp_path, text))
-    assert table.told == f"read as: {told}, 2 rows"
+def test_forms_of_other_programs_are_recognised_or_declared(tmp_path: Path, form: str) -> None:
+    text, arguments, told = FORMS[form]
+    (tmp_path / "tool.csv").write_bytes(text.encode() if isinstance(text, str) else text)
+    table = read_table(tmp_path / "tool.csv", **arguments)
+    assert table.told == (f"read as: {told}, 2 rows" if told else "")
     assert set(table.columns) == {"time", "crank_angle", "tip_x"}
     np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
     np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 181.25]), rtol=1e-14)
     np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
 
 
-def test_a_table_of_the_projects_own_form_needs_no_word(tmp_path: Path) -> None:
-    assert read_table(written(tmp_path, f"{HEADING}\n{ROWS}")).told == ""
+def test_the_decimal_sign_that_is_declared_is_used(tmp_path: Path) -> None:
+    path = written(tmp_path, "time;tip_x\n0;3\n1;1,234\n")
+    assert read_table(path, decimal=",").columns["tip_x"][1] == pytest.approx(1.234, rel=1e-15)
+    with pytest.raises(CaseError, match='line 3, tip_x: "1,234" is no plain number'):
+        read_table(path, decimal=".")
 
 
-@pytest.mark.parametrize(("sign", "value"), [(".", 1234.0), (",", 1.234)])
-def test_the_decimal_sign_that_is_asked_for_is_used(tmp_path: Path, sign: str, value: float) -> None:
-    table = read_table(written(tmp_path, "time;tip_x\n0;3\n1;1,234\n"), decimal=sign)
-    assert table.columns["tip_x"][1] == pytest.approx(value, rel=1e-15)
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"decimal": ";"}, ["decimal", '";"', '"." or ","']),
+        ({"separator": "tab"}, ["separator", '"tab"', '";"']),
+        ({"skip": -1}, ["skip", "-1", "whole number"]),
+        ({"columns": None}, ["columns", "None", "is not a text"]),
+    ],
+)
+def test_arguments_that_cannot_be_are_told(tmp_path: Path, arguments: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(CaseError) as told:
+        read_table(written(tmp_path, "time,tip_x\n0,1\n"), **arguments)
+    for word in words:
+        assert word in str(told.value)
+
+
+@pytest.mark.parametrize("path", [None, {"time": [0.0]}, 3, b"tool.csv"])
+def test_what_is_no_path_is_told(path: Any) -> None:
+    with pytest.raises(CaseError, match="is no path"):
+        read_table(path)
 
 
 FOREIGN = "t,phi,state,tip_x [mm]\n0,-90,on,1\n0.5,-450,off,2\n"
@@ -228,11 +252,11 @@ def test_a_mapping_beside_the_table_is_written_and_read(tmp_path: Path) -> None:
 
 def test_a_table_without_headings_is_mapped_by_position(tmp_path: Path) -> None:
     path = written(tmp_path, "0 7 1234,5\n0,5 8 2\n")
-    table = read_table(path, ["1 = time [ms]", "3 = tip_x [mm]"])
+    table = read_table(path, ["1 = time [ms]", "3 = tip_x [mm]"], separator=" ")
     np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
     np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
     with pytest.raises(CaseError, match="numbers where a heading is due; name the columns by position"):
-        read_table(path)
+        read_table(path, separator=" ")
 
 
 @pytest.mark.parametrize(
@@ -277,18 +301,6 @@ def test_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         read_table(written(tmp_path, "time,tip_x\n" + "\n".join(f"{row},0" for row in range(5))))
 
 
-@pytest.mark.parametrize(("decimal", "size"), [(",", 1066e-6), (".", 1.066e-6)])
-def test_points_beside_whole_numbers_are_read_as_asked(tmp_path: Path, decimal: str, size: float) -> None:
-    table = read_table(written(tmp_path, "time [ms];tip_x [um]\n0;0\n1;980\n2;1.066\n"), decimal=decimal)
-    np.testing.assert_allclose(table.columns["tip_x"], [0.0, 980e-6, size], rtol=1e-15)
-
-
-@pytest.mark.parametrize("rows", ["0;1.066\n1;2.500\n", "0;0\n1;1.066\n2;2.5\n", "0;0\n1;1234\n2;1.066\n"])
-def test_points_that_cannot_separate_thousands_are_decimal(tmp_path: Path, rows: str) -> None:
-    table = read_table(written(tmp_path, f"time;tip_x\n{rows}"))
-    assert 1.066 in table.columns["tip_x"]
-
-
 def test_a_suggested_mapping_keeps_the_unit_in_a_heading(tmp_path: Path) -> None:
     text = recorded.suggested_mapping(written(tmp_path, "time_s,crank_angle_deg,Beam strain_1 (%)\n0,180,1\n"))
     for line in ('"crank_angle_deg" = "-"  # perhaps crank_angle [deg]', "# perhaps time [s]", "# perhaps strain_1 [%]"):
@@ -315,13 +327,9 @@ def test_a_workbook_is_named_as_one(tmp_path: Path) -> None:
     assert "is an Excel workbook" in refusal(tmp_path, "PK\x03\x04\x14")
 
 
-@pytest.mark.parametrize(
-    "comment", ["#Exudyn version = 1.13.6; Python3.11.2; date=2026-11-29", "# orgin = x", "# version of the rig = 2", "% source: a rig"]
-)
+@pytest.mark.parametrize("comment", ["#Exudyn version = 1.13.6; Python3.11.2", "# orgin = x", "% source: a rig"])
 def test_comments_of_other_programs_are_left_alone(tmp_path: Path, comment: str) -> None:
-    path = tmp_path / "sensor.csv"
-    path.write_text(f"{comment}\n# source = rig 7\ntime,tip_x\n0,1\n1,2\n")
-    table = read_table(path)
+    table = read_table(written(tmp_path, f"{comment}\n# source = rig 7\ntime,tip_x\n0,1\n1,2\n"))
     assert dict(table.declared) == {"source": "rig 7"}
     assert table.columns["tip_x"].tolist() == [1.0, 2.0]
 

@@ -38,45 +38,22 @@ KNOWN = [
     ("-0.0e9 m/s^2", units.ACCELERATION, 0.0),
 ]
 
+COMMA = "has a comma in its number (the decimal sign is a point)"
+RULE = " (names joined by * and /, whole exponents from -9 to 9 as in in^2)"
 # Each would mean something else, or be evaluated, without the grammar.
 REFUSED = [
-    ("4,5 in", "has a comma in its number (the decimal sign is a point)"),
-    ("1,000.5 in", "has a comma in its number (the decimal sign is a point)"),
+    ("4,5 in", COMMA),
+    ("1,000.5 in", COMMA),
     ("4", "has no unit"),
-    ("4 ", "begins or ends with white space"),
-    (" 4 in", "begins or ends with white space"),
-    ("4 in\n", "begins or ends with white space"),
-    ("4  in", "has more than one space between number and unit"),
-    ("4in", "has no space between number and unit"),
-    ("4\tin", "has white space other than one plain space after its number"),
-    ("", "is empty"),
-    ("in", "does not begin with a number"),
-    ("four in", "does not begin with a number"),
-    ("2*3 in", "has arithmetic in its number (give the result)"),
-    ("9**9**9 in", "has arithmetic in its number (give the result)"),
-    ("1_000 in", "does not begin with a plain decimal number"),
-    ("0x10 in", "does not begin with a plain decimal number"),
-    ("٣ in", "has other digits than 0 to 9"),
-    ("nan in", "is not a number"),
-    ("-NaN in", "is not a number"),
-    ("inf", "is infinite"),
-    ("-Infinity in", "is infinite"),
-    ("1e999 in", "is out of range"),
-    ("1e999999999999 in", "is out of range"),
-    ("1e-320 in", "is out of range"),
-    ("1e-999999999999 in", "is out of range"),
-    ("4 m^9999999", 'has the unreadable unit "m^9999999" (names joined by * and /, whole exponents from -9 to 9 as in in^2)'),
-    ("4 m^0.5", 'has the unreadable unit "m^0.5" (names joined by * and /, whole exponents from -9 to 9 as in in^2)'),
-    ("4 m**2**9", 'has the unreadable unit "m**2**9" (names joined by * and /, whole exponents from -9 to 9 as in in^2)'),
-    ("4 (m)", 'has the unreadable unit "(m)" (names joined by * and /, whole exponents from -9 to 9 as in in^2)'),
-    ("4 m*", 'has the unreadable unit "m*" (names joined by * and /, whole exponents from -9 to 9 as in in^2)'),
-    ("4 m 2", 'has the unreadable unit "m 2" (names joined by * and /, whole exponents from -9 to 9 as in in^2)'),
-    ("4 2*m", 'has the unreadable unit "2*m" (names joined by * and /, whole exponents from -9 to 9 as in in^2)'),
-    ("4 m²", 'has the unknown unit "m²" (perhaps meant as "m^2", an area (m^2), but a length is needed)'),
-    ("4 m2", 'has the unknown unit "m2" (perhaps meant as "m^2", an area (m^2), but a length is needed)'),
-    ("4 furlongs_per_fortnight", 'has the unknown unit "furlongs_per_fortnight"'),
+    *((text, "cannot be read") for text in ("4 ", " 4 in", "4 in\n", "4  in", "4in", "4\tin", "", "in", "four in")),
+    *(
+        (text, "cannot be read")
+        for text in ("2*3 in", "9**9**9 in", "1_000 in", "0x10 in", "٣ in", "nan in", "-NaN in", "inf", "-Infinity in")
+    ),
+    *((text, "is out of range") for text in ("1e999 in", "1e999999999999 in", "1e-320 in", "1e-999999999999 in")),
+    *((f"4 {unit}", f'has the unreadable unit "{unit}"{RULE}') for unit in ("m^9999999", "m^0.5", "m**2**9", "(m)", "m*", "m 2", "2*m")),
+    *((f"4 {unit}", f'has the unknown unit "{unit}"') for unit in ("m²", "m2", "furlongs_per_fortnight", "degC")),
     ("4 percent*in", 'has the unknown unit "percent"'),
-    ("4 degC", 'has the unknown unit "degC"'),
     ("4 kg", "is a mass (kg), but a length is needed"),
     ("4 m^2", "is an area (m^2), but a length is needed"),
     ("4 in*rad", "is a quantity in m*rad, but a length is needed"),
@@ -102,79 +79,19 @@ def test_what_is_no_plain_length_is_refused_and_named(text: str, problem: str) -
     ("text", "dimension", "problem"),
     [
         ("180 in/in", units.ANGLE, "is a pure number (1), but an angle is needed"),
-        (
-            "1 lb*s^2/in",
-            units.MASS,
-            'is a quantity in kg*s^2/m (perhaps meant as "lbf*s^2/in"), but a mass is needed',
-        ),
+        ("1 lb*s^2/in", units.MASS, "is a quantity in kg*s^2/m, but a mass is needed"),
         ("1 N*m*s*rad", units.ROTARY_DAMPING, "is a quantity in kg*m^2*rad/s, but a rotary damping is needed"),
-        ("1 Nm", units.TORQUE, 'is a quantity in m/kg (perhaps meant as "N*m"), but a torque is needed'),
-        ("480 MPA", units.ELASTIC_MODULUS, 'has the unknown unit "MPA" (perhaps meant as "MPa")'),
-        ("2 KN", units.FORCE, 'has the unknown unit "KN" (perhaps meant as "kN")'),
-        ("1 lbm", units.MASS, 'has the unknown unit "lbm" (perhaps meant as "lb")'),
-        ("1 lbm*in^2", units.MOMENT_OF_INERTIA, 'has the unknown unit "lbm" (perhaps meant as "lb*in^2")'),
-        ("1 Ns/m", units.DAMPING, 'has the unknown unit "Ns" (perhaps meant as "N*s/m")'),
-        ("1 Ns", units.DAMPING, 'has the unknown unit "Ns" (perhaps meant as "N*s", a quantity in kg*m/s, but a damping is needed)'),
-        ("1 Nms/rad", units.ROTARY_DAMPING, 'is a quantity in m/kg/rad (perhaps meant as "N*m*s/rad"), but a rotary damping is needed'),
-        ("1 in-lb", units.TORQUE, 'has the unreadable unit "in-lb" (perhaps meant as "in*lbf")'),
-        ("1 inlb", units.TORQUE, 'has the unknown unit "inlb" (perhaps meant as "in*lbf")'),
-        ("1 kgm^2", units.MOMENT_OF_INERTIA, 'has the unknown unit "kgm" (perhaps meant as "kg*m^2")'),
-        ("1 N·m", units.TORQUE, 'has the unreadable unit "N·m" (perhaps meant as "N*m")'),
-        ("1 N m", units.TORQUE, 'has the unreadable unit "N m" (perhaps meant as "N*m")'),
-        ("1 N*m2", units.BENDING_STIFFNESS, 'has the unknown unit "m2" (perhaps meant as "N*m^2")'),
-        ("160 RPM", units.ANGULAR_SPEED, 'has the unknown unit "RPM" (perhaps meant as "rpm")'),
-        ("180 °", units.ANGLE, 'has the unreadable unit "°" (perhaps meant as "deg")'),
         ("1 N*m/rad", units.TORQUE, "is a quantity in kg*m^2/s^2/rad, but a torque is needed"),
+        ("2.64 Hz", units.ANGULAR_SPEED, "is a frequency (1/s), but an angular speed is needed"),
+        ("90 min^-1", units.ANGULAR_SPEED, "is a frequency (1/s), but an angular speed is needed"),
+        ("480 MPA", units.ELASTIC_MODULUS, 'has the unknown unit "MPA"'),
+        ("2 %", units.PURE, "is not a pure number"),
     ],
 )
-def test_radians_and_pounds_are_kept_apart(text: str, dimension: Dimension, problem: str) -> None:
+def test_radians_pounds_and_turns_are_kept_apart(text: str, dimension: Dimension, problem: str) -> None:
     with pytest.raises(QuantityError) as refused:
         parse_quantity(text, dimension)
     assert refused.value.problem == problem
-
-
-@pytest.mark.parametrize(
-    ("text", "told", "rpm"),
-    [
-        ("90 1/min", 'has the unreadable unit "1/min"', "90"),
-        ("-90 1/min", 'has the unreadable unit "1/min"', "-90"),
-        ("90 /min", 'has the unreadable unit "/min"', "90"),
-        ("90 min^-1", "is a frequency (1/s)", "90"),
-        ("90 rev/min", 'has the unknown unit "rev"', "90"),
-        ("90 U/min", 'has the unknown unit "U"', "90"),
-        ("90 r/min", 'has the unknown unit "r"', "90"),
-        ("90 revolutions per minute", "has the unreadable unit", "90"),
-        ("1.5 rev/s", 'has the unknown unit "rev"', "90"),
-        ("2.64 Hz", "is a frequency (1/s)", "158.4"),
-        ("1.5e-3 kHz", "is a frequency (1/s)", "90"),
-    ],
-)
-def test_turns_in_a_time_are_answered_with_their_value_in_rpm(text: str, told: str, rpm: str) -> None:
-    with pytest.raises(QuantityError) as refused:
-        parse_quantity(text, units.ANGULAR_SPEED)
-    assert told in refused.value.problem
-    assert f'(perhaps meant as "{rpm} rpm")' in refused.value.problem
-
-
-@pytest.mark.parametrize("unit", ["1/s", "s^-1", "s**-1", "/s", "1/sec"])
-def test_a_plain_rate_may_be_radians_or_turns(unit: str) -> None:
-    with pytest.raises(QuantityError) as refused:
-        parse_quantity(f"16.6 {unit}", units.ANGULAR_SPEED)
-    assert '(perhaps meant as "996 rpm" or "16.6 rad/s")' in refused.value.problem
-
-
-@pytest.mark.parametrize("text", ["90 1/m", "90 rev", "1e400 Hz", "90 Hz^2", "90 1/min/s", "90 rad"])
-def test_what_is_no_frequency_is_not_called_turns(text: str) -> None:
-    with pytest.raises(QuantityError) as refused:
-        parse_quantity(text, units.ANGULAR_SPEED)
-    assert "rpm" not in refused.value.problem
-
-
-@pytest.mark.parametrize("dimension", [units.TIME, units.STIFFNESS, units.ANGLE])
-def test_only_an_angular_speed_is_answered_with_rpm(dimension: Dimension) -> None:
-    with pytest.raises(QuantityError) as refused:
-        parse_quantity("90 1/min", dimension)
-    assert "rpm" not in str(refused.value)
 
 
 def test_rigid_is_written_inf_without_a_unit_and_only_where_accepted() -> None:

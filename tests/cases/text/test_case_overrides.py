@@ -74,12 +74,11 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
         ),
         (
             {"follower.notch_factors": '["180 percent"]'},
-            'overrides: follower.notch_factors: "180 percent" is not a pure number (perhaps meant as "1.8"); write one plain number without'
-            ' a unit, such as "1.5"',
+            'overrides: follower.notch_factors: "180 percent" is not a pure number; write one plain number without a unit, such as "1.5"',
         ),
         (
             {"crank.wanted_fluctuation": "2 %"},
-            '"2 %" is not a pure number (perhaps meant as "0.02"); write one plain number without a unit',
+            '"2 %" is not a pure number; write one plain number without a unit',
         ),
         ({"follower.wall_thickness": "2 mm"}, "belongs to an unknown key; the nearest known one is follower.wall"),
         (

@@ -1,6 +1,5 @@
-"""Leads from a table to the quantities that would explain it: tables of machines with one other value, with two, and with other physics."""
+"""Leads from a table to the quantity that would explain it: tables of machines with one other value, with two, and with other physics."""
 
-import itertools
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.recorded import RecordedTable, table_of
 from quickreturn.cases.runs.column_differences import QUANTITIES
 from quickreturn.cases.uncertainty.parameters import Parameter
-from quickreturn.cases.uncertainty.quantities import EXPLAINED, leads
+from quickreturn.cases.uncertainty.quantities import leads
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
@@ -34,66 +33,48 @@ def made(factors: Mapping[str, float], by: str = "reference", case: str = "thesi
 
 
 def named(table: RecordedTable, case: str = "thesis-24") -> dict[str, float]:
-    """The quantities of the lead, with their values over those of the case."""
-    return {
-        key: value / given
-        for lead in leads(load_case(case), table)
-        for key, value, given in zip(lead.keys, lead.values, lead.given, strict=True)
-    }
+    """The quantities of the leads, with their values over those of the case."""
+    return {lead.key: lead.value / lead.given for lead in leads(load_case(case), table)}
 
 
-def test_two_quantities_are_named_through_noise_and_none_where_nothing_differs() -> None:
-    planted = {"follower.bending_stiffness": 0.8, "tip.mass": 1.2}
-    assert named(made(planted, noise=0.02)) == pytest.approx(planted, rel=0.02)
+def test_a_quantity_is_named_through_noise_and_none_where_nothing_or_two_differ() -> None:
+    assert named(made({"follower.bending_stiffness": 0.8}, noise=0.02)) == pytest.approx({"follower.bending_stiffness": 0.8}, rel=0.02)
     assert named(made({}, noise=0.02)) == {}
-
-
-PAIRS = [
-    *itertools.combinations(("follower.bending_stiffness", "follower.mass_per_length", "follower.damping", "tip.mass"), 2),
-    ("follower.bending_stiffness", "crank.torque"),
-    ("tip.mass", "crank.length"),
-    ("follower.mass_per_length", "mechanism.pivot_distance"),
-    ("crank.damping", "follower.bending_stiffness"),
-]
+    assert named(made({"follower.bending_stiffness": 0.8, "tip.mass": 1.2})) == {}
 
 
 @pytest.mark.verify
 @pytest.mark.parametrize("by", ["reference", "mujoco"])
-def test_what_was_planted_is_named(by: str) -> None:
-    """Single quantities and pairs, off by 10 to 30 %. Two may do the same to a table, so that others are named in their place."""
-    chance, right, other, silent = np.random.default_rng(7), 0, 0, 0
-    keys = sorted({key for pair in PAIRS for key in pair})
-    for planted in [*((key,) for key in keys), *PAIRS]:
-        factors = {key: float(np.exp(chance.choice([-1.0, 1.0]) * chance.uniform(0.1, 0.3))) for key in planted}
-        table = made(factors, by)
-        found = named(table)
-        print(
-            by,
-            {key: round(factor, 3) for key, factor in factors.items()},
-            {key: round(value, 3) for key, value in found.items()},
-            flush=True,
-        )
-        if found.keys() == factors.keys():
-            right += 1
-            assert found == pytest.approx(factors, rel=0.1)
-        elif found:
-            other += 1
-        else:
-            silent += 1
-    print(f"{by}: {right} right, {other} others, {silent} silent")
-    assert right >= 12
-    assert other <= 3
+@pytest.mark.parametrize("factor", [0.75, 0.9, 1.1, 1.3])
+@pytest.mark.parametrize(
+    "key",
+    [
+        "follower.bending_stiffness",
+        "follower.mass_per_length",
+        "follower.damping",
+        "tip.mass",
+        "crank.length",
+        "crank.torque",
+        "crank.damping",
+        "mechanism.pivot_distance",
+    ],
+)
+def test_what_was_planted_is_named(by: str, key: str, factor: float) -> None:
+    """Two quantities may do the same to a table, so that another one is named beside it; and MuJoCo's own error may hide it."""
+    found = named(made({key: factor}, by))
+    print(by, key, factor, found, flush=True)
+    if by == "reference" or found:
+        assert found[key] == pytest.approx(factor, rel=0.1)
 
 
 @pytest.mark.verify
 def test_other_physics_is_explained_by_no_quantity() -> None:
     """One cubic for the follower's shape, and gravity: no value of a quantity makes up for them."""
-    coarse = leads(load_case("thesis-24"), made({}, "thesis"))
-    assert all(lead.left > EXPLAINED for lead in coarse)
+    assert leads(load_case("thesis-24"), made({}, "thesis")) == ()
     scene = changed(load_case("thesis-24").mechanism, {"mechanism.gravity": (0.0, -9.81)})
     chosen = engine("reference")
     run = run_once(chosen, scene, standard_start(scene), 0.6, 1e-3, chosen.settings_for(1e-3, scene)).trajectory
-    assert all(lead.left > EXPLAINED for lead in leads(load_case("thesis-24"), table_of({name: run[name] for name in COLUMNS}, "table")))
+    assert leads(load_case("thesis-24"), table_of({name: run[name] for name in COLUMNS}, "table")) == ()
 
 
 @pytest.mark.verify
@@ -107,16 +88,6 @@ def test_compare_leads_on_to_a_calibration(tmp_path: Path, monkeypatch: pytest.M
     assert told.startswith("follower.bending_stiffness of about 4.59 N*m^2 in place of 6.11 N*m^2 would explain the difference")
     assert f"`quickreturn calibrate thesis-24 {path} --free follower.bending_stiffness` fits that" in told
     assert told in repr(compared)
-
-
-def test_width_and_thickness_exchanged_are_told_as_that_and_not_as_a_factor() -> None:
-    """The gauges see the other side of the section; the stiffness is given by itself."""
-    follower = load_case("thesis-24").mechanism.follower
-    table = made({"follower.thickness": follower.width / follower.thickness, "follower.width": follower.thickness / follower.width})
-    (lead,) = leads(load_case("thesis-24"), table)
-    assert lead.keys == ("follower.thickness", "follower.width")
-    assert lead.values == pytest.approx((follower.width, follower.thickness))
-    assert lead.left < EXPLAINED
 
 
 @pytest.mark.parametrize("factor", [pytest.param(0.87, marks=pytest.mark.verify), 0.94])
