@@ -14,7 +14,6 @@ from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
 from quickreturn.cases.recorded import table_of
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
@@ -23,6 +22,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns
+from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.rigid import follower_inertia, rigid_motion

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from quickreturn.cases.sweep.rows import Row
 from quickreturn.command_line import main
 from quickreturn.commands.case_document import _stability
 from quickreturn.commands.console import ExitCode
+from quickreturn.plugins.studies.sweep.rows import Row
 from quickreturn.reference_model.native.cache_folder import folder
 from tests.quickreturn.conftest import Call
 

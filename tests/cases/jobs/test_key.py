@@ -19,8 +19,8 @@ from quickreturn.cases.jobs import key
 from quickreturn.cases.jobs.job import Job, Limits
 from quickreturn.cases.jobs.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
 from quickreturn.cases.solving import frequencies_job
-from quickreturn.cases.sweep import grid
-from quickreturn.cases.sweep.rows import MeasureRequest
+from quickreturn.plugins.studies.sweep import grid
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.reference_model import imported_modules
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24

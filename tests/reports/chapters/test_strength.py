@@ -11,6 +11,7 @@ from quickreturn.cases.loads.stress import ArmStress, section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.shown import Unit
 from quickreturn.cases.units import in_si
+from quickreturn.plugins.studies.tests.made_up_resonance import made_up_around
 from quickreturn.reports.chapters.strength import fatigue_sentences, finding, lacking, mode_sentences, strength_table, stress_sentences
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
@@ -19,7 +20,6 @@ from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of
 from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.words import quantity
 from tests.reports.made_up_loads import made_up_loads, with_resonance, without
-from tests.reports.made_up_resonance import made_up_around
 from tests.reports.pages import finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
