@@ -16,9 +16,7 @@ PACKAGE: Final = "quickreturn"
 _HOME: Final = Path(__file__).parents[1]
 
 _NAMES: Final = r"from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]+)"
-#: Import statements at the head of a module, and those anywhere in it.
-_AT_THE_HEAD: Final = re.compile(rf"^(?:{_NAMES})", re.MULTILINE)
-_ANYWHERE: Final = re.compile(rf"^[ \t]*(?:{_NAMES})", re.MULTILINE)
+_STATEMENT: Final = re.compile(rf"^[ \t]*(?:{_NAMES})", re.MULTILINE)
 #: Imports for the type checker alone: the line and the lines below that are indented further.
 _FOR_TYPES: Final = re.compile(r"^([ \t]*)if TYPE_CHECKING:\n(?:\1[ \t]+[^\n]*\n|[ \t]*\n)+", re.MULTILINE)
 #: A module, or one of its functions, by its name in quotes: imported when it is needed.
@@ -67,14 +65,14 @@ def modules_in(package: str) -> dict[str, Path]:
     return dict(sorted(_below(str(file.parent), package)))
 
 
-def imported_modules(modules: Iterable[str], *, late: bool = True, find: Find = source_of) -> dict[str, Path]:
+def imported_modules(modules: Iterable[str], find: Find = source_of) -> dict[str, Path]:
     """Modules that are imported from some modules, directly and through others, themselves included, with their files, sorted by name.
 
-    The packages around a module count, for Python runs them first; the outermost one does not, for it only hands names on.
+    Imports inside functions count, and modules named in quotes, but not what is imported for the type checker alone. The packages around a
+    module count, for Python runs them first; the outermost one does not, for it only hands names on.
 
     Args:
         modules: full names, those of packages too. Those that do not exist here are left out.
-        late: whether imports inside functions count, and modules named in quotes. Those for the type checker alone never count.
         find: finds the file of a module; None where it is not of this package.
     """
     found: dict[str, Path] = {}
@@ -84,29 +82,28 @@ def imported_modules(modules: Iterable[str], *, late: bool = True, find: Find = 
         if module in found or (file := find(module)) is None:
             continue
         found[module] = file
-        waiting += _imports(file, late)
+        waiting += _imports(file)
         parts = module.split(".")
         waiting += (".".join(parts[:count]) for count in range(2, len(parts)))
     return dict(sorted(found.items()))
 
 
 @cache
-def _imports(file: Path, late: bool) -> tuple[str, ...]:
+def _imports(file: Path) -> tuple[str, ...]:
     """Names that may be modules, as a file imports them."""
-    return tuple(dict.fromkeys(names_imported(text_of(file).decode(), late=late)))
+    return tuple(dict.fromkeys(names_imported(text_of(file).decode())))
 
 
-def names_imported(text: str, *, late: bool = True) -> Iterator[str]:
+def names_imported(text: str) -> Iterator[str]:
     """Names that a source imports and that may be modules: of `from a import b`, a and a.b.
 
     Raises:
         ValueError: an import is relative, which this project does not use.
     """
-    if late:
-        if "if TYPE_CHECKING:" in text:
-            text = _FOR_TYPES.sub("", text)
-        yield from (quoted[1] for quoted in _IN_QUOTES.finditer(text) if text[quoted.start() - 1] in "\"'")
-    for home, names, whole in (_ANYWHERE if late else _AT_THE_HEAD).findall(text):
+    if "if TYPE_CHECKING:" in text:
+        text = _FOR_TYPES.sub("", text)
+    yield from (quoted[1] for quoted in _IN_QUOTES.finditer(text) if text[quoted.start() - 1] in "\"'")
+    for home, names, whole in _STATEMENT.findall(text):
         plain = _COMMENT.sub("", names or whole) if "#" in names or "#" in whole else names or whole
         listed = [name.split()[0] for name in plain.strip("() \t\n").split(",") if name.strip()]
         if home.startswith("."):

@@ -1,21 +1,20 @@
-"""Runs of the tested engine and of `reference`, and the tolerances of their differences."""
+"""Runs of the tested engine and of `reference`, the tolerances of their differences, and the outcomes of checks."""
 
-import contextlib
 import functools
-import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Final, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Literal
 
-from quickreturn.cases.conformance.checks import NOT_QUICK, Array, LeftOut
+import numpy as np
+from numpy.typing import NDArray
+
 from quickreturn.cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
-from quickreturn.cases.jobs.tally import span
-from quickreturn.cases.variation import Variation
+from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.engines import progress
-from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal
+from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal, first_line
 from quickreturn.engines.error_parts import compared
-from quickreturn.engines.one_run import run_once
+from quickreturn.engines.one_run import raised_at, run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms, scale
@@ -24,11 +23,98 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.scene_values import AnyScene
 
-T = TypeVar("T")
+Array = NDArray[np.float64]
+Status = Literal["passed", "failed", "not judged"]
+
+#: Largest number of names in a sentence.
+_NAMED: Final = 4
+#: Default advice.
+TELL_THE_AUTHOR: Final = "debug it with the scene of this check: cases.conformance.scenes"
+MEND_FIRST: Final = "mend that first"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check of an adapter."""
+
+    check: str  # name of the check
+    status: Status  # how it ended
+    cause: str = ""  # what is wrong, or why it was not judged; for a passed check a remark, or ""
+    advice: str = ""  # what to try; "" if nothing is wrong
+
+
+@dataclass(frozen=True, repr=False)
+class Conformance(Displayed):
+    """The outcome of all checks of an engine."""
+
+    engine: str
+    conforms: bool | None  # False if a check failed; None if nothing could be judged
+    checks: tuple[Check, ...]
+
+    def _parts(self) -> Iterator[Cell]:
+        yield f"{self.engine}: {self.verdict}"
+        yield Rows([(each.check, each.status, each.cause, each.advice) for each in self.checks], ("check", "status", "cause", "advice"))
+
+    @property
+    def failed(self) -> tuple[Check, ...]:
+        """The checks that failed."""
+        return tuple(check for check in self.checks if check.status == "failed")
+
+    @property
+    def verdict(self) -> str:
+        """The outcome in words."""
+        failed = f"does not conform: {len(self.failed)} check{'s' * (len(self.failed) > 1)} failed"
+        return {True: "conforms", False: failed, None: "not judged"}[self.conforms]
+
+
+class Fault(Exception):
+    """A check fails: what is wrong, and what to try."""
+
+    status: Status = "failed"
+
+    def __init__(self, cause: str, advice: str = TELL_THE_AUTHOR) -> None:
+        super().__init__(cause)
+        self.cause, self.advice = cause, advice
+
+
+class Unjudged(Fault):
+    """A check cannot be made: why, and what to try."""
+
+    status: Status = "not judged"
+
+
+def check_by(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
+    """The check by a function, which raises `Fault` or returns a remark. The engine that it runs may refuse, or raise anything."""
+    try:
+        return Check(name, "passed", look(*arguments) or "")
+    except Refusal as refusal:
+        return Check(name, "passed", f"refused: {refusal}")
+    except Exception as error:  # an author's engine may raise anything
+        return ended(name, error)
+
+
+def ended(name: str, error: Exception) -> Check:
+    """The check that an exception ended."""
+    if isinstance(error, Fault):
+        return Check(name, error.status, error.cause, error.advice)
+    if isinstance(error, EngineFailure):
+        return Check(name, "failed", f"a run breaks down: {error.cause}", error.advice)
+    cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}"
+    return Check(name, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user")
+
+
+def some(names: Sequence[str]) -> str:
+    """Names for a sentence: the first ones, and the number of the others."""
+    more = len(names) - _NAMED
+    return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"
+
+
+def share_of(share: float) -> str:
+    """A share in words: in per cent, or from 2 on as a multiple."""
+    return f"{share:.3g} times its size" if share >= 2.0 else f"{100.0 * share:.3g} %"
+
 
 #: Columns that are not compared with `reference`: the grid, residuals of a model's own numerics, and the acceleration of a base that rings
 #: with vibrations faster than any model here resolves, which is held against the engine's own `follower_rate`.
@@ -44,8 +130,6 @@ _FINEST: Final = ReferenceSettings(modes=5, tolerance=1e-8)
 _FINE: Final = ReferenceSettings(modes=4, tolerance=1e-8)
 #: Tolerance of a column over its error estimate: in 59 measured scenes the worst claim of this project's engines was exceeded 2.5-fold.
 TOLERANCE_FACTOR: Final = 3.0
-#: Number of rungs above the default that are tried until an error falls: on a ladder of small steps one rung changes little.
-_SHARPENED: Final = 3
 #: Part of a column's size that counts as rounding of sums.
 ROUNDING: Final = 1e-6
 
@@ -108,14 +192,11 @@ class Bench:
         engine: the engine.
         scene: the mild scene, with the drive that the engine can model.
         mild: the motion in it; that of the follower alone for an engine without mechanism.
-        seconds: limit of wall time for the engine's runs; None: no limit.
-        expected: approximate number of runs of the engine; 0: unknown.
     """
 
-    def __init__(self, engine: AnyEngine, seconds: float | None = None, alone: Motion | None = None) -> None:
+    def __init__(self, engine: AnyEngine, alone: Motion | None = None) -> None:
         """Raises Refusal if the engine can model the scene with neither drive, and no motion of a follower alone is given."""
-        self.engine, self.seconds, self.expected = engine, seconds, 0
-        self.scene, self.mild = BASE, alone or Motion(BASE)
+        self.engine, self.scene, self.mild = engine, BASE, alone or Motion(BASE)
         if alone is None:
             try:
                 engine.check(BASE)
@@ -123,12 +204,6 @@ class Bench:
                 engine.check(PRESCRIBED)
                 self.scene, self.mild = PRESCRIBED, Motion(PRESCRIBED)
         self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
-        self._spent, self._simulated = 0.0, 0.0
-        self.begin()
-
-    def begin(self) -> None:
-        """Begin to count the limited time."""
-        self._began = time.monotonic()
 
     def settings(self, scene: Scene) -> Settings:
         """The engine's default settings for a scene."""
@@ -136,68 +211,18 @@ class Bench:
         return settings
 
     def run(self, motion: Motion, settings: Settings | None = None) -> Trajectory:
-        """A complete and finite run. Raises as `run_once`, and LeftOut."""
+        """A complete and finite run. Raises as `run_once`."""
         key = motion, settings or self.settings(motion.scene)
         if key not in self._runs:
-            self._compile(motion, key[1])
-            self._tell(motion)
-            began = time.monotonic()
-            try:
-                self._runs[key] = motion.by(self.engine, key[1])
-            finally:
-                self._spent += time.monotonic() - began
-                self._simulated += motion.duration
+            progress.tell(engine=self.engine.name, phase=f"run {len(self._runs) + 1}")
+            self._runs[key] = motion.by(self.engine, key[1])
         return self._runs[key]
-
-    def _compile(self, motion: Motion, settings: Settings) -> None:
-        """Make a run of a single row before the first run, so that no time contains compilation or loading."""
-        if self._runs or not self.engine.compiles:
-            return
-        progress.tell(engine=self.engine.name, phase="compiling")
-        with contextlib.suppress(EngineFailure):
-            replace(motion, duration=motion.output_step).by(self.engine, settings)
-        self.begin()
-
-    def _tell(self, motion: Motion) -> None:
-        """Report the progress of the trial. Raises LeftOut if the next run does not fit into the remaining time."""
-        done = len(self._runs)
-        ahead = self._spent / self._simulated * motion.duration if self._simulated else 0.0
-        if self.seconds is not None and done and time.monotonic() - self._began + ahead > self.seconds:
-            raise LeftOut(f"left out: there was no time for it, a run takes about {span(ahead)}", NOT_QUICK)
-        rest = self._spent / done * (self.expected - done) if done else 0.0
-        if self.seconds is not None:
-            rest = min(rest, self.seconds - (time.monotonic() - self._began))
-        left = f", about {span(rest)} left" if rest > 0.0 else ""
-        of = f" of about {max(self.expected, done + 1)}" if self.expected else ""
-        progress.tell(engine=self.engine.name, phase=f"run {done + 1}{of}{left}")
 
     def finer(self, scene: Scene, settings: Settings) -> Settings | None:
         """The next rung for an error that is twice as large as allowed."""
         parts = Counter(pair.of for pair in self.engine.comparisons(settings, scene, OUTPUT_STEP))
         next_rung: Settings | None = self.engine.finer(settings, {of: 2.0 * count for of, count in parts.items()}, OUTPUT_STEP)
         return next_rung
-
-    def sharpened(self, motion: Motion) -> Iterator[Trajectory]:
-        """Runs of a few rungs above the default: an error that falls with them is one of the resolution."""
-        settings: Settings | None = self.settings(motion.scene)
-        for _ in range(_SHARPENED):
-            settings = self.finer(motion.scene, settings) if settings is not None else None
-            if settings is None:
-                return
-            try:
-                yield self.run(motion, settings)
-            except EngineFailure:
-                return
-
-    def coarsened(self, motion: Motion) -> Trajectory | None:
-        """A run that is coarser than the default according to `comparisons`; None if they name none."""
-        settings = self.settings(motion.scene)
-        pairs = self.engine.comparisons(settings, motion.scene, motion.output_step)
-        coarser = [pair for pair in pairs if pair.factor > 1.0 and pair.run == settings]
-        try:
-            return self.run(motion, coarser[0].other) if coarser else None
-        except EngineFailure:
-            return None
 
     def errors(self, motion: Motion) -> dict[str, float]:
         """Name -> RMS error of a column that is compared with `reference`, over its `scale`."""
@@ -240,10 +265,3 @@ def compared_columns(run: Trajectory, among: Iterable[str] = COMPARED, right: Ma
     """Names of the columns of `run` that are in `among` and, if columns by `reference` are given (`right`), not zero in these."""
     names = [name for name in among if name in run.columns]
     return tuple(name for name in names if right is None or (name in right and rms(right[name]) > 0.0))
-
-
-def possible_results(scene: AnyScene, variations: Iterable[Variation], result_of: Callable[[AnyScene], T]) -> Iterator[tuple[str, T]]:
-    """The name and the result of each variation of a scene; variations that are impossible or cannot be simulated are left out."""
-    for variation in variations:
-        with contextlib.suppress(EngineFailure, ImpossibleMechanism):
-            yield variation.name, result_of(variation.of(scene))

@@ -1,342 +1,260 @@
 """Checks of an engine that models a follower alone: a clamped rod that is let go, against closed forms, at three resolutions.
 
-Each record of a free vibration about the sag tells where the rod comes to rest, its frequencies and its decay. What a mistake does to them
-together, and how that changes with the resolution, names it.
+Each record of a free vibration about the sag shows where the rod comes to rest, its frequencies and its decay.
 """
 
 import contextlib
-import dataclasses
 import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.integrate import cumulative_trapezoid
 
-from quickreturn.cases.conformance.alone import BARE
-from quickreturn.cases.conformance.alone import DURATION as SPIN_UP_DURATION
-from quickreturn.cases.conformance.alone import SCENE as SPUN_UP
-from quickreturn.cases.conformance.bench import TOLERANCE_FACTOR, Bench, Motion, solution
-from quickreturn.cases.conformance.checks import Array, Check, Fault, LeftOut, Unjudged, check_by, ended
-from quickreturn.cases.conformance.clamped import Mistake, Ring, Rod, by_piece_words, right, ring, staying_words
-from quickreturn.cases.conformance.rod_rows import acceleration, strains
-from quickreturn.cases.conformance.scenes import BASE, OUTPUT_STEP, PRESCRIBED
-from quickreturn.cases.mistakes.diagnosis import share_of
-from quickreturn.cases.mistakes.explanation import Hypothesis, explain
-from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
+from quickreturn.cases.conformance.bench import (
+    MEND_FIRST,
+    TOLERANCE_FACTOR,
+    Array,
+    Bench,
+    Check,
+    Fault,
+    Motion,
+    check_by,
+    share_of,
+    solution,
+)
+from quickreturn.cases.conformance.scenes import ALONE, BASE, CLAMPED, OUTPUT_STEP, PRESCRIBED, SPUN_UP
+from quickreturn.engines.base import AnyEngine, Refusal
+from quickreturn.engines.rod import RodEngine
 from quickreturn.engines.scene import check_scene
-from quickreturn.engines.settings import Settings, as_texts
-from quickreturn.reference_model.mechanism import Base, FollowerAlone, SpinUp
+from quickreturn.engines.settings import Settings
+from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.scene_values import changed
 
-#: The mild scene's follower, clamped to a base that is held, and let go from straight: it sinks by 0.4 % of its length.
-SCENE: Final = FollowerAlone(spin_up=SpinUp(speed=0.0, time=1.0), base=Base(), follower=BASE.follower, gravity=(0.0, -9.81))
+#: b of the modes of a clamped beam, 1 + cos b cosh b = 0 (Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1).
+ROOTS: Final = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613])
+#: Part of the largest singular value of the table of shifted records below which there is no further vibration; largest number of
+#: vibrations; and smallest amplitude that counts, over that of the largest.
+_NOISE: Final = 1e-6
+_MOST: Final = 24
+_AUDIBLE: Final = 2e-4
+
 _DURATION: Final = 0.66  # s: eight vibrations
 _MASS: Final = 0.1  # kg, hung on the end for a force there: it sinks by 0.6 % of the length more
-_RIGHT: Final = right(SCENE.follower, SCENE.gravity[1], _MASS)
-_OMEGA: Final = 2.0 * math.pi * float(_RIGHT.frequencies[0])  # rad/s
+_BEAM: Final = CLAMPED.follower
+_WEIGHT: Final = _BEAM.mass_per_length * CLAMPED.gravity[1]  # N/m
+#: Closed forms for small deflections: sag under the weight and by the force, m; frequencies, Hz.
+_SAGS: Final = np.array([_WEIGHT * _BEAM.length / 8.0, _MASS * CLAMPED.gravity[1] / 3.0]) * _BEAM.length**3 / _BEAM.bending_stiffness
+_FREQUENCIES: Final = (ROOTS / _BEAM.length) ** 2 * math.sqrt(_BEAM.bending_stiffness / _BEAM.mass_per_length) / (2.0 * math.pi)
+_RIGHT: Final = np.append(_SAGS, _FREQUENCIES)
+_NAMES: Final = ("sag under its weight", "sag by a force at its end", "first frequency", "second frequency", "third frequency")
+_OMEGA: Final = 2.0 * math.pi * float(_RIGHT[2])  # rad/s
 #: Ratios of the first mode's damping to critical damping that are tried; and the quantity that gives a ratio of one.
 _RATIOS: Final = (0.02, 0.08)
-_CRITICAL: Final = {
-    "follower.material_damping": 2.0 / _OMEGA,
-    "follower.damping": 2.0 * _OMEGA * SCENE.follower.mass_per_length,
-}
+_CRITICAL: Final = {"follower.material_damping": 2.0 / _OMEGA, "follower.damping": 2.0 * _OMEGA * _BEAM.mass_per_length}
 #: A soft strip that sinks by a third of its length and comes to rest; its duration and output step, s.
 _SOFT: Final = {"follower.bending_stiffness": 0.55, "follower.damping": 17.0, "tip": None, "tip.mass": _MASS, "tip.inertia": 0.0}
 _SUNK: Final = (2.0, 0.01)
 #: Accuracies asked of the engine, over its default one, from coarse to fine; and the coarsest one.
 _LEVELS: Final = (4.0, 1.0, 0.25)
 _COARSEST: Final = 0.3
-#: Parts of a sag, and of each frequency, that may be off beside the engine's error: small deflections, the record's length.
+#: Parts of a sag, and of each frequency, that may be off beside the engine's error: small deflections, the record's length; error of each
+#: over that of the tip deflection; and what an engine without a claim may be off.
 _FLOOR: Final = np.array([0.003, 0.003, 0.003, 0.006, 0.02])
-#: Error of each over that of the tip deflection; and what an engine without a claim may be off.
 _HARDER: Final = np.array([1.0, 1.0, 1.0, 2.0, 3.0])
-_UNCLAIMED: Final = 0.3 * _HARDER
+_UNCLAIMED: Final = 0.3
 #: Part by which a rate of decay may be off beside the engine's error, and damping ratio of an integrator, over the engine's error.
 _OF_RATE: Final = 0.05
 _ADDED: Final = 0.1
-#: Smallest part that is named as a mistake though the engine's claim covers it; largest spread of rates that depend on the mesh alike.
-_NAMED: Final = 0.01
-_ALIKE: Final = 0.25
-#: Number of pieces at which an error in proportion to one is looked at: it is small there.
-_FINELY: Final = 100.0
-#: Least ratio of the numbers of pieces by which a dependence on the mesh is seen.
-_APART: Final = 1.2
-#: Part by which damping may change the sag.
+_LEAST: Final = 1e-3
+#: Part by which damping may change the sag, and part by which a strain may be off.
 _SOFTER: Final = 0.02
-_UNDAMPED: Final = "no damping"
-_MEND: Final = "mend that first"
+_OF_STRAIN: Final = 0.01
+#: Range of the factor between the integral of the acceleration and the velocity, and part of gravity that its mean may be off. The rows are
+#: too far apart for the fastest vibrations of a fine, undamped rod, which add up to 0.4 of it, and 0.01 g, in the ladders of four rods.
+_FACTOR: Final = (0.6, 1.5)
+_OF_GRAVITY: Final = 0.2
 
 
 @dataclass(frozen=True)
-class Level:
-    """What the engine's rod shows with some settings."""
+class Ring:
+    """A free vibration: where it comes to rest, and its modes by frequency."""
 
-    settings: Settings
-    accuracy: float  # asked of them
-    rod: Rod
-    rate: float  # of decay without damping, 1/s
-    damped: dict[str, tuple[Ring, ...]]  # by the quantity: records with each of `_RATIOS`
-
-    @property
-    def off(self) -> Array:
-        """Relative errors: of the sags under weight and force, of the frequencies."""
-        return self.rod.over(_RIGHT) - 1.0
+    rest: float
+    frequencies: Array  # Hz
+    rates: Array  # of decay, 1/s
 
 
 def motion_alone(engine: AnyEngine) -> Motion | None:
     """The motion in which an engine is tried that refuses the mechanism and models a follower alone; None for any other engine."""
-    for scene in (BASE, PRESCRIBED, SPUN_UP, BARE, SCENE):
+    for scene in (BASE, PRESCRIBED, ALONE, replace(ALONE, tip=None), CLAMPED):
         try:
             check_scene(engine, scene)
         except Refusal:
             continue
         except Exception:  # an author's engine may raise anything: the checks of its motion tell
             return None
-        return Motion(scene, SPIN_UP_DURATION) if scene.crank is None else None
+        return Motion(scene, SPUN_UP) if scene.crank is None else None
     return None
+
+
+def ring(signal: Array, step: float) -> Ring:
+    """The exponentials in a record, by the matrix pencil (Hua and Sarkar, IEEE Trans. Acoustics, Speech, Signal Proc. 38 (1990) 814-824).
+
+    Args:
+        signal: the record, shape (n,).
+        step: between two values, s.
+    """
+    columns = len(signal) // 3
+    shifted = np.lib.stride_tricks.sliding_window_view(signal, columns)
+    _, sizes, right_vectors = np.linalg.svd(shifted, full_matrices=False)
+    modes = right_vectors[: min(_MOST, int(np.sum(sizes > _NOISE * sizes[0])))].T
+    poles = np.linalg.eigvals(np.linalg.pinv(modes[:-1]) @ modes[1:]).astype(complex)
+    poles = poles[np.abs(poles) > 1e-9]
+    exponents = np.log(poles) / step
+    basis = np.exp(np.outer(step * np.arange(len(signal)), exponents))
+    sizes = np.linalg.lstsq(basis, signal.astype(complex), rcond=None)[0]
+    resting = np.abs(exponents) < 0.2 / (step * len(signal))
+    turning = np.flatnonzero((exponents.imag > math.pi / (step * len(signal))) & (np.abs(sizes) > 0.0))  # half a vibration or more
+    turning = turning[np.abs(sizes[turning]) > _AUDIBLE * np.max(np.abs(sizes[turning]), initial=0.0)]
+    loudest = turning[np.argsort(-np.abs(sizes[turning]))][: len(ROOTS)]
+    loudest = loudest[np.argsort(exponents[loudest].imag)]
+    return Ring(float(np.sum(sizes[resting]).real), np.abs(exponents[loudest]) / (2.0 * math.pi), -exponents[loudest].real)
 
 
 def rods(bench: Bench) -> Iterator[Check]:
     """All checks of a clamped rod."""
-    try:
-        check_scene(bench.engine, SCENE)
-        levels = _levels(bench)
-    except Refusal as refusal:
-        yield Check("rod: sag and vibration", "not judged", f"refused: {refusal}", "without gravity nothing bends a clamped rod")
+    sizes = check_by("rod: sags and frequencies", _sizes, bench)
+    yield sizes
+    if sizes.status == "failed":
+        yield Check("rod: decay, columns and large deflections", "not judged", "its sags or frequencies are wrong already", MEND_FIRST)
         return
-    except (EngineFailure, Fault) as error:
-        yield ended("rod: sag and vibration", error)
-        return
-    checks = [check_by("rod: sags and frequencies together", _together, bench, levels)]
-    if checks[0].status == "passed":
-        parts = enumerate(("sag under its weight", "sag by a force at its end", "three frequencies"))
-        checks = [check_by(f"rod: {what}", _sizes, bench, levels, look) for look, what in parts]
-    yield from checks
-    wrong = any(check.status == "failed" for check in checks)
-    for quantity in _CRITICAL:
-        yield check_by(f"rod: decay by {quantity}", _decay, bench, levels, quantity, wrong)
-    if wrong:
-        yield Check(
-            "rod: strains, tip_acceleration and large deflections", "not judged", "its sags or frequencies are wrong already", _MEND
-        )
-        return
-    for name, rows in (("strains at rest", strains), ("tip_acceleration", acceleration)):
-        yield check_by(f"rod: {name}", rows, bench, Motion(SCENE, _DURATION, OUTPUT_STEP))
-    yield check_by("rod: sag beyond small deflections", _sunk, bench)
+    for quantity, critical in _CRITICAL.items():
+        yield check_by(f"rod: decay by {quantity}", _decay, bench, quantity, critical)
+    for name, look in (("strains at rest", strains), ("tip_acceleration", acceleration), ("sag beyond small deflections", _sunk)):
+        yield check_by(f"rod: {name}", look, bench)
 
 
-def _levels(bench: Bench) -> list[Level]:
-    """The rod at the engine's coarse, default and fine resolution, each once. Raises Fault: it does not come back."""
-    levels, engine = list[Level](), bench.engine
+def _levels(bench: Bench) -> dict[Settings, float]:
+    """Settings from coarse to fine, each once, and the accuracies asked of them."""
+    default, levels = bench.engine.default_accuracy, dict[Settings, float]()
     for times in _LEVELS:
-        accuracy = min(times * engine.default_accuracy, max(_COARSEST, engine.default_accuracy))
-        settings = engine.settings_for(accuracy, SCENE)
-        with contextlib.suppress(LeftOut) if levels else contextlib.nullcontext():  # where time is short, one resolution has to do
-            if all(level.settings != settings for level in levels):
-                levels.append(_level(bench, settings, accuracy))
+        accuracy = min(times * default, max(_COARSEST, default))
+        levels.setdefault(bench.engine.settings_for(accuracy, CLAMPED), accuracy)
     return levels
 
 
-def _level(bench: Bench, settings: Settings, accuracy: float) -> Level:
-    def record(scene: FollowerAlone, damping: str = _UNDAMPED) -> Ring:
-        try:
-            run = bench.run(Motion(scene, _DURATION, OUTPUT_STEP), settings)
-        except EngineFailure as failure:
-            told = ", ".join(f"{name}={text}" for name, text in as_texts(settings.as_dict()).items())
-            raise replace(failure, cause=f"{failure.cause}, with {told} and {damping}") from failure
-        earlier, later = np.array_split(np.abs(run["tip_deflection"]), 2)
-        if damping == _UNDAMPED and later.min() > earlier.max() and later[-1] == later.max():
-            cause = f"in {_DURATION:g} s the rod does not come back; a right one vibrates eight times"
-            raise Fault(cause, "its stiffness is far too small, its mass too large, or the integrator adds damping")
-        found = ring(run["tip_deflection"], OUTPUT_STEP)
-        if not len(found.frequencies):
-            return replace(found, rest=float(np.mean(run["tip_deflection"][-len(run) // 4 :])))
-        return found
-
-    free, force = record(SCENE), math.nan
-    with_mass = changed(SCENE, {"tip": None, "tip.mass": _MASS, "tip.inertia": 0.0})
-    try:
-        check_scene(bench.engine, with_mass)
-        force = record(with_mass).rest - free.rest
-    except Refusal:
-        pass
-    damped = dict[str, tuple[Ring, ...]]()
-    for quantity, critical in _CRITICAL.items():
-        scenes = [changed(SCENE, {quantity: ratio * critical}) for ratio in _RATIOS]
-        try:
-            for scene in scenes:
-                check_scene(bench.engine, scene)
-        except Refusal:
-            continue
-        damped[quantity] = tuple(record(scene, f"a damping ratio of {ratio:g}") for ratio, scene in zip(_RATIOS, scenes, strict=True))
-    rate = float(free.rates[0]) if len(free.rates) else math.nan
-    length = float(bench.run(Motion(SCENE, _DURATION, OUTPUT_STEP), settings)["tip_x"][0])
-    return Level(settings, accuracy, Rod(free.rest, force, free.frequencies, length), rate, damped)
+def _record(bench: Bench, settings: Settings, changes: Mapping[str, float | None]) -> Ring:
+    """The vibration with changes of the scene. Refusal, EngineFailure: there is none."""
+    deflection = bench.run(Motion(changed(CLAMPED, changes), _DURATION), settings)["tip_deflection"]
+    found = ring(deflection, OUTPUT_STEP)
+    return found if len(found.frequencies) else replace(found, rest=float(np.mean(deflection[-len(deflection) // 4 :])))
 
 
-def _default(bench: Bench, levels: list[Level]) -> Level:
-    return next((level for level in levels if level.accuracy == bench.engine.default_accuracy), levels[-1])
+@functools.lru_cache(maxsize=8)
+def _free(bench: Bench, settings: Settings) -> Ring:
+    """The vibration without damping."""
+    return _record(bench, settings, {})
 
 
-def _allowed(bench: Bench, levels: list[Level], level: Level) -> Array:
-    """Parts that each size may be off: the engine's claim, or the change to its next finer resolution."""
-    n = len(level.off)
-    if not bench.claims:
-        return _FLOOR[:n] + _UNCLAIMED[:n]
-    k = levels.index(level)
-    other = levels[k + 1] if k + 1 < len(levels) else levels[max(k - 1, 0)]
-    n = min(n, len(other.off))
-    shown = np.abs(other.off[:n] - level.off[:n])
-    allowed: Array = _FLOOR[:n] + TOLERANCE_FACTOR * np.maximum(level.accuracy * _HARDER[:n], np.nan_to_num(shown))
-    return allowed
+def _claimed(bench: Bench, accuracy: float, otherwise: float) -> float:
+    """Tolerance of a relative error with settings for an accuracy: by the engine's claim, or `otherwise`."""
+    return TOLERANCE_FACTOR * accuracy if bench.claims else otherwise
 
 
-def _sizes(bench: Bench, levels: list[Level], first: int) -> str:
-    """Check a sag (0, 1), or the frequencies (2), at each level."""
-    worst = list[str]()
-    for level in levels:
-        off, allowed = level.off[first : first + 1 if first < 2 else None], _allowed(bench, levels, level)
-        allowed = allowed[first : first + 1 if first < 2 else None]
-        off = off[: len(allowed)]
-        if first == 1 and np.isnan(off).any():
-            return "refused: a mass at the end"
-        if first == 2 and not len(off):
-            raise Fault("the rod does not vibrate when it is let go", "an undamped one vibrates for ever: look at stiffness and integrator")
-        if (np.abs(off) > allowed).any():
-            k = int(np.argmax(np.abs(off) / allowed))
-            what = ("its sag", "its sag", f"frequency {k + 1}")[first]
-            cause = f"{what} is {1.0 + off[k]:.4g} times the closed form, at an accuracy of {share_of(level.accuracy)}"
-            raise Fault(cause, "hold stiffness, mass and length of the rod against the closed form")
-        worst.append(share_of(float(np.max(np.abs(off)))))
-    return f"from coarse to fine off by {', '.join(worst)}"
+def _sizes(bench: Bench) -> str:
+    """Check sags and frequencies at each resolution."""
+    accuracies = list(_levels(bench).values())
+    sizes = [_over(bench, settings) for settings in _levels(bench)]
+    for k, (over, accuracy) in enumerate(zip(sizes, accuracies, strict=True)):
+        off, allowed = np.abs(over - 1.0), _FLOOR + _claimed(bench, accuracy, _UNCLAIMED) * _HARDER
+        if len(sizes) > 1:  # higher frequencies may not be there, or not be heard
+            allowed[3:] += TOLERANCE_FACTOR * np.nan_to_num(np.abs(over - sizes[k + 1 if k + 1 < len(sizes) else k - 1])[3:], nan=1.0)
+        if math.isnan(over[2]) or (off > allowed).any():
+            told = ", ".join(f"{name} {times:.4g}" for name, times in zip(_NAMES, over, strict=True) if not math.isnan(times))
+            cause = f"times the closed forms, at an accuracy of {share_of(accuracy)}: {told}{', no vibration' * math.isnan(over[2])}"
+            raise Fault(cause, "hold stiffness, mass and length of the rod against the closed forms, and look what the integrator adds")
+    return f"from coarse to fine off by {', '.join(share_of(float(np.nanmax(np.abs(over[:3] - 1.0)))) for over in sizes)}"
 
 
-def pieces(levels: list[Level]) -> Array | None:
-    """Number of segments, elements or links at each level: the first whole-numbered setting that grows; None if there is none."""
-    for name in (each.name for each in dataclasses.fields(levels[0].settings)):
-        values = [getattr(level.settings, name) for level in levels]
-        if all(isinstance(value, int) and not isinstance(value, bool) for value in values) and values[-1] > _APART * values[0]:
-            return np.array(values, dtype=float)
-    return None
+def _over(bench: Bench, settings: Settings) -> Array:
+    """Sags and frequencies over the closed forms; nan for what is not there."""
+    free, over = _free(bench, settings), np.full(len(_RIGHT), math.nan)
+    with contextlib.suppress(Refusal):
+        over[1] = _record(bench, settings, {"tip": None, "tip.mass": _MASS, "tip.inertia": 0.0}).rest - free.rest
+    over[0], over[2 : 2 + len(free.frequencies)] = free.rest, free.frequencies
+    return over / _RIGHT
 
 
-def _fitted(shown: Array, kind: str) -> tuple[float, Array]:
-    """The amount of one mistake that comes nearest to `Rod.decisive`, and what that would be with it."""
-    neutral, seen = getattr(Mistake(), kind), np.isfinite(shown)
-
-    def gone(x: float) -> Array:
-        rod = Mistake(**{kind: neutral * math.exp(x) if neutral else x})
-        return rod.acts(SCENE.follower, SCENE.gravity[1], _MASS).decisive(_RIGHT)
-
-    found = least_squares(lambda x: (gone(float(x[0])) - shown)[seen], [0.0], bounds=(-3.0, 3.0) if neutral else (-0.2, 3.0), xtol=1e-10)
-    x = float(found.x[0])
-    return neutral * math.exp(x) if neutral else x, gone(x)
-
-
-def _trends(levels: list[Level], default: Level) -> Iterator[tuple[Array, bool]]:
-    """Errors of `Rod.decisive` that stay however fine the resolution is, then those in proportion to a piece's length; whether by piece.
-
-    An error is c + a / N + b / N^2. Where the number of pieces is unknown, all of the default level's error may be one that stays.
-    """
-    n, shown = pieces(levels), np.array([level.rod.decisive(_RIGHT) for level in levels])
-    if n is None or len(n) < len(_LEVELS):
-        yield shown[levels.index(default)], False
-        return
-    terms = np.linalg.solve(np.array([np.ones(3), 1.0 / n, 1.0 / n**2]).T, np.nan_to_num(shown))
-    staying = np.where(np.isfinite(shown).all(axis=0), terms[0], np.nan)
-    first = (shown[2] * n[2] ** 2 - shown[1] * n[1] ** 2) / (n[2] - n[1])
-    for part, by_piece, fine in ((staying, False, staying), (first / _FINELY, True, first / n[2])):
-        large = np.nanmax(np.abs(first / n[1] if by_piece else staying)) > _NAMED
-        if large and np.nanmax(np.abs(shown[2])) > 0.4 * np.nanmax(np.abs(fine)):
-            yield part, by_piece
-
-
-def _together(bench: Bench, levels: list[Level]) -> None:
-    """Name the one mistake that explains sags and frequencies at all levels, if there is one."""
-    default = _default(bench, levels)
-    allowed = _allowed(bench, levels, default)
-    beyond = bool((np.abs(default.off[: len(allowed)]) > allowed).any())
-    for shown, by_piece in _trends(levels, default):
-        seen = np.isfinite(shown)
-        if seen.sum() < 3 or np.max(np.abs(shown[seen])) < (0.0 if by_piece else _NAMED):
-            continue
-        hypotheses = list[Hypothesis]()
-        for kind in (field.name for field in dataclasses.fields(Mistake)):
-            amount, predicted = _fitted(shown, kind)
-            words, advice = by_piece_words(kind, amount, _FINELY) if by_piece else staying_words(kind, amount, SCENE.follower)
-            hypotheses.append(Hypothesis(words, advice, predicted[seen], fitted=1))
-        explained = explain(shown[seen], 0.0 * shown[seen], hypotheses)
-        if explained is not None and (beyond or len(levels) == len(_LEVELS)):
-            told = ", ".join(f"{1.0 + value:.4g}" for value in default.off if math.isfinite(value))
-            raise Fault(f"{explained.words} (sags and frequencies are {told} times the closed forms)", explained.advice)
-
-
-def _spread(values: Array) -> float:
-    """Spread of numbers over the size of the largest."""
-    return float(np.ptp(values) / max(np.max(np.abs(values)), 1e-12)) if np.isfinite(values).all() else math.inf
-
-
-def _decay(bench: Bench, levels: list[Level], quantity: str, wrong: bool) -> str:
-    """Check the decay of the first mode with two dampings, at each level, and that damping leaves the stiffness."""
-    if quantity not in levels[-1].damped:
-        return "refused"
-    rates, added = list[float](), list[float]()
-    for level in levels:
-        if level.rod.weight == 0.0:
-            raise Unjudged("without damping no sag is seen, whatever it vibrates", _MEND)
-        records = level.damped[quantity]
-        for ratio, record in zip(_RATIOS, records, strict=True):
-            softer = record.rest / level.rod.weight
-            if abs(softer - 1.0) > _SOFTER + (level.accuracy if bench.claims else 0.1):
-                lost = "lost" if softer > 1.0 else "added"
-                cause = f"stiffness is {lost} with damping: with a damping ratio of {ratio:g} the sag is {softer:.3g} times that without"
-                raise Fault(cause, "damping changes no sag: look what it replaces or adds")
-        if wrong or not all(len(record.rates) for record in records):
-            continue
-        omega = 2.0 * math.pi * float(level.rod.frequencies[0])
-        of_both = [(record.rates[0] - level.rate) / (ratio * omega) for ratio, record in zip(_RATIOS, records, strict=True)]
-        if _spread(np.array(of_both)) > _ALIKE + (TOLERANCE_FACTOR * level.accuracy if bench.claims else 1.0):
-            both = " and ".join(f"{each:.3g}" for each in of_both)
+def _decay(bench: Bench, quantity: str, critical: float) -> str:
+    """Check the decay of the first mode with two dampings, at each resolution, and that damping leaves the sag."""
+    rates, most, added = list[float](), 0.0, 0.0
+    for settings, accuracy in _levels(bench).items():
+        free, part = _free(bench, settings), _claimed(bench, accuracy, 0.9)
+        records = [_record(bench, settings, {quantity: ratio * critical}) for ratio in _RATIOS]
+        softer = [record.rest / free.rest for record in records]
+        if np.abs(np.array(softer) - 1.0).max() > _SOFTER + (accuracy if bench.claims else 0.1):
+            told = " and ".join(f"{times:.3g}" for times in softer)
             raise Fault(
-                f"with damping ratios of 0.02 and 0.08 it decays {both} times as fast as it should", "damping is linear: look at its law"
+                f"with damping ratios of 0.02 and 0.08 the sag is {told} times that without", "damping leaves the stiffness as it is"
             )
-        rates.append(float(np.mean(of_both)))
-        added.append(level.rate / omega)
-    if wrong:
-        raise Unjudged("its stiffness or mass is wrong already", _MEND)
-    if len(rates) < len(levels):
-        raise Fault("with damping the rod does not vibrate", "a damping ratio of 0.08 leaves twelve vibrations: look at its unit")
-    n, off = pieces(levels), np.array(rates)
-    told = ", ".join(f"{rate:.3g}" for rate in rates)
-    if n is not None and np.max(np.abs(off - 1.0)) > 2.0 * _OF_RATE:
-        for power, words in ((1.0, "grows with the number of pieces"), (-1.0, "falls with the number of pieces")):
-            if _spread(off * n**-power) < _ALIKE and _spread(off) > _ALIKE / 2.0:
-                advice = "a joint between pieces of the length h has EI eta / h, a node c h"
-                raise Fault(f"the damping {words}: {told} times the right one with {', '.join(f'{each:.0f}' for each in n)}", advice)
-    for level, rate, extra in zip(levels, rates, added, strict=True):
-        part = TOLERANCE_FACTOR * level.accuracy if bench.claims else 0.9
-        if abs(rate - 1.0) > _OF_RATE + part and (bench.claims or abs(rate) < 0.02 or _spread(off) < _ALIKE):
-            cause = f"the first mode decays {rate:.3g} times as fast as it should (at {len(rates)} resolutions: {told})"
-            raise Fault(cause, "look at its unit, and for a factor of 2")
-        if bench.claims and extra > 1e-3 + _ADDED * part:
-            raise Fault(f"without damping it decays as with a damping ratio of {extra:.2g}", "the integrator adds it: take smaller steps")
-    return f"{told} times the closed form at {len(levels)} resolutions"
+        if not all(len(record.rates) for record in records):
+            raise Fault("with damping the rod does not vibrate", "a damping ratio of 0.08 leaves twelve vibrations: look at its unit")
+        omega = 2.0 * math.pi * free.frequencies[0]
+        rates += [float(record.rates[0] - free.rates[0]) / (ratio * omega) for ratio, record in zip(_RATIOS, records, strict=True)]
+        most = max(most, *(abs(rate - 1.0) - part for rate in rates[-2:]))
+        added = max(added, float(free.rates[0]) / omega - _ADDED * part)
+    told = f"{', '.join(f'{rate:.3g}' for rate in rates)} times the right decay, by two dampings at each resolution"
+    if most > _OF_RATE:
+        raise Fault(told, "look at its unit, its law, for a factor of 2, and what the number of pieces does to it")
+    if bench.claims and added > _LEAST:
+        raise Fault(f"without damping it decays as with a damping ratio of {added:.2g}", "the integrator adds it: take smaller steps")
+    return told
+
+
+def strains(bench: Bench) -> str:
+    """Check where the three strains come to rest."""
+    if isinstance(bench.engine, RodEngine):
+        return "they are differences of the rod's points, which the sags and frequencies hold"
+    run, times = bench.run(Motion(CLAMPED, _DURATION)), list[float]()
+    for k, place in enumerate(_BEAM.strain_gauges, 1):
+        right = _WEIGHT * (_BEAM.length - place) ** 2 / 2.0 / _BEAM.bending_stiffness * _BEAM.extreme_fibre
+        times.append(ring(run[f"strain_{k}"], OUTPUT_STEP).rest / right)
+    told = ", ".join(f"{each:.4g}" for each in times)
+    if np.abs(np.array(times) - 1.0).max() > _OF_STRAIN + _claimed(bench, 3.0 * bench.engine.default_accuracy, 0.5):
+        cause = f"the strains come to rest at {told} times the closed form"
+        raise Fault(cause, "a strain is the curvature times the distance of the surface from the axis of bending, positive where W'' > 0")
+    return f"{told} times the closed form"
+
+
+def acceleration(bench: Bench) -> str:
+    """Check that the acceleration of the end, integrated, is the rate of its deflection."""
+    run, inner = bench.run(Motion(CLAMPED, _DURATION)), slice(1, -1)  # differences are one-sided at the ends
+    velocity = np.gradient(run["tip_deflection"], OUTPUT_STEP)[inner]
+    integral = cumulative_trapezoid(run["tip_acceleration"], dx=OUTPUT_STEP, initial=0.0)[inner]
+    slope, gravity = float(np.polyfit(run["time"][inner], integral - velocity, 1)[0]), math.hypot(*CLAMPED.gravity)
+    if abs(slope) > _OF_GRAVITY * gravity:
+        cause = f"tip_acceleration is {slope:.3g} m/s^2 too large on average"
+        raise Fault(cause, f"an accelerometer's reading lacks gravity, {gravity:g} m/s^2: add it; or look at its frame")
+    if not np.any(velocity):
+        raise Fault("tip_deflection does not change", "it is the end's displacement along the base's normal, in m")
+    times = float(integral @ velocity / (velocity @ velocity))
+    if not _FACTOR[0] < times < _FACTOR[1]:
+        cause = f"tip_acceleration is {times:.3g} times the second derivative of tip_deflection"
+        raise Fault(cause, "it is that of the end along the rod's normal there, in m/s^2")
+    return f"its integral is {times:.3g} times the rate of tip_deflection"
 
 
 def _sunk(bench: Bench) -> str:
     """Check where a soft strip comes to rest, against `reference`."""
-    soft = changed(SCENE, _SOFT)
-    check_scene(bench.engine, soft)
+    soft: FollowerAlone = changed(CLAMPED, _SOFT)
     motion = Motion(soft, *_SUNK)
-    run, known = bench.run(motion), functools.partial(lambda name: float(solution(motion)[name][-1]))
-    size = math.hypot(known("tip_x") - soft.follower.length, known("tip_y"))
-    off = math.hypot(*(float(run[name][-1]) - known(name) for name in ("tip_x", "tip_y"))) / size
-    if off > (2.0 * float(_FLOOR[0]) + TOLERANCE_FACTOR * bench.engine.default_accuracy if bench.claims else 0.3):
-        place = ", ".join(f"{float(run[name][-1]):.5g}" for name in ("tip_x", "tip_y"))
-        right_place = ", ".join(f"{known(name):.5g}" for name in ("tip_x", "tip_y"))
-        cause = f"the end comes to rest at ({place}) m, that of reference at ({right_place}) m"
+    run, right = bench.run(motion), solution(motion)
+    place, right_place = (np.array([columns["tip_x"][-1], columns["tip_y"][-1]]) for columns in (run.columns, right))
+    off = float(np.linalg.norm(place - right_place) / np.linalg.norm(right_place - [soft.follower.length, 0.0]))
+    if off > 2.0 * float(_FLOOR[0]) + _claimed(bench, bench.engine.default_accuracy, _UNCLAIMED):
+        cause = f"the end comes to rest at {place.round(5)} m, that of reference at {right_place.round(5)} m"
         raise Fault(cause, "small deflections are right: look at geometry, as the direction of forces on a bent rod")
     return f"{share_of(off)} off"

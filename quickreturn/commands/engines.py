@@ -45,13 +45,13 @@ def _describe(name: str, as_json: bool) -> None:
 
 @click.command(name="conform")
 @click.argument("engine", metavar="ENGINE")
-@click.option("--quick", is_flag=True, help="Take about half a minute: the motion first; the checks that are left out are named.")
+@click.option("--quick", is_flag=True, help="Try motion, frequencies and failures alone.")
 @options.json
 @options.computing
 def conform(engine: str, quick: bool, as_json: bool, computing: Computing) -> int:
     """Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.
 
-    The outcome is stored with the results, and the report shows it beside the engine's version; the outcome of a quick trial is not stored.
+    The outcome is stored with the results, and the report shows it beside the engine's version; that of a quick trial is not stored.
 
     Exit code 0: it conforms; 1: it does not; 3: nothing could be judged. An engine that is coarse and says so still conforms.
     """
@@ -67,12 +67,8 @@ def conform(engine: str, quick: bool, as_json: bool, computing: Computing) -> in
         print_json(found)
     else:
         for check in found.checks:
-            if check.left_out:
-                continue  # they are named below
             click.echo(f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else ""))
             if check.advice:
                 click.echo(f"{'':10}  {check.advice}")
-        if found.left_out:
-            click.echo(f"{'left out':10}  for lack of time: {', '.join(found.left_out)}")
         click.echo(f"{engine}: {found.verdict}")
     return {True: ExitCode.GOOD, False: ExitCode.CLAIMS_BROKEN, None: ExitCode.ENGINE_TROUBLE}[found.conforms]

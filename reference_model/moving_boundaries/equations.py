@@ -6,7 +6,7 @@ The state (equation 5.1) has no place of the slider, which the crank's angle giv
 from __future__ import annotations
 
 import math
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -14,7 +14,7 @@ from quickreturn.reference_model.compiled_state import state_without_slider_at
 from quickreturn.reference_model.moving_boundaries import tables as t
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.memory import Cube, Matrix, Vector
-from quickreturn.reference_model.native.pointers import reader, tuple_type
+from quickreturn.reference_model.native.pointers import reader
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED
 from quickreturn.reference_model.tip_force import tool_force
 
@@ -65,10 +65,7 @@ class MovingBoundariesWorkspace(NamedTuple):
     watched: Vector  # (2,) read by the integrator: arc length of the slider, m; highest angular frequency, rad/s
 
 
-PARAMETERS_TYPE: Final = tuple_type(MovingBoundariesParameters)
-WORKSPACE_TYPE: Final = tuple_type(MovingBoundariesWorkspace)
-parameters_at = reader(PARAMETERS_TYPE)
-workspace_at = reader(WORKSPACE_TYPE)
+parameters_at, workspace_at = reader(MovingBoundariesParameters), reader(MovingBoundariesWorkspace)
 
 
 @inner

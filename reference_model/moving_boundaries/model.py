@@ -1,6 +1,5 @@
 """The model of one scene: shapes, equations, integration and observables under one roof."""
 
-from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -11,7 +10,7 @@ from quickreturn.reference_model.integrate import Equations, dop853
 from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.moving_boundaries import tables as t
-from quickreturn.reference_model.moving_boundaries.equations import MovingBoundariesParameters, MovingBoundariesWorkspace, kernel
+from quickreturn.reference_model.moving_boundaries.equations import MovingBoundariesParameters, MovingBoundariesWorkspace
 from quickreturn.reference_model.moving_boundaries.observables import observables
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.native.objects import Entry
@@ -21,12 +20,8 @@ from quickreturn.reference_model.state import State
 Array = NDArray[np.float64]
 
 
-def _equations() -> Callable[..., int]:
-    return kernel
-
-
 #: The equations of motion.
-KERNEL: Final = Entry(_equations, 4 * "i")
+KERNEL: Final = Entry("quickreturn.reference_model.moving_boundaries.equations:kernel", 4 * "i")
 
 
 class MovingBoundariesModel:

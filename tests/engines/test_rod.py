@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.conformance.rods import SCENE
 from quickreturn.cases.conformance.scenes import BASE
+from quickreturn.cases.conformance.scenes import CLAMPED as SCENE
 from quickreturn.engines.base import SPIN_UP, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.rod import Rod, RodEngine, RodSettings

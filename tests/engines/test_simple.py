@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.cases.conformance.alone import SCENE as ALONE
-from quickreturn.cases.conformance.scenes import BASE, changed
+from quickreturn.cases.conformance.scenes import ALONE, BASE, changed
 from quickreturn.engines.base import SPIN_UP, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.settings import SettingError

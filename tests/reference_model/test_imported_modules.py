@@ -34,14 +34,10 @@ def function() -> None:
 '''
 
 
-def ours(*, late: bool) -> set[str]:
-    return {name for name in names_imported(SOURCE, late=late) if name.startswith("quickreturn")}
-
-
 def test_imports_are_read_from_a_source() -> None:
     at_the_head = {"quickreturn.a", "quickreturn.b", "quickreturn.c", "quickreturn.c.d", "quickreturn.c.e"}
-    assert ours(late=False) == at_the_head
-    assert ours(late=True) == at_the_head | {"quickreturn.quoted.one", "quickreturn.inside", "quickreturn.inside.g"}
+    found = {name for name in names_imported(SOURCE) if name.startswith("quickreturn")}
+    assert found == at_the_head | {"quickreturn.quoted.one", "quickreturn.inside", "quickreturn.inside.g"}
 
 
 def test_a_relative_import_is_refused() -> None:
@@ -74,7 +70,6 @@ def test_modules_are_followed_through_others_and_in_circles(find: Callable[[str]
     all_of_one = ["quickreturn.inner", "quickreturn.inner.two", "quickreturn.one", "quickreturn.three"]
     assert list(imported_modules(["quickreturn.one"], find=find)) == all_of_one
     assert list(imported_modules(["quickreturn.inner.two"], find=find)) == all_of_one
-    assert list(imported_modules(["quickreturn.inner.two"], late=False, find=find)) == [*all_of_one[:2], "quickreturn.three"]
     assert list(imported_modules(["quickreturn.apart", "quickreturn.missing"], find=find)) == ["quickreturn.apart", *all_of_one]
     assert imported_modules(["quickreturn.missing"], find=find) == {}
 
@@ -92,7 +87,7 @@ def test_modules_of_each_part_of_the_package_have_their_files() -> None:
 
 @pytest.mark.parametrize("module", ["quickreturn.engines.accurate", pytest.param("quickreturn.reports.report", marks=pytest.mark.verify)])
 def test_python_imports_no_module_that_is_not_found(module: str) -> None:
-    """What Python has imported after an import is what is found at the heads of the sources."""
+    """What Python has imported after an import is among what is found."""
     asked = f"import json, sys, {module}; print(json.dumps(sorted(name for name in sys.modules if name.startswith('quickreturn.'))))"
     told = subprocess.run([sys.executable, "-P", "-c", asked], capture_output=True, text=True, check=True).stdout
-    assert json.loads(told) == list(imported_modules([module], late=False))
+    assert set(json.loads(told)) <= set(imported_modules([module]))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.conformance.alone import SCENE
 from quickreturn.cases.conformance.bench import Motion
+from quickreturn.cases.conformance.scenes import ALONE as SCENE
 from quickreturn.cases.conformance.scenes import BASE
 from quickreturn.cases.errors import CaseError
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulation

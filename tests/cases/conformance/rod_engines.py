@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, expm
 
-from quickreturn.cases.conformance.rods import SCENE
+from quickreturn.cases.conformance.scenes import CLAMPED as SCENE
 from quickreturn.engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from quickreturn.engines.rod import Rod, RodEngine
 from quickreturn.engines.settings import Settings, setting
@@ -17,6 +17,7 @@ from quickreturn.engines.trajectory import FollowerTrajectory
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 
 Array = NDArray[np.float64]
+_SIZES: Final = "rod: sags and frequencies"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -272,19 +273,19 @@ def of_elements(rod: type[Elements], *errors: tuple[int, float]) -> RodEngine:
     return tested
 
 
-#: Name -> an engine with one mistake, and what is said of it.
+#: Mistake -> the engine, and the check that must fail.
 MUTANTS: Final[dict[str, tuple[type[LinearRod], str]]] = {
-    "round section": (RoundSection, r"round section \(pi d\^4 / 64\) in place of a rectangle"),
-    "square section": (SquareSection, r"rectangle \(d\^4 / 12\) in place of a round section"),
-    "a segment too many": (SegmentTooMany, "one segment too many in its length"),
-    "stiffness of one segment more": (StiffOfOneMore, "one segment too many in its bending stiffness"),
-    "stiffness halved at the ends": (HalvedEnds, "stiffness halved at the ends"),
-    "first half segment rigid": (RigidFirst, r"the first 0\.[45]\d* of a piece \(h = L/N\) does not bend"),
-    "stiffness lost with damping": (LosesStiffness, "stiffness is lost with damping"),
-    "half the mass at the end": (HalfEnd, r"half the mass at the end: 0\.2[3-7] of a piece's mass less"),
-    "whole mass at the end": (WholeEnd, r"too much mass at the end: 0\.[45]\d* of a piece's mass more"),
-    "drag scales with the mesh": (MeshedDrag, "the damping grows with the number of pieces"),
-    "dampers scale with the mesh": (MeshedDampers, "the damping falls with the number of pieces"),
-    "damping of half the size": (HalfDamping, r"the first mode decays 0.49\d* times as fast"),
-    "drag ignored": (DragIgnored, "the first mode decays .* times as fast"),
+    "round section": (RoundSection, _SIZES),
+    "square section": (SquareSection, _SIZES),
+    "a segment too many": (SegmentTooMany, _SIZES),
+    "stiffness of one segment more": (StiffOfOneMore, _SIZES),
+    "stiffness halved at the ends": (HalvedEnds, _SIZES),
+    "first half segment rigid": (RigidFirst, _SIZES),
+    "half the mass at the end": (HalfEnd, _SIZES),
+    "whole mass at the end": (WholeEnd, _SIZES),
+    "stiffness lost with damping": (LosesStiffness, "rod: decay by follower.material_damping"),
+    "dampers scale with the mesh": (MeshedDampers, "rod: decay by follower.material_damping"),
+    "damping of half the size": (HalfDamping, "rod: decay by follower.material_damping"),
+    "drag scales with the mesh": (MeshedDrag, "rod: decay by follower.damping"),
+    "drag ignored": (DragIgnored, "rod: decay by follower.damping"),
 }

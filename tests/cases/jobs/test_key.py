@@ -105,7 +105,7 @@ USES = {
         "sweep.study runs.comparison",
     ),
     "judging.matrix.evidence_of": ("variation judging.evidence", "runs.column_differences"),
-    "conformance.conform": ("variation mistakes.diagnosis mistakes.explanation conformance.quantities", "runs.comparison"),
+    "conformance.conform": ("conformance.quantities conformance.rods", "mistakes.diagnosis runs.comparison"),
     "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.column_differences sweep.rows"),
     "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
     "solving.answer_to": ("solving", "text.document runs.steady_state"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.conformance.alone import SCENE
+from quickreturn.cases.conformance.scenes import ALONE as SCENE
 from quickreturn.cases.mistakes.diagnosis import diagnose
 
 
