@@ -16,7 +16,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.shown import METRIC
 from quickreturn.engines.base import EngineFailure
-from quickreturn.plugins.studies.around import Around, curves_around, motion_sentences, resonance_sentence
+from quickreturn.plugins.studies.around import Around, _near, around_of, curves_around, motion_sentences
 from quickreturn.plugins.studies.chapters.resonance import finding, plot
 from quickreturn.plugins.studies.resonance_curve.search import USUAL, job_around
 from quickreturn.plugins.studies.tests.made_up_resonance import FOLD, OWN, PEAK, RPM, height, made_up_around, speed
@@ -36,7 +36,7 @@ def around() -> Around:
 
 
 def own_page(*curves: Around) -> Content:
-    return Content(results=[reported_result(each.case.name) for each in curves], around=curves)
+    return Content(results=[reported_result(each.case.name) for each in curves], data={around_of: curves})
 
 
 def test_the_machine_has_every_motion_at_its_speed(around: Around) -> None:
@@ -111,11 +111,10 @@ def test_a_harmonic_without_a_peak_is_no_alarm(around: Around) -> None:
     told = "the 9th harmonic, the nearest to the first mode, raises no peak of 10 % or more"
     assert plain(bare.without_effect) == told
     assert plain(bare.sentences[-1]) == f"T{told[1:]}."
-    screen = plain(resonance_sentence(made_up_loads(), bare))
+    screen = plain(_near(bare))
     assert screen == f"The resonance curve has no peak between 102 rpm and 138 rpm; {told}."
     of_it = dataclasses.replace(around.solved_curve.peaks[0], order=9)
     assert Around(around.case, dataclasses.replace(around.solved_curve, peaks=(of_it,))).without_effect == ""
-    assert resonance_sentence(with_resonance(made_up_loads(), None), bare) == ""
 
 
 def test_a_machine_near_nothing_and_one_without_a_curve_say_so(around: Around) -> None:
@@ -170,7 +169,7 @@ def test_one_sentence_says_why_there_is_no_curve(changes: dict[str, str], senten
     for _ in range(2):  # the second time from the store, where the failure is
         (found,) = curves_around([case], Workshop(Store(tmp_path), Failing()), {})
         assert found.curve is None
-    told = text_of(Content(results=[reported_result("example")], around=[found]))
+    told = text_of(Content(results=[reported_result("example")], data={around_of: [found]}))
     assert f"No resonance curve of {case.title}: " in told
     assert told.count(sentence) == 2  # in the heading and in the chapter, in place of the curve
     assert "your machine runs here" not in told

@@ -42,8 +42,8 @@ HOLD: Final = 1e-2
 #: Largest change of the logarithm of a parameter without a range.
 FARTHEST: Final = 3.0
 #: Error of a table's column, as a part of its RMS, that residuals need not show. Measured with 80 tables that `mujoco` and `exudyn` make at
-#: their default settings of machines near four of the thesis (`plugins/studies/tests/uncertainty/test_calibration.py`): of the intervals for the 35
-#: tables with noise 60 of 60 contain the truth, and with 1.5e-3 57 of 65; of those for the 45 without noise 78 of 78 with 1.5e-3.
+#: their default settings of machines near four of the thesis (`tests/uncertainty/test_calibration.py`): of the intervals for the 35 tables
+#: with noise 60 of 60 contain the truth, and with 1.5e-3 57 of 65; of those for the 45 without noise 78 of 78 with 1.5e-3.
 TABLE_ERROR: Final = 3e-3
 #: RMS of the residuals of a column, as a part of its own, up to which model and table need not lack anything: the largest error that a main
 #: engine claims at its default settings.

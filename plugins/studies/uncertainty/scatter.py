@@ -1,7 +1,7 @@
 """The scatter of measures of the settled motion due to that of parameters: mean, quantiles, band, and the share of each parameter.
 
 Each number has two errors, which are kept
-apart: that from the finite number of points, by the surrogate's errors (`cases.uncertainty.chaos`) or, without a good surrogate, by
+apart: that from the finite number of points, by the surrogate's errors (`uncertainty.chaos`) or, without a good surrogate, by
 resampling the points (bootstrap); and the largest change by the simulation's own errors at the points.
 """
 
