@@ -2,7 +2,6 @@
 
 from quickreturn.cases.case import Case as Case
 from quickreturn.cases.columns import UnknownColumn as UnknownColumn
-from quickreturn.cases.conformance import conform as conform
 from quickreturn.cases.errors import CaseError as CaseError
 from quickreturn.cases.recorded import RecordedTable as RecordedTable
 from quickreturn.cases.recorded import read_table as read_table
@@ -32,6 +31,7 @@ from quickreturn.engines.trajectory import Trajectory as Trajectory
 from quickreturn.explanation import Explanation as Explanation
 from quickreturn.explanation import explain as explain
 from quickreturn.frequencies import modes as modes
+from quickreturn.plugins.conform.contract import conform as conform
 from quickreturn.plugins.methods.advice import Advice as Advice
 from quickreturn.plugins.methods.advice import advise as advise
 from quickreturn.plugins.studies.public.calibration import calibrate as calibrate

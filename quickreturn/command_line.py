@@ -45,7 +45,6 @@ COMMANDS: Final = {
     "check": ("check", "Judge a table by the reference results of PROBLEM."),
     "report": ("report", "Write the report on each CASE; without one, on the 24 runs of the thesis."),
     "explain": ("explain", "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers."),
-    "conform": ("engines", "Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures."),
     "plot": ("pictures", "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time."),
     "animate": ("pictures", "Simulate CASE from the standard start and draw it moving, engines over each other."),
 }

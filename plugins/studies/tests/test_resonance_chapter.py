@@ -23,7 +23,6 @@ from quickreturn.plugins.studies.tests.made_up_resonance import FOLD, OWN, PEAK,
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
-from tests.reports.made_up_loads import made_up_loads, with_resonance
 from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.reported_results import reported_result
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.conformance.scenes import ALONE as SCENE
 from quickreturn.cases.mistakes.diagnosis import diagnose
+from quickreturn.plugins.conform.scenes import ALONE as SCENE
 
 
 @pytest.mark.parametrize(("factor", "told"), [(0.6, False), (0.04, True), (1e-3, True), (0.0, True)])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.cases.conformance.bench import Motion, solution
-from quickreturn.cases.conformance.scenes import BASE
 from quickreturn.cases.mistakes.diagnosis import diagnose, lateness, share_of
 from quickreturn.cases.mistakes.explanation import Explanation, Hypothesis, explain
+from quickreturn.plugins.conform.bench import Motion, solution
+from quickreturn.plugins.conform.scenes import BASE
 from quickreturn.reference_model.scene_values import changed
 
 X = np.linspace(0.0, 2.0 * np.pi, 201)

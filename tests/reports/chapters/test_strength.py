@@ -11,7 +11,6 @@ from quickreturn.cases.loads.stress import ArmStress, section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.shown import Unit
 from quickreturn.cases.units import in_si
-from quickreturn.plugins.studies.tests.made_up_resonance import made_up_around
 from quickreturn.reports.chapters.strength import fatigue_sentences, finding, lacking, mode_sentences, strength_table, stress_sentences
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
@@ -60,11 +59,6 @@ def test_the_heading_gives_stress_safety_and_resonance(known: CaseLoads) -> None
     assert plain(finding([neither, known])) == f"example: {stress}"  # of the first of several
     hardly = dataclasses.replace(known, shares={"reference": 0.003})
     assert plain(finding([with_resonance(hardly)])) == f"{stress}, safety 2 against yielding", "no alarm"
-    curve = made_up_around()
-    assert curve.peak is not None
-    assert plain(finding([known], curve)).endswith(f"; nearest resonance peak {plain(curve.way(curve.peak.value))}")
-    bare = dataclasses.replace(curve, curve=dataclasses.replace(curve.solved_curve, peaks=()))
-    assert plain(finding([known], bare)).endswith("; no peak between 102 rpm and 138 rpm of resonance")
 
 
 def test_the_heading_is_about_the_first_case_of_the_page(example: CaseResult) -> None:

@@ -9,7 +9,6 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.conformance.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
 from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.engines import progress
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal, first_line
@@ -22,6 +21,7 @@ from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.plugins.conform.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 

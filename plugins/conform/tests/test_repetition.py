@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.conformance import conform
-from quickreturn.cases.conformance.behaviour import ALONE, IN_TURN, PARTS, Results, columns_of, elsewhere, repetition
-from quickreturn.cases.conformance.bench import Bench
 from quickreturn.engines.own.reference import ReferenceEngine
-from tests.cases.conformance.mutants import BuiltForAFollower, Keeps, KeepsCrank, KeepsFollower, KeepsTip, Threaded
+from quickreturn.plugins.conform.behaviour import ALONE, IN_TURN, PARTS, Results, columns_of, elsewhere, repetition
+from quickreturn.plugins.conform.bench import Bench
+from quickreturn.plugins.conform.contract import conform
+from quickreturn.plugins.conform.tests.mutants import BuiltForAFollower, Keeps, KeepsCrank, KeepsFollower, KeepsTip, Threaded
 
 Elsewhere = tuple[Results, Results] | str
 

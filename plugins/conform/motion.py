@@ -10,7 +10,10 @@ from typing import Final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.conformance.bench import (
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.relative import rms
+from quickreturn.engines.start import standard_start
+from quickreturn.plugins.conform.bench import (
     MEND_FIRST,
     Array,
     Bench,
@@ -26,11 +29,8 @@ from quickreturn.cases.conformance.bench import (
     some,
     truth,
 )
-from quickreturn.cases.conformance.columns import Examined, examined, wrong_in
-from quickreturn.cases.conformance.scenes import OUTPUT_STEP, SOFT
-from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.relative import rms
-from quickreturn.engines.start import standard_start
+from quickreturn.plugins.conform.columns import Examined, examined, wrong_in
+from quickreturn.plugins.conform.scenes import OUTPUT_STEP, SOFT
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed
 

@@ -2,15 +2,15 @@
 
 from collections.abc import Iterator
 
-from quickreturn.cases.conformance.behaviour import failures, repetition
-from quickreturn.cases.conformance.bench import Bench, Check, Motion, check_by
-from quickreturn.cases.conformance.columns import Examined, examined
-from quickreturn.cases.conformance.motion import motion
-from quickreturn.cases.conformance.promises import frequencies, ladder
-from quickreturn.cases.conformance.quantities import alone, followed, follower_alone, together, turning
-from quickreturn.cases.conformance.rods import motion_alone, rods
-from quickreturn.cases.conformance.scenes import CHANGES, CHANGES_ALONE, FEATURES, SPUN_UP
 from quickreturn.engines.base import AnyEngine
+from quickreturn.plugins.conform.behaviour import failures, repetition
+from quickreturn.plugins.conform.bench import Bench, Check, Motion, check_by
+from quickreturn.plugins.conform.columns import Examined, examined
+from quickreturn.plugins.conform.motion import motion
+from quickreturn.plugins.conform.promises import frequencies, ladder
+from quickreturn.plugins.conform.quantities import alone, followed, follower_alone, together, turning
+from quickreturn.plugins.conform.rods import motion_alone, rods
+from quickreturn.plugins.conform.scenes import CHANGES, CHANGES_ALONE, FEATURES, SPUN_UP
 
 _GROUPS = {
     "ladder": ladder,

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, expm
 
-from quickreturn.cases.conformance.scenes import CLAMPED as SCENE
 from quickreturn.engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from quickreturn.engines.rod import Rod, RodEngine
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.trajectory import FollowerTrajectory
+from quickreturn.plugins.conform.scenes import CLAMPED as SCENE
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 
 Array = NDArray[np.float64]

@@ -12,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.conformance.bench import Array, Bench, Check, Fault, Motion, Unjudged, check_by, compared_columns, engine_from
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.processes import LocalProcesses
@@ -21,6 +20,7 @@ from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.conform.bench import Array, Bench, Check, Fault, Motion, Unjudged, check_by, compared_columns, engine_from
 from quickreturn.reference_model.scene_values import changed
 
 #: Changes of the mild scene, SI: a slack follower whose bent end the slider reaches at the farthest place; and the duration, s.

@@ -11,7 +11,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.conformance.bench import (
+from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.relative import rms
+from quickreturn.engines.scene import check_scene
+from quickreturn.plugins.conform.bench import (
     DECISIVE,
     MEND_FIRST,
     Array,
@@ -26,9 +29,9 @@ from quickreturn.cases.conformance.bench import (
     some,
     truth,
 )
-from quickreturn.cases.conformance.columns import COARSELY, UNEXPLAINED, Examined, Model, examined, falling
-from quickreturn.cases.conformance.motion import check_first_row, look_at
-from quickreturn.cases.conformance.scenes import (
+from quickreturn.plugins.conform.columns import COARSELY, UNEXPLAINED, Examined, Model, examined, falling
+from quickreturn.plugins.conform.motion import check_first_row, look_at
+from quickreturn.plugins.conform.scenes import (
     ALONE,
     CHANGES,
     CHANGES_ALONE,
@@ -39,9 +42,6 @@ from quickreturn.cases.conformance.scenes import (
     TURNED,
     Change,
 )  # fmt: skip
-from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.relative import rms
-from quickreturn.engines.scene import check_scene
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene
 from quickreturn.reference_model.scene_values import OF_TORQUE, AnyScene, changed

@@ -11,10 +11,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
-from quickreturn.cases.conformance.bench import DECISIVE, Array, Bench, Fault, Motion, compared_columns, share_of, solution, some, truth
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.trajectory import REQUIRED
+from quickreturn.plugins.conform.bench import DECISIVE, Array, Bench, Fault, Motion, compared_columns, share_of, solution, some, truth
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import changed, value_at

@@ -9,14 +9,6 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from quickreturn.cases.conformance import GROUPS, conform
-from quickreturn.cases.conformance import promises as ladder_checks
-from quickreturn.cases.conformance.bench import Bench, Fault, Truth, check_by
-from quickreturn.cases.conformance.columns import Examined, Model, relation
-from quickreturn.cases.conformance.motion import check_first_row
-from quickreturn.cases.conformance.promises import climb, stated_errors
-from quickreturn.cases.conformance.quantities import with_everything
-from quickreturn.cases.conformance.scenes import BASE, CHANGES, CHANGES_ALONE, FEATURES
 from quickreturn.engines.base import AnyEngine, Comparison, Refusal, Simulation
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
@@ -26,10 +18,18 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.simple import SimpleEngine
 from quickreturn.engines.start import Start
+from quickreturn.plugins.conform import promises as ladder_checks
+from quickreturn.plugins.conform.bench import Bench, Fault, Truth, check_by
+from quickreturn.plugins.conform.columns import Examined, Model, relation
+from quickreturn.plugins.conform.contract import GROUPS, conform
+from quickreturn.plugins.conform.motion import check_first_row
+from quickreturn.plugins.conform.promises import climb, stated_errors
+from quickreturn.plugins.conform.quantities import with_everything
+from quickreturn.plugins.conform.scenes import BASE, CHANGES, CHANGES_ALONE, FEATURES
+from quickreturn.plugins.conform.tests.mutants import PLANTED, Coarse, Columns, Mutant
+from quickreturn.plugins.conform.tests.trying import tried
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import NAMED, changed, value_at
-from tests.cases.conformance.mutants import PLANTED, Coarse, Columns, Mutant
-from tests.cases.conformance.trying import tried
 from tests.engines.test_simple import ToyEngine
 
 #: Mistakes of each kind that take a second: of a column, a quantity, frequencies, the joint, the drive, an arm that turns, a start.

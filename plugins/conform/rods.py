@@ -13,7 +13,11 @@ from typing import Final
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from quickreturn.cases.conformance.bench import (
+from quickreturn.engines.base import AnyEngine, Refusal
+from quickreturn.engines.rod import RodEngine
+from quickreturn.engines.scene import check_scene
+from quickreturn.engines.settings import Settings
+from quickreturn.plugins.conform.bench import (
     MEND_FIRST,
     TOLERANCE_FACTOR,
     Array,
@@ -25,11 +29,7 @@ from quickreturn.cases.conformance.bench import (
     share_of,
     solution,
 )
-from quickreturn.cases.conformance.scenes import ALONE, BASE, CLAMPED, OUTPUT_STEP, PRESCRIBED, SPUN_UP
-from quickreturn.engines.base import AnyEngine, Refusal
-from quickreturn.engines.rod import RodEngine
-from quickreturn.engines.scene import check_scene
-from quickreturn.engines.settings import Settings
+from quickreturn.plugins.conform.scenes import ALONE, BASE, CLAMPED, OUTPUT_STEP, PRESCRIBED, SPUN_UP
 from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.scene_values import changed
 

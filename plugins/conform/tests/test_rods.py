@@ -8,19 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.conformance import GROUPS, conform
-from quickreturn.cases.conformance.bench import Bench, Check, Fault
-from quickreturn.cases.conformance.rods import _RIGHT, acceleration, motion_alone, ring, rods, strains
-from quickreturn.cases.conformance.scenes import CLAMPED
 from quickreturn.engines.base import AnyEngine, Refusal, Simulation
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.conform.bench import Bench, Check, Fault
+from quickreturn.plugins.conform.contract import GROUPS, conform
+from quickreturn.plugins.conform.rods import _RIGHT, acceleration, motion_alone, ring, rods, strains
+from quickreturn.plugins.conform.scenes import CLAMPED
+from quickreturn.plugins.conform.tests.rod_engines import MUTANTS, Elements, ElementsOfOneMetre, LinearMotion, LinearRod, Links, of_elements
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
-from tests.cases.conformance.rod_engines import MUTANTS, Elements, ElementsOfOneMetre, LinearMotion, LinearRod, Links, of_elements
 
 
 def tried(tested: AnyEngine) -> dict[str, Check]:

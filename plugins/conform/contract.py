@@ -8,17 +8,17 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
-from quickreturn.cases.conformance.behaviour import elsewhere, failures, repetition
-from quickreturn.cases.conformance.bench import TELL_THE_AUTHOR, Bench, Check, Conformance, ended, engine_from
-from quickreturn.cases.conformance.motion import motion
-from quickreturn.cases.conformance.promises import frequencies, ladder
-from quickreturn.cases.conformance.quantities import alone, quantities
-from quickreturn.cases.conformance.rods import motion_alone, rods
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.job import Executor, Job
 from quickreturn.engines.base import AnyEngine, Refusal
 from quickreturn.engines.registry import UnknownEngine
+from quickreturn.plugins.conform.behaviour import elsewhere, failures, repetition
+from quickreturn.plugins.conform.bench import TELL_THE_AUTHOR, Bench, Check, Conformance, ended, engine_from
+from quickreturn.plugins.conform.motion import motion
+from quickreturn.plugins.conform.promises import frequencies, ladder
+from quickreturn.plugins.conform.quantities import alone, quantities
+from quickreturn.plugins.conform.rods import motion_alone, rods
 
 __all__ = ["GROUPS", "Check", "Conformance", "conform", "job"]
 

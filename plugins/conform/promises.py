@@ -10,7 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.conformance.bench import (
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.relative import relative_error, rms
+from quickreturn.engines.settings import Settings
+from quickreturn.engines.simple import SimpleEngine, SimpleSettings
+from quickreturn.plugins.conform.bench import (
     MEND_FIRST,
     Array,
     Bench,
@@ -24,13 +28,9 @@ from quickreturn.cases.conformance.bench import (
     solution,
     truth,
 )
-from quickreturn.cases.conformance.columns import examined
-from quickreturn.cases.conformance.quantities import with_everything
-from quickreturn.cases.conformance.scenes import OUTPUT_STEP
-from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.relative import relative_error, rms
-from quickreturn.engines.settings import Settings
-from quickreturn.engines.simple import SimpleEngine, SimpleSettings
+from quickreturn.plugins.conform.columns import examined
+from quickreturn.plugins.conform.quantities import with_everything
+from quickreturn.plugins.conform.scenes import OUTPUT_STEP
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
