@@ -220,7 +220,7 @@ def columns_used(written: TableText, mapping: ColumnMapping) -> tuple[list[UsedC
         used.append(UsedColumn(place, replace(target, unit=unit), factor))
     if targets:
         heads = ", ".join(headings or [f"1 to {written.width}"])
-        raise CaseError(shown, None, as_written(next(iter(targets))), "is no heading of this table", f"it has {heads}")
+        raise CaseError(shown, None, as_written(next(iter(targets))), "is no heading of this table", f"it has {heads}; or {ADVICE}")
     names = [each.target.column for each in used]
     if unknown or "time" not in names or len(names) < 2:
         _refuse(shown, written.place, names, unknown, ignored)

@@ -19,6 +19,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.plugins.methods import work_precision
 from quickreturn.plugins.methods.records import benchmarks
+from quickreturn.plugins.studies.drawing import resonance
 from quickreturn.plugins.studies.drawing import study as study_plot
 from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
 from quickreturn.plugins.studies.resonance_curve.search import job
@@ -26,7 +27,7 @@ from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.sweep.study import study
 from quickreturn.plugins.thesis.experiment.published import printed_ranges
-from quickreturn.reports.drawing import cycle, resonance
+from quickreturn.reports.drawing import cycle
 from quickreturn.reports.drawing.style import new_figure, picture
 
 RUN = 24

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.runs.column_differences import LEAST_DIFFERENCE
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.relative import rms
 from quickreturn.plugins.studies.uncertainty.calibration import Free, Search
@@ -34,8 +35,8 @@ CANDIDATES: Final = (
     "crank.prescribed_speed",
     "mechanism.pivot_distance",
 )
-#: RMS of what is left of the columns, over theirs, up to which a quantity explains a table: what engines leave at their default settings.
-EXPLAINED: Final = 0.01
+#: RMS of what is left of the columns, over theirs, up to which a quantity explains a table: that which needs no explanation itself.
+EXPLAINED: Final = LEAST_DIFFERENCE
 #: Largest ratio of what a quantity leaves to what the best one leaves, for both to be named.
 AS_GOOD: Final = 2.0
 FITTED: Final = 3  # quantities that are fitted: the best by a linear fit
@@ -58,7 +59,7 @@ class Lead:
         """A sentence, with the command that fits the quantity; `path`: of the table."""
         unit = case.units.of(Free.of_text(self.key, case).parameter.quantity.unit)
         place = f"{self.key} of about {unit.text(self.value, '.3g')} in place of {unit.text(self.given, '.3g')}"
-        size = f"it is {100.0 * self.difference:.2g} % of the columns and would be {100.0 * self.left:.1g} %"
+        size = f"it is {100.0 * self.difference:.2g} % of the columns and would be {100.0 * self.left:.2g} %"
         return f"{place} would explain the difference ({size}): `quickreturn calibrate {case.name} {path} --free {self.key}` fits that"
 
 
