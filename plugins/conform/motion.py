@@ -97,7 +97,7 @@ def _output_step(bench: Bench, times: float, wrong: set[str]) -> None:
     tolerances, at = bench.tolerances(bench.mild), times * np.arange(_ROWS + 1)
     part, changed_columns = _SAME[tolerances is not None], dict[str, float]()
     for name in compared_columns(run, right=right):
-        error, swing = run[name] - right[name], _swing(right[name])
+        error, swing = run[name] - right[name], _swing(name, right)
         rows = np.arange(len(error))
         rough = rms(error[1:-1:2] - CubicSpline(rows[::2], error[::2])(rows[1:-1:2]))  # errors that jump cannot be interpolated
         off = rms(there[name] - exact[name] - CubicSpline(rows, error)(at))
@@ -109,8 +109,10 @@ def _output_step(bench: Bench, times: float, wrong: set[str]) -> None:
         raise Fault(f"columns change: {some([f'{name} by {share_of(changed_columns[name])}' for name in worst])}", _AT_ITS_INSTANT)
 
 
-def _swing(values: Array) -> float:
-    return max(rms(values - np.mean(values)), 1e-300)
+def _swing(name: str, columns: Mapping[str, Array]) -> float:
+    """Range of a column in its unit; of a moment or force at an end, which may be tiny, that along the arm."""
+    values = columns[name]
+    return max(rms(values - np.mean(values)), scale(name, columns) - rms(values), 1e-300)
 
 
 def _pieces(bench: Bench, wrong: set[str]) -> None:
@@ -127,7 +129,7 @@ def _pieces(bench: Bench, wrong: set[str]) -> None:
             name
             for name in compared_columns(run)
             if rms(piece[name] - run[name][begin : begin + rows + 1])
-            > max(3.0 * (tolerances or {}).get(name, 0.0), (1e-3 if tolerances else _SAME[0]) * _swing(run[name]), 1e-12)
+            > max(3.0 * (tolerances or {}).get(name, 0.0), (1e-3 if tolerances else _SAME[0]) * _swing(name, run.columns), 1e-12)
             if name not in wrong
         ]
         if off:
