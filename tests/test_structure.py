@@ -53,7 +53,14 @@ BUDGETS = {
     "reports": 3_350,
     "quickreturn": 2_250,
     "pack": 100,
-    "plugins": 8_950,
+    "plugins/as_built": 450,
+    "plugins/conform": 1_250,
+    "plugins/derive": 2_100,
+    "plugins/fmu": 400,
+    "plugins/methods": 2_700,
+    "plugins/pack": 450,
+    "plugins/studies": 2_600,
+    "plugins/thesis": 1_550,
 }
 
 
@@ -148,7 +155,8 @@ def test_the_kernel_imports_nothing_outside_it() -> None:
 def test_every_room_keeps_its_budget() -> None:
     lines = Counter[str]()
     for module, file in MODULES.items():
-        room = module.split(".")[1] if module != TOP else TOP
+        first, _, rest = module.removeprefix(f"{TOP}.").partition(".")
+        room = f"plugins/{rest.split('.')[0]}" if first == "plugins" else first
         lines[room if room in BUDGETS else TOP] += lines_of_code(file.read_text("utf-8"))
     beyond = {room: count for room, count in lines.items() if count > BUDGETS[room]}
     assert beyond == {}

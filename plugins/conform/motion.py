@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.relative import rms
+from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.conform.bench import (
     MEND_FIRST,
