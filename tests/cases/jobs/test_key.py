@@ -15,13 +15,12 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs import key
+from quickreturn.cases.jobs import imported_modules, key
 from quickreturn.cases.jobs.job import Job, Limits
 from quickreturn.cases.jobs.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
 from quickreturn.cases.solving import frequencies_job
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
-from quickreturn.reference_model import imported_modules
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24
 
