@@ -263,6 +263,6 @@ def test_a_curve_is_stored_for_the_machines_own_drive() -> None:
 
 
 def test_a_rigid_machine_has_no_curve(call: Call) -> None:
-    answer = call("show", "rigid", "--resonance")
+    answer = call("resonance", "rigid", "--speed", "100 rpm .. 120 rpm", "--output", "curve.csv")
     assert answer.code == 2
     assert "bending_stiffness" in answer.errors
