@@ -1,4 +1,4 @@
-"""The rods of `examples/rods/`: the numbers of docs/rods.md, of those programs that are installed here."""
+"""The rods of `examples/rods/`: the numbers of docs/engine.md, of those programs that are installed here."""
 
 import importlib.util
 import re
@@ -11,7 +11,8 @@ import pytest
 from quickreturn.cases.conformance import conform
 
 ROOT = Path(__file__).resolve().parents[1]
-ROWS = re.findall(r"^\| ([^|]*) \| (\d+) \| ([^|]*) % \| ([^|]*) % \| ([^|]*) % \|$", (ROOT / "docs" / "rods.md").read_text("utf-8"), re.M)
+PAGE = (ROOT / "docs" / "engine.md").read_text("utf-8")
+ROWS = re.findall(r"^\| ([^|]*) \| (\d+) \| ([^|]*) % \| ([^|]*) % \| ([^|]*) % \|$", PAGE, re.M)
 
 
 WORDS = {
@@ -38,7 +39,7 @@ def test_the_errors_are_those_of_the_page(errors: Any, program: str, words: str)
 def test_page_and_picture_show_the_record(errors: Any) -> None:
     picture = importlib.import_module("picture")
     record = {(row["program"], row["pieces"]): row for row in picture.rows_of()}
-    pages = re.findall(r"^\|([^|]*)\| (\d+) \|((?: [^|]* % \|)+)$", (ROOT / "docs" / "rods.md").read_text("utf-8"), re.M)
+    pages = re.findall(r"^\|([^|]*)\| (\d+) \|((?: [^|]* % \|)+)$", PAGE, re.M)
     program = ""
     for words, pieces, shown in pages:
         program = WORDS.get(words.strip(), program)
@@ -65,8 +66,7 @@ def test_a_program_that_is_not_installed_is_left_out_with_a_word(errors: Any) ->
 
 def test_an_adapter_takes_sixty_lines() -> None:
     """That of the page, and PyElastica's: what an author writes, with its imports."""
-    page = (ROOT / "docs" / "rods.md").read_text("utf-8")
-    (block,) = (each for each in re.findall(r"```python\n(.*?)```", page, re.S) if "qr.RodEngine" in each)
+    (block,) = (each for each in re.findall(r"```python\n(.*?)```", PAGE, re.S) if "qr.RodEngine" in each)
     script = (ROOT / "examples" / "rods" / "pyelastica_engine.py").read_text("utf-8")
     assert [len(text.splitlines()) <= 60 for text in (block, script)] == [True, True]
 
