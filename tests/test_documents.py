@@ -107,7 +107,8 @@ def folder_of(document: str, base: Path) -> Path:
     """Like the project's root, as far as commands look at it, with the document's files and a store of its own."""
     folder = base / document.replace("/", "-").removesuffix(".md")
     folder.mkdir()
-    for part in ("cases", "plugins"):
+    (folder / "docs/pictures").mkdir(parents=True)
+    for part in ("cases", "plugins", "docs/pictures/draw.py"):
         (folder / part).symlink_to(ROOT / part)
     for block in blocks_of(document):
         if block.is_file:
