@@ -42,7 +42,7 @@ def doubts(scene: Scene) -> Iterator[str]:
         )
     if crank is not None and abs(crank.drive.initial_speed) > _FASTEST:
         found.append(f"the crank turns at {abs(crank.drive.initial_speed) / in_si('rpm'):.6g} rpm")
-    if crank is not None and (spring := scene.acting_spring) is not None and spring.stop_stiffness > 0.0:
+    if scene.crank is not None and (spring := scene.acting_spring) is not None and spring.stop_stiffness > 0.0:
         found += _of_stops(scene, spring)
     yield from (f"{each}: is that meant?" for each in found)
 

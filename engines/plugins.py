@@ -23,6 +23,8 @@ class Plugin:
         engine_files: ending of a file, without its point -> the place of the function that makes an engine of the file's path.
         commands: name of a command -> its place, and the first sentence of its help.
         page: place of what it adds to the page of a report, a `reports.page.part.Part`; "" if it adds nothing.
+        leads: place of a function of a case and a recorded table of it that gives which quantities of the scene would explain the table;
+            "" if it has none.
         records: name of a long study -> the place of the function that gives the rows of its recorded tables.
     """
 
@@ -30,6 +32,7 @@ class Plugin:
     engine_files: Mapping[str, str] = field(default_factory=dict)
     commands: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     page: str = ""
+    leads: str = ""
     records: Mapping[str, str] = field(default_factory=dict)
 
 

@@ -23,11 +23,12 @@ from quickreturn.cases.runs.column_differences import Causes, causes, column_dif
 from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.cases.text.number_rows import PLAIN, Form
-from quickreturn.cases.uncertainty.quantities import leads
 from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.computing import Computing
 from quickreturn.cross_validation import given_settings
 from quickreturn.engine_choice import AnyEngineOrTable, prepared
+from quickreturn.engines.plugins import found as found_at
+from quickreturn.engines.plugins import plugins
 from quickreturn.engines.registry import MAIN
 from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.trajectory import Trajectory
@@ -199,11 +200,12 @@ def compared(
 def _led_on(case: Case, results: list[CaseResult], tables: Mapping[str, RecordedTable], workshop: Workshop) -> list[CaseResult]:
     """The results with the quantities of the scene that would explain tables."""
     names = [table.name for result in results for table in tables_in(result) if table.causes is not None and table.causes.open]
-    jobs = [Job(f"quantities of {name}", leads, (case, tables[name]), lasts=None) for name in names]
+    places = [plugin.leads for plugin in plugins().values() if plugin.leads]
+    jobs = [Job(f"quantities of {name}", found_at(place), (case, tables[name]), lasts=None) for place in places for name in names]
     outcomes = workshop.outcomes(jobs, "quantities that would explain a table")
     found = {
         name: "; or ".join(lead.told(case, tables[name].shown) for lead in outcome.value)
-        for name, outcome in zip(names, outcomes, strict=True)
+        for name, outcome in zip(names * len(places), outcomes, strict=True)
         if outcome.value
     }
     return [replace(result, leads={name: found[name] for name in result.recorded if name in found}) for result in results]

@@ -2,7 +2,6 @@
 
 from typing import Any, Final
 
-import llvmlite.ir as ir
 import numpy as np
 from numba import types
 from numba.core import cgutils
@@ -41,24 +40,22 @@ class _StateAttributes(AttributeTemplate):
 
 @lower_getattr_generic(_StateAt)
 def _part(context: Any, builder: Any, kind: _StateAt, value: Any, name: str) -> Any:
-    """The array of a part, see `State.of`."""
-    state = cgutils.create_struct_proxy(kind)(context, builder, value=value)
-
-    def number(value: int) -> Any:
-        return ir.Constant(ir.IntType(64), value)
-
-    n, m = state.n, state.m
-    u = builder.add(m, number(kind.slider))
-    opened = builder.zext(builder.icmp_signed(">", m, builder.add(n, number(1))), ir.IntType(64))
+    """The array of a part, see `State.of`. Where it begins and its size are sums of 1, n and m, so many times each."""
+    state, slider = cgutils.create_struct_proxy(kind)(context, builder, value=value), kind.slider
     begin, size = {
-        "q": (number(0), m),
-        "eta": (number(1), n),
-        "s": (m, number(kind.slider)),
-        "u": (u, m),
-        "eta_rate": (builder.add(u, number(1)), n),
-        "work": (builder.add(u, m), builder.add(number(2), opened)),
+        "q": ((0, 0, 0), (0, 0, 1)),
+        "eta": ((1, 0, 0), (0, 1, 0)),
+        "s": ((0, 0, 1), (slider, 0, 0)),
+        "u": ((slider, 0, 1), (0, 0, 1)),
+        "eta_rate": ((slider + 1, 0, 1), (0, 1, 0)),
+        "work": ((slider, 0, 2), (1, -1, 1)),
     }[name]
-    return array_of(context, builder, _NUMBERS, builder.add(state.address, builder.mul(begin, number(8))), [size])
+
+    def total(times: tuple[int, int, int], word: int = 1) -> Any:
+        one, n, m = (context.get_constant(types.intp, word * each) for each in times)
+        return builder.add(one, builder.add(builder.mul(n, state.n), builder.mul(m, state.m)))
+
+    return array_of(context, builder, _NUMBERS, builder.add(state.address, total(begin, 8)), [total(size)])
 
 
 def _reader(kind: _StateAt) -> Any:

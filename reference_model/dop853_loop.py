@@ -10,7 +10,7 @@ from quickreturn.reference_model.dop853 import E3, E5, INTERPOLATED, INTERPOLATI
 from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STAGES, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.pointers import call_equations, matrix_at, numbers_at
-from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.native.simd import load, plus, spread, store, total
 
 #: Largest product of the step and the equations' highest angular frequency. DOP853 shrinks an undamped oscillation to 0.70 to 0.75 of
 #: itself in a step of 5.5 to 5.75, keeps it at 5.95 and makes it grow beyond. Without a ceiling steps pass that again and again, and the
@@ -139,8 +139,8 @@ def _error_norm(K: NDArray[np.float64], h: float, precisions: NDArray[np.float64
         for stage in range(STAGES + 1):
             e5 = plus(e5, E5[stage], load(K[stage], i))
             e3 = plus(e3, E3[stage], load(K[stage], i))
-        e5, e3 = plus_product(spread(0.0), e5, load(precisions, i)), plus_product(spread(0.0), e3, load(precisions, i))
-        squares5, squares3 = plus_product(squares5, e5, e5), plus_product(squares3, e3, e3)
+        e5, e3 = plus(spread(0.0), e5, load(precisions, i)), plus(spread(0.0), e3, load(precisions, i))
+        squares5, squares3 = plus(squares5, e5, e5), plus(squares3, e3, e3)
     error5, error3 = total(squares5), total(squares3)
     if error5 == 0.0 and error3 == 0.0:
         return 0.0

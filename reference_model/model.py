@@ -15,7 +15,7 @@ from quickreturn.reference_model.entries import KERNEL, OBSERVATIONS
 from quickreturn.reference_model.integrate import Equations, dop853
 from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
-from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, ShapeRow, state_size, workspace
+from quickreturn.reference_model.motion.layout import BeamParameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.natural_modes import clamped_modes
@@ -63,7 +63,7 @@ class BeamModel:
         self._shapes = shapes
         # what errors of an amplitude are relative to, kg^(1/2) m
         self._size = deflection_scale(scene) * math.sqrt((scene.follower.mass_per_length or 1.0) * scene.follower.length)
-        self._at = Placed(constants), Placed(self.workspace, facts=FACTS)
+        self._at = Placed(constants), Placed(self.workspace)
 
     @classmethod
     def following(

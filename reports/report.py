@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.key import code_of
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.number import SAYS_NOTHING
@@ -25,8 +24,6 @@ from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import parts
 from quickreturn.reports.page.render import report_page
-from quickreturn.reports.results.around import curves_around, jobs_around
-from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import verification as stored_verification
 from quickreturn.reports.words import TIED, counted
@@ -117,10 +114,9 @@ def write_report(
     recorded = {case: [*given] for case, given in (tables or {}).items()}
     for table in content_type.recordings():
         recorded.setdefault(table.declared["case"], []).append(table)
-    own_cases = cases if content_type.is_own else []
     work = [part.work(cases, engines, content_type.is_own) for part in parts() if part.work]
     requests = {name: request for each in work for name, request in each.requests.items()}
-    jobs = [job for each in work for job in each.jobs] + [job for job in jobs_around(own_cases).values() if isinstance(job, Job)]
+    jobs = [job for each in work for job in each.jobs]
     results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, Work(requests, jobs))
     content = content_type(
         results=results,
@@ -130,7 +126,6 @@ def write_report(
         facts=machine_facts(),
         code=code_of(steady_state),
         notices=workshop.store.notices,
-        around=curves_around(own_cases, workshop, {result.case.name: settled_speed(result) for result in results}),
     )
     return write(content, folder)
 

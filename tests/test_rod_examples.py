@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.conformance import conform
+from quickreturn.plugins.conform.contract import conform
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "engine.md").read_text("utf-8")

@@ -1,7 +1,14 @@
-"""Which parts of the product import which."""
+"""Which parts of the product import which, how large they are, and what is left without a plugin."""
 
 import ast
+import io
+import os
+import shutil
+import subprocess
 import sys
+import tokenize
+import tomllib
+from collections import Counter
 from functools import cache
 from graphlib import TopologicalSorter
 from importlib.util import find_spec
@@ -10,7 +17,7 @@ from pathlib import Path
 import pytest
 
 import quickreturn
-from quickreturn.reference_model.imported_modules import modules_in
+from quickreturn.cases.jobs.imported_modules import modules_in
 
 ROOT = Path(__file__).resolve().parents[1]
 #: From bottom to top; what stands in `quickreturn` itself is above them all.
@@ -19,16 +26,54 @@ TOP = "quickreturn"
 PACKAGE = Path(quickreturn.__file__).parent
 PLUGINS = sorted(path.parent.name for path in (ROOT / "plugins").glob("*/__init__.py"))
 #: Plugin -> other plugins that it imports.
-NEEDED = {"pack": {"derive"}, "thesis": {"methods"}}
+NEEDED = {"pack": {"derive"}, "thesis": {"studies"}}
 MODULES = modules_in(TOP)
 FILES = list(MODULES.values())
+
+
+#: What one must know to change anything else: nothing in it imports anything outside it at the head of a file (docs/developing.md).
+KERNEL = """
+reference_model: columns eigenproblem errors follower mechanism natural_modes quantities rigid scene_values shapes slider
+    splines spring tip tip_force
+reference_model.native: cache_folder turn
+engines: accurate base compiling error_parts ladder memory one_run one_thread plugins progress refusals registry relative settings start
+    trajectory
+cases: case displayed errors keys plausibility shown units whole_file
+cases.jobs: display imported_modules in_process job key pieces records store tally workshop
+cases.measures: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number quasi_static second_mode time_scale
+cases.text: broken_toml copies document force_table number_rows reading text_file written
+"""
+#: Lines of the kernel at most, everything counted.
+LARGEST_KERNEL = 10_000
+#: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
+BUDGETS = {
+    "reference_model": 5_500,
+    "engines": 4_300,
+    "cases": 6_450,
+    "reports": 3_350,
+    "quickreturn": 2_250,
+    "pack": 100,
+    "plugins/as_built": 450,
+    "plugins/conform": 1_250,
+    "plugins/derive": 2_100,
+    "plugins/fmu": 400,
+    "plugins/methods": 3_050,
+    "plugins/pack": 450,
+    "plugins/studies": 2_600,
+    "plugins/thesis": 1_550,
+}
 
 
 @cache
 def imported(file: Path) -> set[str]:
     """Modules that a file imports, anywhere in it: of `from a import b` the module b of the package a, where there is one, otherwise a."""
+    return imported_by(ast.parse(file.read_text("utf-8")))
+
+
+def imported_by(tree: ast.Module) -> set[str]:
+    """What the statements of a tree import."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -74,7 +119,7 @@ def test_no_modules_import_each_other() -> None:
 
 def test_commands_import_no_commands() -> None:
     names = {file.stem for file in (PACKAGE / "commands").glob("*.py") if "@click.command" in file.read_text("utf-8")}
-    assert len(names) > 9
+    assert len(names) > 7
     for name in names:
         found = {each.split(".")[2] for each in imported(PACKAGE / "commands" / f"{name}.py") if each.startswith(f"{TOP}.commands.")}
         assert found & names == set(), name
@@ -82,10 +127,79 @@ def test_commands_import_no_commands() -> None:
 
 def test_one_folder_of_the_core_draws() -> None:
     drawing = [file for file in FILES if any(name.split(".")[0] == "matplotlib" for name in imported(file))]
-    assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {"reports/drawing", "plugins/methods"}
+    assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {
+        "reports/drawing",
+        "plugins/methods",
+        "plugins/studies/drawing",
+    }
 
 
 def test_the_tests_see_what_a_user_sees() -> None:
     """The folders at the top of the checkout are no packages: a name that only works there would fail at the user's."""
     assert [name for name in FLOORS if find_spec(name) is not None] == []
     assert str(ROOT) not in sys.path
+
+
+def test_the_kernel_imports_nothing_outside_it() -> None:
+    folders = dict(line.split(": ") for line in KERNEL.replace("\n    ", " ").strip().splitlines())
+    kernel = {f"{TOP}.{folder}.{name}" for folder, names in folders.items() for name in names.split()}
+    packages = {f"{TOP}.{folder}" for folder in (*folders, *FLOORS)}
+    for module in kernel:
+        statements = ast.parse(MODULES[module].read_text("utf-8")).body
+        head = ast.Module([each for each in statements if isinstance(each, ast.Import | ast.ImportFrom)], [])
+        outside = {name for name in imported_by(head) if name in MODULES} - kernel - packages
+        assert outside == set(), module
+    assert sum(len(MODULES[module].read_text("utf-8").splitlines()) for module in kernel) <= LARGEST_KERNEL
+
+
+def test_every_room_keeps_its_budget() -> None:
+    lines = Counter[str]()
+    for module, file in MODULES.items():
+        first, _, rest = module.removeprefix(f"{TOP}.").partition(".")
+        room = f"plugins/{rest.split('.')[0]}" if first == "plugins" else first
+        lines[room if room in BUDGETS else TOP] += lines_of_code(file.read_text("utf-8"))
+    beyond = {room: count for room, count in lines.items() if count > BUDGETS[room]}
+    assert beyond == {}
+
+
+def lines_of_code(text: str) -> int:
+    """Lines that hold code, without blank lines, comments, docstrings and imports."""
+    layout = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER)
+    tokens = [token for token in tokenize.generate_tokens(io.StringIO(text).readline) if token.type not in layout]
+    lines = {line for token in tokens for line in range(token.start[0], token.end[0] + 1)}
+    for node in ast.walk(ast.parse(text)):
+        left_out: ast.stmt | None = node if isinstance(node, ast.Import | ast.ImportFrom) else None
+        if isinstance(node, ast.FunctionDef | ast.ClassDef | ast.Module) and ast.get_docstring(node) is not None:
+            left_out = node.body[0]
+        if left_out is not None:
+            lines -= set(range(left_out.lineno, (left_out.end_lineno or left_out.lineno) + 1))
+    return len(lines)
+
+
+@pytest.mark.verify  # a copy of the package, in which a report is written
+@pytest.mark.parametrize("name", PLUGINS)
+def test_without_a_plugin_the_rest_works(name: str, tmp_path: Path) -> None:
+    """Its folder and its line in `pyproject.toml` deleted: help, a trajectory, a run, a report, and the tests that need no plugin."""
+    copy = tmp_path / "copy"
+    shutil.copytree(ROOT, copy, symlinks=True, ignore=shutil.ignore_patterns(".*", "build", "*.egg-info", "__pycache__", "output"))
+    shutil.rmtree(copy / "plugins" / name)
+    kept = [line for line in (copy / "pyproject.toml").read_text("utf-8").splitlines() if f"quickreturn.plugins.{name}." not in line]
+    (copy / "pyproject.toml").write_text("\n".join(kept), "utf-8")
+    information = copy / "quickreturn-1.0.0.dist-info"
+    information.mkdir()
+    (information / "METADATA").write_text("Metadata-Version: 2.1\nName: quickreturn\nVersion: 1.0.0\n", "utf-8")
+    points = tomllib.loads("\n".join(kept))["project"]["entry-points"]["quickreturn.plugins"]
+    lines = [f"{key} = {value}" for key, value in points.items() if name not in NEEDED.get(key, ())]
+    (information / "entry_points.txt").write_text("\n".join(["[quickreturn.plugins]", *lines]), "utf-8")
+    without = {**os.environ, "PYTHONPATH": str(copy), "QUICKRETURN_STORE": str(tmp_path / "store")}
+
+    def call(*arguments: str) -> None:
+        done = subprocess.run([sys.executable, *arguments], cwd=copy, env=without, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, f"{arguments}: {done.stdout[-2000:]}{done.stderr[-2000:]}"
+
+    call("-m", "quickreturn", "--help")
+    call("-m", "quickreturn", "simulate", "thesis-24", "--engine", "reference", "--output", "run.csv")
+    call("-m", "quickreturn", "run", "thesis-17", "--engine", "reference")
+    call("-m", "quickreturn", "report", "example", "--engine", "reference", "--output", "page")
+    tests = [file for file in (copy / "tests/cases/measures").glob("test_*.py") if "quickreturn.plugins" not in file.read_text("utf-8")]
+    call("-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, tests))

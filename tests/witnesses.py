@@ -20,12 +20,12 @@ from quickreturn.cases.loads.stress import ArmStress, Factor
 from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.measures.cycle import EXTREMES, HALVES, VIBRATION, ChannelMeasures
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.cases.runs.request import PeriodicOrbit
 from quickreturn.cases.solving import Frequencies
-from quickreturn.cases.uncertainty.fit import FittedParameter
-from quickreturn.cases.uncertainty.scatter import Quantile, Share
 from quickreturn.engines.accurate import Result
+from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
+from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
+from quickreturn.plugins.studies.uncertainty.scatter import Quantile, Share
 from quickreturn.reference_model.columns import COLUMNS, MOMENTS, SHAPE
 
 
@@ -110,10 +110,10 @@ _MARCHES: Final = Witness(
 _MORE_MODES: Final = Witness(
     "a model with more modes: errors beyond the claim",
     0.0,
-    "tests/quickreturn/studies/test_resonance.py::test_the_claims_hold_against_a_model_with_more_modes",
+    "plugins/studies/tests/test_resonance.py::test_the_claims_hold_against_a_model_with_more_modes",
 )
-_SCATTER: Final = "tests/cases/uncertainty/test_propagation.py::test_"
-_FIT: Final = "tests/cases/uncertainty/test_calibration.py::test_"
+_SCATTER: Final = "plugins/studies/tests/uncertainty/test_propagation.py::test_"
+_FIT: Final = "plugins/studies/tests/uncertainty/test_calibration.py::test_"
 _CLOCK: Final = Witness(
     "the clock of the caller: no part takes longer than the call",
     0.0,

@@ -210,7 +210,7 @@ class _Worker:
         return Outcome(self._job, value, failure, error, seconds, self._text.decode(errors="replace").strip())
 
     def _read_output(self) -> None:
-        piece = os.read(self._output.fileno(), 65536)
+        piece = os.read(self._output.fileno(), 65536) if os.name == "posix" else b""
         if not piece:
             self._output.close()
         self._text += piece

@@ -1,19 +1,23 @@
 """The child's side of jobs: everything that happens in the worker process. See `cases.jobs.isolation` for the runner's side."""
 
 import contextlib
-import fcntl
 import os
 import pickle
-import resource
 import select
 import signal
 import sys
+import threading
 import traceback
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
+from quickreturn.cases.jobs.fork_server import FORKS
 from quickreturn.engines.memory import lacks_memory
 from quickreturn.engines.progress import listen
+
+if sys.platform != "win32":
+    import fcntl
+    import resource
 
 #: Exit code of a worker whose runner is gone.
 ORPHANED: Final = 70
@@ -27,15 +31,19 @@ def serve(lifeline: Connection, orders: Connection, output: Connection, answer: 
         orders: delivers pickled (work, memory, watched): the pickled (function, arguments), which are opened as a part of the job, so that
             an import that fails is a failure of the job; bytes of address space that the job may take on top of those of the process at
             its beginning, or None; and whether progress is reported.
-        output: takes standard output and standard error, of Python and of C libraries; a job's output is complete before its answer.
+        output: takes standard output and standard error, of Python and of C libraries; a job's output is complete before its answer. On
+            Windows, where pipes are no files, they go where the runner's go.
         answer: takes for each job pickled ("progress", progress), if watched, and last ("value", value) or ("error", exception or None,
             one-line description).
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the runner's; it ends its workers
-    _die_with_the_runner(lifeline.fileno())
+    _die_with_the_runner(lifeline)
     _be_first_to_go()
-    os.dup2(output.fileno(), 1)
-    os.dup2(output.fileno(), 2)
+    if os.name == "posix":
+        os.dup2(output.fileno(), 1)
+        os.dup2(output.fileno(), 2)
+    else:
+        output.close()
 
     def send(message: bytes) -> None:
         with contextlib.suppress(OSError):  # the runner is gone
@@ -77,13 +85,27 @@ def _portable(error: BaseException) -> BaseException | None:
     return error if type(copy) is type(error) and str(copy) == str(error) else None
 
 
-def _die_with_the_runner(lifeline: int) -> None:
-    """Let the system end this process (SIGIO) when the lifeline's other end closes: this works even while an engine holds the GIL."""
+def _die_with_the_runner(lifeline: Connection) -> None:
+    """End this process when the lifeline's other end closes.
+
+    On Linux the system does it (SIGIO), even while an engine holds the GIL; elsewhere a thread, once it gets the GIL.
+    """
+    if not FORKS or sys.platform == "win32":
+        threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+        return
     signal.signal(signal.SIGIO, signal.SIG_DFL)
     fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
     fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
     if select.select([lifeline], [], [], 0)[0]:  # it closed before the signal was asked for
         os._exit(ORPHANED)
+
+
+def _end_with(lifeline: Connection) -> None:
+    with contextlib.suppress(OSError):  # the job has closed it
+        try:
+            lifeline.recv_bytes()
+        except EOFError:
+            os._exit(ORPHANED)
 
 
 def _be_first_to_go() -> None:
@@ -93,7 +115,12 @@ def _be_first_to_go() -> None:
 
 
 def _limit_memory(memory: int | None) -> None:
-    """Limit the address space to what the process has now and `memory` (bytes) on top; None: to what the system allows."""
+    """Limit the address space to what the process has now and `memory` (bytes) on top; None: to what the system allows.
+
+    Windows knows no such limit.
+    """
+    if sys.platform == "win32":
+        return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     limit = hard
     if memory is not None:

@@ -35,7 +35,7 @@ class Causes(NamedTuple):
     Attributes:
         plain: column -> a sentence on one plain relation to the engine's column; "crank_angle" -> that all columns are late; "time" -> that
             a turn takes longer or shorter.
-        differing: column -> its relative difference, where `plain` has none.
+        differing: column -> its relative difference, where `plain` has none; none if all are late.
         open: whether a quantity of the scene may explain them: most of the columns that vibrate differ, and are not all late alike.
     """
 
@@ -47,7 +47,7 @@ class Causes(NamedTuple):
         """The sentences by column; `lead`: on a quantity of the scene."""
         if lead or not self.differing:
             return {**self.plain, **({QUANTITIES: lead} if lead else {})}
-        least, most = (f"{100.0 * share:.2g} %" for share in (min(self.differing.values()), max(self.differing.values())))
+        least, most = (f"{100.0 * share:.0f} %" for share in (min(self.differing.values()), max(self.differing.values())))
         names = [*self.differing]
         few = ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else "")
         quantity = f", and no single quantity of {case}," if self.open else ""
@@ -77,10 +77,9 @@ def causes(run: Run, other: Run) -> Causes:
         pace = f"{100.0 * abs(later):.2g} % {'longer' if later > 0.0 else 'shorter'}"
         plain["time"] = f"a turn of the crank takes {pace} in it than in {other.engine}"
     if lag := _common_lag([grids[name] for name in vibrating]):
-        grids = {name: (_late(recorded, -lag), expected) for name, (recorded, expected) in grids.items()}
-        plain["crank_angle"] = _sentence_of_lag(lag, run)
-    differing = {name: off_by[name] for name, pair in grids.items() if not _is_near(*pair) and off_by[name] > LEAST_DIFFERENCE}
-    is_open = not lag and 2 * len(differing.keys() & {*vibrating}) > len(vibrating)
+        return Causes(plain | {"crank_angle": _sentence_of_lag(lag, run)}, {}, open=False)
+    differing = {name: off for name, off in off_by.items() if off > LEAST_DIFFERENCE}
+    is_open = 2 * len(differing.keys() & {*vibrating}) > len(vibrating)
     for name in [*differing]:
         if relation := _relation(*grids[name], run, other.engine):
             plain[name] = f"{name} {relation}"
@@ -91,16 +90,11 @@ def causes(run: Run, other: Run) -> Causes:
 def _relation(recorded: Array, expected: Array, run: Run, engine: str) -> str:
     """The factor or the lateness that makes the engine's column the table's, as a clause; "": neither does."""
     factor = float(recorded @ expected / (expected @ expected))
-    if factor and _is_near(recorded, factor * expected):
+    if factor and rms(recorded - factor * expected) <= LEAST_DIFFERENCE * abs(factor) * rms(expected):
         return f"is {factor:.4g} times that of {engine}"
     lag = _lag([(recorded, expected)])
     left = rms(recorded - _late(expected, lag))
     return f"is {_ms(lag, run)}" if left <= max(LEAST_DIFFERENCE * rms(expected), LATE * rms(recorded - expected)) else ""
-
-
-def _is_near(recorded: Array, expected: Array) -> bool:
-    """Whether the difference of a column needs no explanation."""
-    return rms(recorded - expected) <= LEAST_DIFFERENCE * rms(expected)
 
 
 def _common_lag(pairs: Sequence[tuple[Array, Array]]) -> float:

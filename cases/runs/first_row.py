@@ -7,9 +7,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.instants import noise_of
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.noise import noise_of
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.instants import noise_of, scatter
 from quickreturn.cases.measures.consensus import Consensus
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
 from quickreturn.cases.measures.steady_state import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
@@ -27,7 +28,6 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.estimates import MeasuredNumbers
 from quickreturn.cases.runs.first_row import first_row
 from quickreturn.cases.runs.marching import columns_of
-from quickreturn.cases.runs.noise import noise_of, scatter
 from quickreturn.cases.runs.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.units import in_si
 from quickreturn.engines.relative import rms

@@ -16,17 +16,18 @@ from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.resonance_curve.range import SPEED, range_of
-from quickreturn.cases.resonance_curve.search import job
 from quickreturn.cases.runs.campaign import cross_validate
-from quickreturn.cases.sweep.grid import Grid, axis
-from quickreturn.cases.sweep.rows import MeasureRequest
-from quickreturn.cases.sweep.study import study
 from quickreturn.plugins.methods import work_precision
 from quickreturn.plugins.methods.records import benchmarks
+from quickreturn.plugins.studies.drawing import resonance
+from quickreturn.plugins.studies.drawing import study as study_plot
+from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
+from quickreturn.plugins.studies.resonance_curve.search import job
+from quickreturn.plugins.studies.sweep.grid import Grid, axis
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest
+from quickreturn.plugins.studies.sweep.study import study
 from quickreturn.plugins.thesis.experiment.published import printed_ranges
-from quickreturn.reports.drawing import cycle, resonance
-from quickreturn.reports.drawing import study as study_plot
+from quickreturn.reports.drawing import cycle
 from quickreturn.reports.drawing.style import new_figure, picture
 
 RUN = 24

@@ -24,6 +24,7 @@ include_patterns = [
     "docs/site/*.md",
     "reference_model/*.md",
     "reference_model/*/DERIVATION.md",
+    "plugins/*/*/DERIVATION.md",
     "engines/LADDERS.md",
     "pack/README.md",
     "pack/*/problem.md",

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from quickreturn.cases.conformance.clamped import ROOTS, ring
+from quickreturn.plugins.conform.rods import ROOTS, ring
 
 import rod
 

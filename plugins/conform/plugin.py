@@ -2,7 +2,10 @@
 
 from quickreturn.engines.plugins import Plugin
 
+_HERE = "quickreturn.plugins.conform"
+_CONFORM = "Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures."
 PLUGIN = Plugin(
-    page="quickreturn.plugins.conform.records:PAGE",
-    records={"conformance": "quickreturn.plugins.conform.records:rows"},
+    commands={"conform": (f"{_HERE}.command:conform", _CONFORM)},
+    page=f"{_HERE}.records:PAGE",
+    records={"conformance": f"{_HERE}.records:rows"},
 )

@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from quickreturn.cases.conformance import Conformance, conform
-from quickreturn.cases.conformance import job as job_of
 from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.engines.registry import engine, own_engines
+from quickreturn.plugins.conform.contract import Conformance, conform
+from quickreturn.plugins.conform.contract import job as job_of
 from quickreturn.reports.long_studies import about, table
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import Part

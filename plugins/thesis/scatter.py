@@ -11,9 +11,9 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library.thesis.runs import RUNS, run_name
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.sweep.rows import MeasureRequest
-from quickreturn.cases.uncertainty.propagation import planned
-from quickreturn.cases.uncertainty.scatter import Quantile, Scatter, quantiles
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest
+from quickreturn.plugins.studies.uncertainty.propagation import planned
+from quickreturn.plugins.studies.uncertainty.scatter import Quantile, Scatter, quantiles
 from quickreturn.plugins.thesis.experiment import statements
 
 #: Number of points of each run. In run 24 the outer quantiles agree with those of 512 points to 0.7 % for the frequency, to 8 % for the

@@ -7,14 +7,13 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import click
 
 from quickreturn.cases.case import Case, written_document
 from quickreturn.cases.case_file import in_library
 from quickreturn.cases.errors import CaseError, path_shown
-from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.keys import PATHS, SECTIONS, shown_value, unit_given
 from quickreturn.cases.loads import resonance
 from quickreturn.cases.plausibility import doubts
@@ -22,13 +21,10 @@ from quickreturn.cases.shown import Unit
 from quickreturn.cases.text.document import NAME
 from quickreturn.cases.text.written import as_toml
 from quickreturn.engines.registry import own_engines
-from quickreturn.questions import asked_of_all, model, value_of
+from quickreturn.questions import asked_of_all, model
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reports.output import OutputError, check_writable, print_table
-
-if TYPE_CHECKING:
-    from quickreturn.cases.sweep.rows import Row
 
 ENDING: Final = ".toml"
 
@@ -70,7 +66,7 @@ def models(scene: Scene) -> Iterator[dict[str, Any]]:
 
 
 def print_document(document: dict[str, Any], case: Case) -> None:
-    """Print the document of a case, which may have lines of `resonances`, in the case's units; then what engines build, as it comes."""
+    """Print the document of a case, in the case's units; then what engines build, as it comes."""
     click.echo(f"{document['name']}: {document['title']}")
     for note in document["notes"]:
         click.echo(f"note: {note}")
@@ -80,8 +76,6 @@ def print_document(document: dict[str, Any], case: Case) -> None:
     click.echo("\nwhat follows")
     derived = document["derived"].items()
     print_table([(f"  {name}", *_texts(of["value"], case.units.of(of["unit"])), of["meaning"]) for name, of in derived])
-    for line in ("", *document["resonance_curve"]) if "resonance_curve" in document else ():
-        click.echo(line)
     for built in models(case.scene):
         if built["refused"]:
             click.echo(f"\n{built['engine']}: {built['refused']}")
@@ -120,32 +114,6 @@ def grouped(texts: Sequence[str]) -> list[str]:
         else:
             lines += members
     return lines
-
-
-def resonances(cases: Sequence[Case], workshop: Workshop) -> list[dict[str, list[str]]]:
-    """Lines on the motion of each case over speeds around its own."""
-    from quickreturn.cases.resonance_curve.search import job_around
-    from quickreturn.cases.sweep.grid import job
-    from quickreturn.cases.sweep.rows import MeasureRequest
-    from quickreturn.reports.results.around import Around
-
-    outcomes = workshop.outcomes([job_around(case) for case in cases], "resonance curves")
-    asked = MeasureRequest(measures=("multiplier",))
-    own = workshop.outcomes([job(case, [{}], asked) for case in cases], "motions at their own speeds")
-    return [
-        {"resonance_curve": [*Around(case, value_of(outcome)).lines, _stability(value_of(row))]}
-        for case, outcome, row in zip(cases, outcomes, own, strict=True)
-    ]
-
-
-def _stability(row: "Row") -> str:
-    """A line on the motion of a machine with its own drive, from a row of one point and its multiplier."""
-    value, error = row.values[0, 0], row.errors[0, 0]
-    reason = f": {row.sentences[0]}" if row.sentences[0] else ""
-    if row.statuses[0] == "settled":
-        left = f"{100.0 * value:.3g} % of a disturbance is left after a turn (+- {100.0 * error:.1g} %)"
-        return f"with its own drive the motion is stable: {left}"
-    return f"with its own drive the motion is {row.statuses[0]}{reason}"
 
 
 def text_of(original: Case, header: dict[str, str], *, copied: bool) -> str:

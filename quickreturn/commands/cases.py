@@ -11,7 +11,6 @@ import click
 import quickreturn as qr
 from quickreturn.cases.jobs.fork_server import DESCRIBING, get_ready
 from quickreturn.commands import options
-from quickreturn.computing import Computing
 from quickreturn.reports.output import print_json, write_file
 
 if TYPE_CHECKING:
@@ -38,18 +37,8 @@ def cases(tag: str | None, as_json: bool) -> None:
 @options.tag
 @options.case_assignments
 @click.option("--for-other-tools", "for_others", is_flag=True, help="Print instead what another tool needs to build the scene.")
-@click.option("--resonance", is_flag=True, help="Also follow the motion over speeds around the machine's own, which takes a while.")
 @options.json
-@options.computing
-def show(
-    cases: Sequence[str],
-    tag: str | None,
-    assignments: Sequence[str],
-    for_others: bool,
-    resonance: bool,
-    as_json: bool,
-    computing: Computing,
-) -> None:
+def show(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
     """Show the scene of CASE and the parts, joints and degrees of freedom that each engine builds.
 
     The JSON document is in SI; with several cases it is a list.
@@ -65,13 +54,9 @@ def show(
 
         click.echo("\n\n".join(for_other_tools(case, shlex.join(options.given_as(case, overrides))) for case in loaded))
         return
-    from quickreturn.commands.case_document import document_of, models, print_document, resonances
+    from quickreturn.commands.case_document import document_of, models, print_document
 
-    around: list[dict[str, list[str]]] = [{}] * len(loaded)
-    if resonance:
-        with computing.opened() as workshop:
-            around = resonances(loaded, workshop)
-    documents = [document_of(case) | more for case, more in zip(loaded, around, strict=True)]
+    documents = [document_of(case) for case in loaded]
     if as_json:
         documents = [document | {"engines": [*models(case.scene)]} for case, document in zip(loaded, documents, strict=True)]
         print_json(documents[0] if len(documents) == 1 else documents)

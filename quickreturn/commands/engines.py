@@ -1,13 +1,10 @@
-"""`quickreturn engines` and `conform`: the engines, their settings, and whether one does what it says."""
+"""`quickreturn engines`: the engines and their settings."""
 
 import click
 
 import quickreturn as qr
-from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
-from quickreturn.cases.jobs.job import Job, Outcome
+from quickreturn.cases.jobs.job import Job
 from quickreturn.commands import options
-from quickreturn.commands.console import ExitCode
-from quickreturn.computing import Computing
 from quickreturn.reports.output import print_json, print_table
 
 
@@ -41,38 +38,3 @@ def _describe(name: str, as_json: bool) -> None:
     click.echo(f"estimates: {found.estimate}")
     click.echo(f"finds settings for the accuracy asked, {found.default_accuracy:g} unless --accuracy says otherwise; --set fixes them:")
     print_table([(row.name, row.accepted, row.meaning) for row in found.settings], ("SETTING", "ACCEPTED", "MEANING"))
-
-
-@click.command(name="conform")
-@click.argument("engine", metavar="ENGINE")
-@click.option("--quick", is_flag=True, help="Take about half a minute: the motion first; the checks that are left out are named.")
-@options.json
-@options.computing
-def conform(engine: str, quick: bool, as_json: bool, computing: Computing) -> int:
-    """Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.
-
-    The outcome is stored with the results, and the report shows it beside the engine's version; the outcome of a quick trial is not stored.
-
-    Exit code 0: it conforms; 1: it does not; 3: nothing could be judged. An engine that is coarse and says so still conforms.
-    """
-    from quickreturn.cases import conformance
-
-    options.refuse_missing([engine])
-    get_ready(COMPUTING)
-    with computing.opened() as workshop:
-        found = conformance.conform(engine, workshop.executor, quick=quick)
-        if not quick:
-            workshop.kept(Outcome(conformance.job(engine), found))
-    if as_json:
-        print_json(found)
-    else:
-        for check in found.checks:
-            if check.left_out:
-                continue  # they are named below
-            click.echo(f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else ""))
-            if check.advice:
-                click.echo(f"{'':10}  {check.advice}")
-        if found.left_out:
-            click.echo(f"{'left out':10}  for lack of time: {', '.join(found.left_out)}")
-        click.echo(f"{engine}: {found.verdict}")
-    return {True: ExitCode.GOOD, False: ExitCode.CLAIMS_BROKEN, None: ExitCode.ENGINE_TROUBLE}[found.conforms]

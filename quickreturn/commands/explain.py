@@ -25,7 +25,7 @@ def explain(case: str, engine: str, accuracy: float | None, assignments: Sequenc
     document is a list of objects with topic, sentence and numbers in SI. Exit code 3: the engine has no settled turn, or misses its
     accuracy.
     """
-    from quickreturn.studies.explanation import explanation
+    from quickreturn.explanation import explanation
 
     overrides, settings = options.read_assignments(assignments)
     loaded = options.load(case, overrides)

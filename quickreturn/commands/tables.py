@@ -28,8 +28,7 @@ def options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(command)
     def called(*, columns: Sequence[str], decimal: str | None, separator: str | None, skip: int | None, **others: Any) -> Any:
-        sign = {"tab": "\t", "blank": " "}.get(separator or "", separator)
-        return command(reading={"columns": columns, "decimal": decimal, "separator": sign, "skip": skip or 0}, **others)
+        return command(reading={"columns": columns, "decimal": decimal, "separator": separator, "skip": skip or 0}, **others)
 
     lines = common.single("--skip", metavar="LINES", read=common.number(0, 10_000, 3, whole=True), help=_SKIP)(called)
     signs = common.single("--separator", metavar="SIGN", help=_SIGN)(common.single("--decimal", metavar="SIGN", help=_DECIMAL)(lines))

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.compiled_state import state_at
-from quickreturn.reference_model.motion.compiled_layout import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
     assemble,
@@ -33,15 +32,18 @@ from quickreturn.reference_model.motion.inertia import (
     power_of_tool,
     relative_velocities,
 )
-from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
+from quickreturn.reference_model.motion.layout import FACTS, BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.loop import bias_of_loop, bias_of_places, joint_power, motion_of_base, move_loop, share_force
 from quickreturn.reference_model.motion.plane import direction, dot
 from quickreturn.reference_model.motion.spring import hang
 from quickreturn.reference_model.native.compilation import inlined, inner
+from quickreturn.reference_model.native.pointers import reader
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
+
+parameters_at, workspace_at = reader(BeamParameters), reader(BeamWorkspace, facts=FACTS)
 
 
 @inlined

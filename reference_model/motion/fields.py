@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import point
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store
+from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]
@@ -25,8 +25,8 @@ def interpolate_row(t: BeamTables, s: float, row: Array) -> int:
     k = min(max(int((s - t.low) / t.step), 0), t.coefficients.shape[0] - 1)
     ds, c = spread(s - t.low - k * t.step), t.coefficients[k]
     for j in range(0, len(row), 4):
-        slope = plus_product(load(c[1], j), ds, load(c[0], j))
-        store(row, j, plus_product(load(c[3], j), ds, plus_product(load(c[2], j), ds, slope)))
+        slope = plus(load(c[1], j), ds, load(c[0], j))
+        store(row, j, plus(load(c[3], j), ds, plus(load(c[2], j), ds, slope)))
     return int(t.slider_cell[k])
 
 
@@ -134,8 +134,8 @@ def turned(rate: Array, e: Array, f: Array) -> None:
     N, none = len(e) // 2, spread(0.0)
     for j in range(0, N, 4):
         here = load(rate, j)
-        store(f, j, plus(none, -1.0, plus_product(none, here, load(e, N + j))))
-        store(f, N + j, plus_product(none, here, load(e, j)))
+        store(f, j, plus(none, -1.0, plus(none, here, load(e, N + j))))
+        store(f, N + j, plus(none, here, load(e, j)))
 
 
 @inlined

@@ -20,7 +20,7 @@ from quickreturn.reference_model.motion.layout import (
 from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, load_spring, spring_stiffness
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.native.simd import load, plus, spread, store, total
 from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.tip_force import STILL, tool_force
@@ -162,7 +162,7 @@ def assemble(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> No
         if p.bending_damping > 0.0:
             w.Q[k] -= _bending_force(t, w, k, n)
         for j in range(0, size, 4):
-            store(w.weighted, j, plus_product(spread(0.0), load(w.mass, j), load(w.V[k], j)))
+            store(w.weighted, j, plus(spread(0.0), load(w.mass, j), load(w.V[k], j)))
         for i in range(k + 1):
             w.M[k, i] = _dot(w.weighted, w.V[i], size)
         if 0 < k <= n:
@@ -232,8 +232,8 @@ def _dot(a: Array, b: Array, size: int) -> float:
     """Scalar product of two rows whose length is a multiple of eight, in two sums that do not wait for each other."""
     sums = others = spread(0.0)
     for j in range(0, size, 8):
-        sums = plus_product(sums, load(a, j), load(b, j))
-        others = plus_product(others, load(a, j + 4), load(b, j + 4))
+        sums = plus(sums, load(a, j), load(b, j))
+        others = plus(others, load(a, j + 4), load(b, j + 4))
     return total(sums) + total(others)
 
 

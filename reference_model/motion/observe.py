@@ -7,13 +7,14 @@ shapes. The cells end at the slider, so that the kink of the moment needs no spe
 import math
 from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import GAUGES, NUMBERS, PLACES
+from quickreturn.reference_model.columns import GAUGES, NUMBERS, PLACES, ROW
 from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
-from quickreturn.reference_model.motion.compiled_layout import parameters_at, rows_at, workspace_at
+from quickreturn.reference_model.motion.equations import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import cumulate, cumulate_real, directions
 from quickreturn.reference_model.motion.inertia import find_forces
 from quickreturn.reference_model.motion.layout import BASE_TURN, TIP_1, TIP_2, TIP_TURN, BeamParameters, BeamTables, BeamWorkspace
@@ -21,14 +22,17 @@ from quickreturn.reference_model.motion.loop import joint_power, motion_of_base
 from quickreturn.reference_model.motion.plane import angle_of, cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, number_at_spring, spring_energy
 from quickreturn.reference_model.native.compilation import inner
-from quickreturn.reference_model.native.pointers import call_equations, matrix_at, numbers_at
-from quickreturn.reference_model.native.simd import load, plus, plus_product, spread, store, total
+from quickreturn.reference_model.native.pointers import array_at, call_equations, matrix_at, numbers_at
+from quickreturn.reference_model.native.simd import load, plus, spread, store, total
 from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]
 
 joint_energy = inner(energy_of_joint)
+#: Rows by address, not as numbers seen as records: numba keeps that conversion as the first function that uses it in a process compiles it,
+#: and of functions that count references it does not go into an object.
+rows_at = array_at(numba.from_dtype(ROW))
 
 
 @inner
@@ -100,8 +104,8 @@ def _bearing_forces(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State
     bodies = 2 * N
     beam_1 = beam_2 = spread(0.0)
     for j in range(0, N, 4):
-        beam_1 = plus_product(beam_1, load(w.mass, j), load(w.a, j))
-        beam_2 = plus_product(beam_2, load(w.mass, N + j), load(w.a, N + j))
+        beam_1 = plus(beam_1, load(w.mass, j), load(w.a, j))
+        beam_2 = plus(beam_2, load(w.mass, N + j), load(w.a, N + j))
     tip = p.tip_mass * complex(w.a[bodies + TIP_1], w.a[bodies + TIP_2])
     pivot = f.frame * (complex(total(beam_1), total(beam_2)) + tip - f.tip_force - f.slider_force)
     crank = p.crank_moment * (1j * w.acceleration[0] - y.u[0] ** 2) * f.arm
@@ -285,9 +289,9 @@ def _at_places(t: BeamTables, w: BeamWorkspace, field: Array, places: Array, k: 
     value, deflection, before = none, none, spread(1.0)  # product of the distances from the points passed
     for j in range(t.gauss_points):
         away, share = plus(u, -1.0, spread(t.u[j])), plus(none, t.lagrange[j], before)
-        value = plus(plus_product(none, value, away), field[first + j], share)
-        deflection = plus(plus_product(none, deflection, away), w.recovered_place[t.points + first + j], share)
-        before = plus_product(none, before, away)
+        value = plus(plus(none, value, away), field[first + j], share)
+        deflection = plus(plus(none, deflection, away), w.recovered_place[t.points + first + j], share)
+        before = plus(none, before, away)
     store(w.at_places[0], 0, value)
     store(w.at_places[1], 0, deflection)
     return count

@@ -1,22 +1,20 @@
 """Where compiled functions are kept on disk: one folder per state of their sources.
 
-Numba recompiles a cached function when the function's own file changes, but not when a file that it calls into does. With a folder
-named by the hash of the sources that are compiled, and of all that these import, code compiled from other sources is never taken. It is
-in the folder that the user has named for numba's cache, else beside the sources; where these cannot be written it is in the user's cache,
-and where there is none in a temporary folder that is removed when the process ends.
+Numba recompiles a cached function when the function's own file changes, but not when a file that it calls into does. The folder is named
+by the hash of this package's sources, so that code compiled from other sources is never taken. It is in the folder that the user has named
+for numba's cache, else beside the sources; where these cannot be written it is in the user's cache, and where there is none in a temporary
+folder that is removed when the process ends.
 """
 
 import atexit
 import hashlib
 import os
-import re
 import shutil
 import tempfile
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Final
-
-from quickreturn.reference_model.imported_modules import imported_modules, modules_in, text_of
 
 #: Names the folder of numba's cache, if the user has chosen one.
 VARIABLE: Final = "NUMBA_CACHE_DIR"
@@ -25,8 +23,6 @@ _TEMPORARY: Final = "QUICKRETURN_TEMPORARY_CODE"
 _PACKAGE: Final = Path(__file__).resolve().parents[1]
 #: Where a wheel has its objects (`objects.Entry`).
 SHIPPED: Final = Path(__file__).parent / "shipped"
-#: Imports of a module whose functions are compiled: of the compiler, or of this package's decorators for it.
-_COMPILES: Final = re.compile(rb"^(?:from|import) (?:numba\b|quickreturn\.reference_model\.native\.compilation\b)", re.MULTILINE)
 
 
 def folder() -> Path:
@@ -73,18 +69,13 @@ def _writable(folder: Path) -> bool:
 
 @cache
 def source_hash() -> str:
-    """Hash of the sources of compiled code, of this package and of the engines beside it."""
+    """Hash of the sources of this package."""
+    return hash_of(_PACKAGE.rglob("*.py"))
+
+
+def hash_of(files: Iterable[Path]) -> str:
+    """Hash of the texts of files."""
     digest = hashlib.sha256()
-    for module, file in compiled_sources().items():
-        digest.update(module.encode())
-        digest.update(text_of(file))
+    for file in sorted(files):
+        digest.update(file.name.encode() + file.read_bytes())
     return digest.hexdigest()[:16]
-
-
-def compiled_sources() -> dict[str, Path]:
-    """Modules that have functions compiled, and those that they import at their head, with their files.
-
-    The compiler takes what a function uses (constants, callees, types of tuples) from its module, which has it from there.
-    """
-    both = {**modules_in("quickreturn.reference_model"), **modules_in("quickreturn.engines")}
-    return imported_modules((module for module, file in both.items() if _COMPILES.search(text_of(file))), late=False, find=both.get)

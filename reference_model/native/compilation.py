@@ -11,16 +11,23 @@ from typing import Any, Final, TypeVar
 import numba
 from numba import cfunc, njit, types
 
-from quickreturn.reference_model.native.internals import MISSING, CFunc
-from quickreturn.reference_model.native.kept import Kept
-from quickreturn.reference_model.native.linking import OwnCompiler
+try:
+    from numba.core.ccallback import CFunc
 
-if MISSING:
+    from quickreturn.reference_model.native.kept import Kept
+    from quickreturn.reference_model.native.linking import OwnCompiler
+
+    MISSING = ""
+except (ImportError, AttributeError) as missing:
+    MISSING = str(missing)
     warnings.warn(
         f"numba {numba.__version__} is unlike those that this package knows ({MISSING}): every process compiles its equations again",
         RuntimeWarning,
         stacklevel=2,
     )
+
+#: The option that names this package's compiler.
+_OWN: Final[dict[str, Any]] = {} if MISSING else {"pipeline_class": OwnCompiler}
 
 #: LLVM's flags for reordered sums and fused multiply-add. None assumes that nan and infinity are absent: they mark impossible states.
 FASTMATH: Final = {"reassoc", "contract", "nsz", "arcp"}
@@ -47,7 +54,7 @@ def jitted(function: Callable[..., Any], signature: Any = None, *, kept: bool = 
         kept: whether the code is kept on disk.
         options: of numba.
     """
-    dispatcher: Any = njit(**_own(), **options)(function)
+    dispatcher: Any = njit(**_OWN, **options)(function)
     if kept and not MISSING:
         dispatcher._cache = Kept(function)
     if signature is not None:
@@ -60,7 +67,7 @@ def callback(function: Callable[..., Any], signature: Any, **options: Any) -> An
     """As `numba.cfunc`: compiled now, to be called by address."""
     if MISSING:
         return cfunc(signature, **options)(function)
-    found: Any = CFunc(function, (signature.args, signature.return_type), locals={}, options=options, **_own())
+    found: Any = CFunc(function, (signature.args, signature.return_type), locals={}, options=options, **_OWN)
     found._cache = Kept(function)
     found.compile()
     return found
@@ -85,8 +92,3 @@ def inner(function: Function) -> Function:
 def inlined(function: Function) -> Function:
     """Compile into each caller: for functions that cost less than the call."""
     return jitted(function, kept=False, **_OPTIONS, inline="always")
-
-
-def _own() -> dict[str, Any]:
-    """The option that names this package's compiler."""
-    return {} if MISSING else {"pipeline_class": OwnCompiler}

@@ -1,32 +1,31 @@
 """Numba's cache on disk for this package's functions, in a folder of their own; one process compiles what several need."""
 
-import hashlib
-import marshal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from quickreturn.reference_model.imported_modules import text_of
-from quickreturn.reference_model.native.cache_folder import folder
-from quickreturn.reference_model.native.internals import CacheLocator, CompileResultCacheImpl, FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+
+from quickreturn.reference_model.native.cache_folder import folder, hash_of
 from quickreturn.reference_model.native.turn import Turn
 
 
-class _Locator(CacheLocator):
-    """Where the code of a function is kept: in the folder named for the sources of this package; a function may be of another file."""
+class _Locator(_CacheLocator):
+    """Where the code of a function is kept, whatever its file: in the folder named for the sources of `reference_model`.
+
+    A function of another folder is compiled anew where a file in that folder has changed.
+    """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self._code, self._py_file = function.__code__, function.__code__.co_filename
+        self._code = function.__code__
 
     def get_cache_path(self) -> str:
         return str(folder())
 
-    def get_source_stamp(self) -> bytes:
-        with suppress(OSError):
-            return hashlib.sha256(text_of(Path(self._py_file))).digest()
-        return marshal.dumps(self._code)  # it was typed in
+    def get_source_stamp(self) -> str:
+        return hash_of(Path(self._code.co_filename).parent.glob("*.py"))
 
     def get_disambiguator(self) -> str:
         return str(self._code.co_firstlineno)
@@ -36,8 +35,7 @@ class _Files(CompileResultCacheImpl):
     """How the code of a function is written and read."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self._lineno = function.__code__.co_firstlineno
-        self._locator = _Locator(function)
+        self._lineno, self._locator = function.__code__.co_firstlineno, _Locator(function)
         name = f"{function.__module__}.{function.__qualname__}".replace("<", "").replace(">", "")
         self._filename_base = f"{name}-{self._lineno}.{sys.implementation.cache_tag}"
 

@@ -14,8 +14,8 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from llvmlite.binding import Linkage
-
-from quickreturn.reference_model.native.internals import Compiler, JITCodeLibrary
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 
 #: Part of the mangled names of this package's functions.
 _OURS: Final = "11quickreturn"
@@ -23,11 +23,21 @@ _OURS: Final = "11quickreturn"
 _helpers: Final[dict[frozenset[str], dict[Any, Any]]] = defaultdict(dict)
 
 
+#: Absent from a numba that this package does not know.
+_ = JITCodeLibrary._finalize_final_module, Compiler.compile_extra
+
+
 class Library(JITCodeLibrary):
-    """Machine code of a function, in which the functions of this package that were copied into it have local symbols."""
+    """Machine code of a function, in which the functions of this package that were copied into it have local symbols.
+
+    Attributes:
+        needed: names that it refers to and that others define, but for the compiler's own instructions.
+    """
 
     def _finalize_final_module(self) -> None:
         module: Any = self._final_module
+        named = [*module.functions, *module.global_variables]
+        self.needed = [each.name for each in named if each.is_declaration and not each.name.startswith("llvm.")]
         if copies := [each.name for each in _defined(module, Linkage.linkonce_odr) if _OURS in each.name]:
             # as in numba's `_get_module_for_linking`: what callers link keeps weak symbols, so that they hold each function once
             self._shared_module = module.clone()

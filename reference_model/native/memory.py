@@ -1,7 +1,6 @@
 """Tuples of numbers and arrays laid out in memory for compiled code, which reads them by address; the compiler has no part in this."""
 
 import math
-from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -9,13 +8,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Arrays by their number of dimensions, C-contiguous. What a member of a tuple may be annotated with: these names, and those of `_NUMBERS`.
+#: Arrays by their number of dimensions, C-contiguous.
 Vector = NDArray[np.float64]
 ComplexVector = NDArray[np.complex128]
 Matrix = NDArray[np.float64]
 Cube = NDArray[np.float64]
-_ARRAYS: Final = {"Vector": (1, float), "ComplexVector": (1, complex), "Matrix": (2, float), "Cube": (3, float)}
-_NUMBERS: Final = {"float": float, "int": int, "bool": bool}
+#: What a member of a tuple may be annotated with, other than a tuple or a record -> its number of dimensions, and type of its numbers.
+KINDS: Final[dict[str, tuple[int, type]]] = {
+    "float": (0, float),
+    "int": (0, int),
+    "bool": (0, bool),
+    "Vector": (1, float),
+    "ComplexVector": (1, complex),
+    "Matrix": (2, float),
+    "Cube": (3, float),
+}
 
 
 def annotations_of(named_tuple: Any) -> dict[str, str]:
@@ -40,7 +47,6 @@ class Placed:
 
     Args:
         value: the tuple.
-        records: types of members that are records, by the member's name.
 
     Attributes:
         address: of its memory.
@@ -49,9 +55,9 @@ class Placed:
         TypeError: a member is not what its annotation says.
     """
 
-    def __init__(self, value: Any, **records: np.dtype[Any]) -> None:
+    def __init__(self, value: Any) -> None:
         self.value = value
-        words = _words(value, records)
+        words = _words(value)
         self._memory = on_lines((len(words),))
         whole = self._memory.view(np.int64)
         for place, word in enumerate(words):
@@ -59,22 +65,19 @@ class Placed:
         self.address = int(self._memory.ctypes.data)
 
 
-def _words(value: Any, records: Mapping[str, np.dtype[Any]]) -> list[float]:
+def _words(value: Any) -> list[float]:
     """The words of a tuple: numbers, and places as whole numbers."""
     found: list[float] = []
     for name, annotation in annotations_of(type(value)).items():
         member = getattr(value, name)
-        if annotation in _NUMBERS:
-            good, words = isinstance(member, _NUMBERS[annotation]), [member]
-        elif annotation in _ARRAYS:
-            dimensions, kind = _ARRAYS[annotation]
+        dimensions, kind = KINDS.get(annotation, (0, np.record))
+        if isinstance(member, tuple):
+            good, words = type(member).__name__ == annotation, _words(member)
+        elif dimensions == 0:
+            good, words = isinstance(member, kind), [member.__array_interface__["data"][0] if isinstance(member, np.record) else member]
+        else:
             good = isinstance(member, np.ndarray) and member.flags.carray and member.dtype == kind and member.ndim == dimensions
             words = [member.ctypes.data, *member.shape] if good else []
-        elif isinstance(member, tuple):
-            good, words = type(member).__name__ == annotation, _words(member, {})
-        else:
-            good = isinstance(member, np.record) and member.dtype == records[name]
-            words = [member.__array_interface__["data"][0]] if good else []
         if not good:  # compiled code would read numbers that are not there
             raise TypeError(f"not as annotated: {name} of {type(value).__name__}")
         found += words

@@ -7,8 +7,8 @@ compiles the function, or loads it from its own cache.
 
 import ctypes
 import hashlib
+import pkgutil
 import secrets
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache, cached_property
 from pathlib import Path
@@ -16,13 +16,10 @@ from typing import Any, Final
 
 import llvmlite
 import llvmlite.binding as llvm
-import numpy as np
 
 from quickreturn.reference_model.native import cache_folder
 
 _ARGUMENTS: Final[dict[str, Any]] = {"i": ctypes.c_int64, "f": ctypes.c_double}
-#: An entry in the table of symbols of an object (ELF, 64 bit); one in section 0 is defined elsewhere.
-_SYMBOL: Final = np.dtype([("name", "<u4"), ("kind", "u1"), ("seen", "u1"), ("section", "<u2"), ("value", "<u8"), ("size", "<u8")])
 #: The level of processors that a wheel's objects are for, and what LLVM says of such a processor.
 LEVEL: Final = "x86-64-v3"
 _NEEDED: Final = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
@@ -34,11 +31,11 @@ class Entry:
     """A compiled function of numbers, and of arrays by their addresses, that returns a whole number.
 
     Args:
-        source: imports the function to compile, and with it the compiler, and returns it; the object is called as this is.
+        source: module and name of the function, "package.module:function", which is imported, and with it the compiler, to be compiled.
         arguments: a letter for each argument: "i" for a whole number or an address, "f" for a number.
     """
 
-    def __init__(self, source: Callable[[], Callable[..., int]], arguments: str) -> None:
+    def __init__(self, source: str, arguments: str) -> None:
         self._source, self._arguments = source, arguments
 
     @cached_property
@@ -61,10 +58,11 @@ class Entry:
         """Its address, from the compiler; the object is kept."""
         from quickreturn.reference_model.native.compilation import entry
 
-        function = entry(self._source(), self._arguments)
-        with suppress(AttributeError, RuntimeError, OSError):  # another numba, or a full disk: nothing is kept
+        function = entry(pkgutil.resolve_name(self._source), self._arguments)
+        with suppress(AttributeError, RuntimeError, OSError):  # another numba, its own cache, or a full disk: nothing is kept
             code, written = function._library._get_compiled_object(), self.path.with_suffix(f".{secrets.token_hex(4)}.part")
-            written.write_bytes(f"{hashlib.sha256(code).hexdigest()} {function.native_name}\n".encode() + code)
+            head = " ".join((hashlib.sha256(code).hexdigest(), function.native_name, *function._library.needed))
+            written.write_bytes(f"{head}\n".encode() + code)
             written.replace(self.path)
         return int(function.address)
 
@@ -80,7 +78,7 @@ class Entry:
 
     @property
     def _name(self) -> str:
-        return f"{self._source.__module__}.{self._source.__name__}"
+        return self._source.replace(":", ".")
 
 
 @cache
@@ -105,29 +103,19 @@ def _loaded(path: Path) -> int:
         KeyError, ValueError, AttributeError, RuntimeError: it is of another system or library, truncated, or refers to what is not there.
     """
     head, _, content = path.read_bytes().partition(b"\n")
-    digest, name = head.decode().split(" ", 1)
+    digest, name, *needed = head.decode().split(" ")
     if digest != hashlib.sha256(content).hexdigest():
         raise ValueError(f"{path} is truncated")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), llvm.Target.from_default_triple().create_target_machine())
-    code = llvm.ObjectFileRef.from_data(content)
-    for symbol in _undefined(code):
+    for symbol in needed:
         if llvm.address_of_symbol(symbol) is None:
             if not symbol.startswith("numba_"):
                 raise KeyError(symbol)
             # the compiler's own, for exceptions, which this code never raises
             llvm.add_symbol(symbol, ctypes.cast(ctypes.CDLL(None).abort, ctypes.c_void_p).value)
-    engine.add_object_file(code)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(content))
     engine.finalize_object()
     _engines.append(engine)
     return int(engine.get_function_address(name))
-
-
-def _undefined(code: llvm.ObjectFileRef) -> Iterator[str]:
-    """Names that an object refers to and does not define. KeyError: it is none of Linux."""
-    sections = {section.name(): section.data() for section in code.sections()}
-    names = sections[b".strtab"]
-    for symbol in np.frombuffer(sections[b".symtab"], _SYMBOL)[1:]:
-        if symbol["section"] == 0:
-            yield names[symbol["name"] : names.index(b"\0", symbol["name"])].decode()

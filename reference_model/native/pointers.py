@@ -5,53 +5,47 @@ equations of motion therefore receive parameters and workspace by address, and t
 compiled only once.
 """
 
+import functools
+import sys
 from typing import Any, Final
 
 import llvmlite.ir as ir
+import numba
+import numpy as np
 from numba import extending, types
+from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
-from numba.np.arrayobj import make_array, populate_array
 
-from quickreturn.reference_model.native.memory import annotations_of
+from quickreturn.reference_model.native.memory import KINDS, annotations_of
 
 intrinsic: Any = extending.intrinsic  # its type hints count the compiler's own argument
 
+_NUMBERS: Final = {float: types.float64, int: types.int64, bool: types.boolean, complex: types.complex128}
 #: Annotation of a tuple's member -> its compiled type.
 MEMBERS: Final[dict[str, Any]] = {
-    "float": types.float64,
-    "int": types.int64,
-    "bool": types.boolean,
-    "Vector": types.Array(types.float64, 1, "C"),
-    "ComplexVector": types.Array(types.complex128, 1, "C"),
-    "Matrix": types.Array(types.float64, 2, "C"),
-    "Cube": types.Array(types.float64, 3, "C"),
+    name: types.Array(_NUMBERS[kind], dimensions, "C") if dimensions else _NUMBERS[kind] for name, (dimensions, kind) in KINDS.items()
 }
 
 
-def tuple_type(named_tuple: Any, **nested: types.Type) -> types.NamedTuple:
-    """The compiled type of a `NamedTuple` class.
-
-    Args:
-        named_tuple: members are annotated, as text, with names of `MEMBERS`.
-        nested: types of members that are tuples or records themselves, by the member's name.
-    """
-    annotations = annotations_of(named_tuple)
-    return types.NamedTuple([nested.get(name) or MEMBERS[annotations[name]] for name in named_tuple._fields], named_tuple)
+def _tuple_type(named_tuple: Any, **records: np.dtype[Any]) -> Any:
+    """The compiled type of a `NamedTuple` class."""
+    kinds: dict[str, Any] = {name: numba.from_dtype(record) for name, record in records.items()}
+    for name, annotation in annotations_of(named_tuple).items():
+        if name not in records:
+            kinds[name] = MEMBERS.get(annotation) or _tuple_type(vars(sys.modules[named_tuple.__module__])[annotation])
+    return types.NamedTuple([kinds[name] for name in named_tuple._fields], named_tuple)
 
 
 class At(types.Type):
     """The place of a tuple in memory; its members are read as attributes, and never change while compiled code reads them."""
 
-    def __init__(self, pointee: types.BaseNamedTuple) -> None:
-        self.pointee: Any = pointee
+    def __init__(self, pointee: Any) -> None:
+        self.pointee = pointee
         super().__init__(name=f"At({pointee.name})")
 
 
-@register_model(At)
-class _AtModel(models.PrimitiveModel):
-    def __init__(self, dmm: Any, fe_type: At) -> None:
-        super().__init__(dmm, fe_type, ir.IntType(8).as_pointer())  # type: ignore[no-untyped-call]
+register_model(At)(models.OpaqueModel)
 
 
 @infer_getattr
@@ -99,11 +93,12 @@ def _load_member(context: Any, builder: Any, at: At, address: Any, name: str) ->
 
 def _array(context: Any, builder: Any, kind: Any, data: Any, shape: list[Any]) -> Any:
     """An array of Python's memory: compiled code has no part in counting its references."""
-    array = make_array(kind)(context, builder)
+    array = context.make_array(kind)(context, builder)
     strides = [context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))]
     for size in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], size))
-    populate_array(array, data=data, shape=shape, strides=strides, itemsize=strides[-1], meminfo=None)
+    array.data, array.itemsize, array.nitems = data, strides[-1], functools.reduce(builder.mul, shape)
+    array.shape, array.strides = cgutils.pack_array(builder, shape), cgutils.pack_array(builder, strides)
     return array._getvalue()
 
 
@@ -112,8 +107,14 @@ def array_of(context: Any, builder: Any, kind: Any, address: Any, shape: list[An
     return _array(context, builder, kind, builder.inttoptr(address, context.get_data_type(kind.dtype).as_pointer()), shape)
 
 
-def reader(pointee: types.NamedTuple) -> Any:
-    """A compiled function that takes the address (an integer) of a tuple of this type, and returns an `At` to read its members from."""
+def reader(named_tuple: Any, **records: np.dtype[Any]) -> Any:
+    """A compiled function that takes the address (an integer) of a tuple, and returns an `At` to read its members from.
+
+    Args:
+        named_tuple: its class, whose members are annotated with a name of `KINDS`, or with a class like it.
+        records: types of members that are records, by the member's name.
+    """
+    pointee = _tuple_type(named_tuple, **records)
 
     @intrinsic
     def at(typing: Any, address: Any) -> Any:
@@ -125,18 +126,19 @@ def reader(pointee: types.NamedTuple) -> Any:
     return at
 
 
-def array_at(kind: types.Array) -> Any:
-    """A compiled function from an address and a shape to the array of this type that is there, by the number of its dimensions."""
+def array_at(content: Any, dimensions: int = 1) -> Any:
+    """A compiled function from an address and a shape to the array, of one or two dimensions, that is there."""
+    kind = types.Array(content, dimensions, "C")
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return array_of(context, builder, kind, arguments[0], list(arguments[1:]))
 
-    if kind.ndim == 1:
+    if dimensions == 1:
         return intrinsic(lambda typing, address, size: (kind(types.uintp, types.intp), code))
     return intrinsic(lambda typing, address, rows, columns: (kind(types.uintp, types.intp, types.intp), code))
 
 
-numbers_at, matrix_at = array_at(MEMBERS["Vector"]), array_at(MEMBERS["Matrix"])
+numbers_at, matrix_at = array_at(types.float64), array_at(types.float64, 2)
 
 
 @intrinsic

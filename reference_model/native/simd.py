@@ -67,23 +67,14 @@ def store(typing: Any, array: Any, index: Any, four: Any) -> Any:
 
 
 @intrinsic
-def plus(typing: Any, sums: Any, number: Any, four: Any) -> Any:
-    """Sums + number times four."""
+def plus(typing: Any, sums: Any, one: Any, other: Any) -> Any:
+    """Sums + one times other, number by number; `one` may be a single number."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.fadd(arguments[0], builder.fmul(_spread(builder, arguments[1]), arguments[2], flags=FAST), flags=FAST)
+        factor = arguments[1] if one == FOUR else _spread(builder, arguments[1])
+        return builder.fadd(arguments[0], builder.fmul(factor, arguments[2], flags=FAST), flags=FAST)
 
-    return FOUR(FOUR, types.float64, FOUR), code
-
-
-@intrinsic
-def plus_product(typing: Any, sums: Any, one: Any, other: Any) -> Any:
-    """Sums + one times other, number by number."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.fadd(arguments[0], builder.fmul(*arguments[1:], flags=FAST), flags=FAST)
-
-    return FOUR(FOUR, FOUR, FOUR), code
+    return FOUR(FOUR, FOUR if one == FOUR else types.float64, FOUR), code
 
 
 @intrinsic

@@ -1,21 +1,21 @@
 """Turns of processes: one compiles, and the others wait for it."""
 
 import os
-import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
 #: Time (s) after which a process waits no longer and compiles itself.
 PATIENCE: Final = 600.0
-_LOOK_INTERVAL: Final = 0.02  # s
-#: The process that this one waits for, if any.
-_waits_for: Final[list[int]] = []
+#: The file that names the process that this one waits for, if any.
+_waits_for: Final[list[Path]] = []
 
 
 def waits_for() -> int:
     """Number of the process that compiles what this one needs; 0 if this one does not wait."""
-    return _waits_for[-1] if _waits_for else 0
+    with suppress(OSError, ValueError, IndexError):
+        return int(_waits_for[-1].read_text())
+    return 0
 
 
 class Turn:
@@ -43,8 +43,13 @@ class Turn:
 
             self._path.parent.mkdir(parents=True, exist_ok=True)
             with suppress(sqlite3.Error):  # a file system without locks
-                self._lock = sqlite3.connect(self._path, timeout=0.0, isolation_level=None, check_same_thread=False)
-                self._wait()
+                self._lock = sqlite3.connect(self._path, timeout=PATIENCE, isolation_level=None, check_same_thread=False)
+                _waits_for.append(self._holder)
+                try:
+                    if waits_for() != os.getpid():  # otherwise an attempt has failed in this process
+                        self._lock.execute("BEGIN EXCLUSIVE")
+                finally:
+                    _waits_for.clear()
                 self._holder.write_text(str(os.getpid()))
 
     def give_back(self) -> None:
@@ -54,28 +59,3 @@ class Turn:
                 self._holder.unlink()
             self._lock.close()
             self._lock = None
-
-    def _wait(self) -> None:
-        import sqlite3
-
-        until = time.monotonic() + PATIENCE
-        try:
-            while time.monotonic() < until:
-                try:
-                    self._lock.execute("BEGIN EXCLUSIVE")
-                    return
-                except sqlite3.OperationalError as error:
-                    if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
-                        raise
-                _waits_for[:] = [self._number()]
-                if waits_for() == os.getpid():  # an attempt that has failed
-                    return
-                time.sleep(_LOOK_INTERVAL)
-        finally:
-            _waits_for.clear()
-
-    def _number(self) -> int:
-        """The process that has the turn; 0 while it is not known."""
-        with suppress(OSError, ValueError):
-            return int(self._holder.read_text())
-        return 0

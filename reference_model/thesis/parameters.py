@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.native.memory import Cube, Matrix, Vector
-from quickreturn.reference_model.native.pointers import reader, tuple_type
+from quickreturn.reference_model.native.pointers import reader
 from quickreturn.reference_model.rigid import deflection_scale
 from quickreturn.reference_model.shapes import ShapeSet
-from quickreturn.reference_model.thesis.tables import POINTS, TABLES_TYPE, ThesisTables, build_tables
+from quickreturn.reference_model.thesis.tables import POINTS, ThesisTables, build_tables
 
 
 class UnsuitableShapes(ValueError):
@@ -137,10 +137,7 @@ class ThesisWorkspace(NamedTuple):
     acceleration: Vector  # (n + 2,) q1, q2, eta
 
 
-PARAMETERS_TYPE: Final = tuple_type(ThesisParameters, tables=TABLES_TYPE)
-WORKSPACE_TYPE: Final = tuple_type(ThesisWorkspace)
-parameters_at = reader(PARAMETERS_TYPE)
-workspace_at = reader(WORKSPACE_TYPE)
+parameters_at, workspace_at = reader(ThesisParameters), reader(ThesisWorkspace)
 
 
 def build_workspace(tables: ThesisTables) -> ThesisWorkspace:

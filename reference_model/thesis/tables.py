@@ -7,14 +7,13 @@ cubic element and second-order foreshortening every integral of the model is the
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.memory import Matrix, Vector
-from quickreturn.reference_model.native.pointers import tuple_type
 from quickreturn.reference_model.shapes import ShapeSet
 
 POINTS = 6  # Gauss points of a cell
@@ -40,9 +39,6 @@ class ThesisTables(NamedTuple):
     ddphi: Matrix  # (N, n) 1/m^2
     end_phi: Vector  # (n,) at x = L
     end_dphi: Vector  # (n,)
-
-
-TABLES_TYPE: Final = tuple_type(ThesisTables)
 
 
 def build_tables(shapes: ShapeSet, cells: int) -> ThesisTables:

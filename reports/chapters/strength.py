@@ -7,7 +7,7 @@ from quickreturn.cases.loads import HARDLY, Loads
 from quickreturn.cases.shown import Units
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.around import Around, resonance_sentence
+from quickreturn.reports.page.part import nearness_of
 from quickreturn.reports.results.loads import STRAIN, CaseLoads, Load, axial_words, from_p, name_of, notch_lines, numbers_of_case
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
@@ -22,26 +22,26 @@ def strength(content: Content) -> Chapter | None:
     cases = [case for case in content.loads if case.lead]
     if not cases:
         return None
-    curves = {around.case.name: around for around in content.around}
+    near = content.of(nearness_of)
     sections = [
         {
             "title": case.case.title,
             "stress": stress_sentences(case),
             "fatigue": fatigue_sentences(case),
             "lacking": lacking(case.loads[case.lead]),
-            "mode": mode_sentences(case, curves.get(case.case.name)),
+            "mode": mode_sentences(case, near.get(case.case.name, "")),
         }
         for case in cases
     ]
     return Chapter(
         "strength",
         "Will it hold?",
-        finding(cases, curves.get(cases[0].case.name)),
+        finding(cases),
         {"sections": sections, "table": strength_table(content.loads)},
     )
 
 
-def finding(cases: Sequence[CaseLoads], around: Around | None = None) -> str:
+def finding(cases: Sequence[CaseLoads]) -> str:
     """The largest stress in the first case, the least safety factor, and the distance to resonance, as far as they are known."""
     case = cases[0]
     loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
@@ -50,9 +50,7 @@ def finding(cases: Sequence[CaseLoads], around: Around | None = None) -> str:
     text = f"{quantity(stress.value, units.of('Pa'))} at {from_p(stress, units)}"
     for against, factor in loads.factors[:1]:
         text += f", safety {factor.text} against {against}"
-    if around is not None and around.curve:
-        text += f"; nearest resonance peak {around.way(around.peak.value)}" if around.peak else f"; {around.nearest_peak} of resonance"
-    elif resonance and not (case.share is not None and case.share < HARDLY):
+    if resonance and not (case.share is not None and case.share < HARDLY):
         text += f"; harmonic {resonance.harmonic} is {size(resonance.detuning)} from resonance"
     return f"{case.case.name}: {text}" if len(cases) > 1 else text
 
@@ -106,8 +104,8 @@ def lacking(loads: Loads) -> tuple[str, list[str]]:
     return "No safety factor" if len(missing) > 1 else f"No factor against {''.join(missing.values())}", [*missing]
 
 
-def mode_sentences(case: CaseLoads, around: Around | None = None) -> str:
-    """The first mode beside the crank's frequency; "" where there is no such mode."""
+def mode_sentences(case: CaseLoads, nearness: str = "") -> str:
+    """The first mode beside the crank's frequency; "" where there is no such mode; `nearness`: how near a resonance is."""
     resonance, units = case.resonance, case.case.units
     if resonance is None:
         return ""
@@ -115,7 +113,7 @@ def mode_sentences(case: CaseLoads, around: Around | None = None) -> str:
     return (
         f"The first mode, with the crank held, has {first} in the mean over the turn,"
         f" {number(resonance.ratio, '.2f')} times the crank’s {crank}. At a whole number that harmonic drives it."
-        f" {resonance_sentence(case, around)} The frequency changes over the turn, from {lowest} up, so a resonance is blunt. The"
+        f" {nearness or case.resonance_sentence} The frequency changes over the turn, from {lowest} up, so a resonance is blunt. The"
         " rotation of the crank, and its compliance under a driving torque, change the mean by"
         f" {size(case.shift_of_motion / resonance.first_mode)}; this is taken as its error."
     )

@@ -10,7 +10,6 @@ from quickreturn.reports.chapters.files import files
 from quickreturn.reports.chapters.next import next_steps
 from quickreturn.reports.chapters.provenance import provenance
 from quickreturn.reports.chapters.recorded import recorded
-from quickreturn.reports.chapters.resonance import resonance
 from quickreturn.reports.chapters.runs import runs
 from quickreturn.reports.chapters.strength import strength
 from quickreturn.reports.chapters.turn import turn
@@ -25,7 +24,6 @@ CHAPTERS: Final[Mapping[MakeChapter, float]] = {
     strength: 10,
     turn: 11,
     drive: 12,
-    resonance: 13,
     run_by_run: 20,
     runs: 21,
     recorded: 22,

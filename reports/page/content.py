@@ -13,7 +13,6 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import MAIN
 from quickreturn.reports.page.chapter import MakeChapter
-from quickreturn.reports.results.around import Around
 from quickreturn.reports.results.loads import CaseLoads, loads_of_case
 from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.verification import Verification
@@ -53,7 +52,6 @@ class Content:
         facts: name -> fact about the computer, its software and the date.
         code: fingerprint of the code that computed the results.
         notices: sentences of the store on damaged entries.
-        around: the resonance curves of the user's own machines, around their speeds.
     """
 
     chapters: ClassVar[Mapping[MakeChapter, float]] = MappingProxyType({})  # of the subject, with their ranks (`CHAPTERS`)
@@ -69,7 +67,6 @@ class Content:
     facts: Mapping[str, str] = field(default_factory=dict)
     code: str = ""
     notices: Sequence[str] = ()
-    around: Sequence[Around] = ()
 
     def of(self, load: Callable[["Content"], T]) -> T:
         """What a function makes of the content, computed once: data that several chapters need, or that only one of them knows."""

@@ -12,7 +12,6 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.cases.shown import Unit
 from quickreturn.reports.page.answer import Answer, Cubic
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.results.around import Around, resonance_sentence
 from quickreturn.reports.results.loads import CaseLoads, axial_words, from_p
 from quickreturn.reports.words import (
     case_label,
@@ -157,15 +156,15 @@ def figures(answer: Answer, subject: Subject, last: Figure | None) -> list[Figur
     return [*shown, last] if last else shown
 
 
-def machine_screen(case: CaseLoads, around: Around | None = None) -> FirstScreen:
-    """What the person who builds a machine asks first; `around`: its resonance curve."""
+def machine_screen(case: CaseLoads, nearness: str = "") -> FirstScreen:
+    """What the person who builds a machine asks first; `nearness`: how near a resonance is, by its curve, if it has one."""
     if not case.lead:
         none = "No engine gives the stress of this machine’s arm: the chapter Provenance gives the reasons."
         return FirstScreen(case.case.title, "", [none], [])
     missed = f"These numbers miss their accuracy: {'; '.join(case.missed)}." if case.missed else ""
     beside = " An error beside a number below is the engine’s own estimate of it."
     texts = [case.verdict, largest_stress_words(case), departure_words(case)]
-    return FirstScreen(case.case.title, missed and missed + beside, texts, machine_figures(case), resonance_sentence(case, around))
+    return FirstScreen(case.case.title, missed and missed + beside, texts, machine_figures(case), nearness or case.resonance_sentence)
 
 
 def largest_stress_words(case: CaseLoads) -> str:

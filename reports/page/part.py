@@ -21,6 +21,7 @@ class Part:
         work: what is computed together with the runs, for cases, names of engines, and whether the cases are the user's own machines.
         content: class of the content for some cases, if these are a subject of the plugin; otherwise None.
         figure: a number in large type for the first screen with its meaning, or None.
+        nearness: case -> a sentence on how near a resonance the machine is, where the plugin knows more than the nearest harmonic.
         of_engines: heading of a column in the table of engines -> for each engine a text.
     """
 
@@ -29,6 +30,7 @@ class Part:
     work: Callable[[Sequence[Case], Sequence[str], bool], Work] | None = None
     content: Callable[[Sequence[Case]], type[Content] | None] | None = None
     figure: Callable[[Content], tuple[str, str] | None] | None = None
+    nearness: Callable[[Content], Mapping[str, str]] | None = None
     of_engines: Mapping[str, Callable[[Content], Mapping[str, str]]] = field(default_factory=dict)
 
 
@@ -36,3 +38,8 @@ class Part:
 def parts() -> tuple[Part, ...]:
     """The parts of the installed plugins."""
     return tuple(found(plugin.page) for plugin in plugins().values() if plugin.page)
+
+
+def nearness_of(content: Content) -> dict[str, str]:
+    """What all plugins say of how near resonances are (`Part.nearness`)."""
+    return {case: sentence for part in parts() if part.nearness for case, sentence in part.nearness(content).items()}

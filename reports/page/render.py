@@ -14,7 +14,7 @@ from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, agreement_screen, machine_screen
-from quickreturn.reports.page.part import parts
+from quickreturn.reports.page.part import nearness_of, parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.templates import environment
 
@@ -68,7 +68,7 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     view.drawn = [series.of for chapter in chapters for plot in chapter.plots for series in plot.series]
     shown = shown_first(results)
     title_of_case = shown.case.title if len(results) == 1 else ""
-    curves = {around.case.name: around for around in content.around if around.curve}
+    curves = content.of(nearness_of)
     stressed = content.loads if any(loads.lead for loads in content.loads) else []
     figures = (part.figure(content) for part in parts() if part.figure)
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
@@ -81,7 +81,7 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         screen=agreement_screen(answer, content.subject, title_of_case, next(filter(None, figures), _first_mode(shown))),
-        machines=[(loads, machine_screen(loads, curves.get(loads.case.name))) for loads in stressed],
+        machines=[(loads, machine_screen(loads, curves.get(loads.case.name, ""))) for loads in stressed],
         curves=curves,
         shown=shown.case.name,
         chapters=chapters,

@@ -99,6 +99,11 @@ class CaseLoads:
         return resonance(self.case.mechanism, self.mean_speed)
 
     @property
+    def resonance_sentence(self) -> str:
+        """How near a resonance is, by the harmonic nearest to the first mode; "" if nothing vibrates."""
+        return f"Of the crank’s speed {self.resonance.sentence(self.case.units, self.share)}." if self.resonance else ""
+
+    @property
     def share(self) -> float | None:
         """What the harmonics about the nearest one to the first mode have of the tip's acceleration, by the leading engine."""
         return self.shares.get(self.lead)

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.conformance.checks import Check, Conformance
 from quickreturn.cases.displayed import Cell, Displayed, Rows
+from quickreturn.plugins.conform.bench import Check, Conformance
 from tests.cases.scene_texts import SCENE
 
 HOSTILE = "</td><script>alert('owned')</script> & \"<b>\""

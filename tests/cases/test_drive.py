@@ -21,10 +21,10 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.cases.measures.of_turn import OF_TURN
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
-from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.cases.text.written import as_toml
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.tip import Tip

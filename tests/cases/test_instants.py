@@ -1,18 +1,22 @@
-"""Instants of a table: rows at an event, time with too few digits, and gaps."""
+"""Rows of a table: those at an event, time with too few digits, gaps, and noise of a known size."""
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from quickreturn.cases.errors import CaseError
-from quickreturn.cases.instants import gaps
+from quickreturn.cases.instants import DEVIATIONS, gaps, scatter
 from quickreturn.cases.recorded import read_table, table_of
 
 #: As Dymola writes an event at 0.02 s, at which the force jumps, and one at 0.05 s at which nothing does.
 ROWS = [(0.01 * k, 0.1 * k, 5.0 + k) for k in range(12)]
 EVENTS = [*ROWS[:2], (0.02, 0.2, -3.0), *ROWS[2:5], (0.05, 0.5 * (1.0 + 2e-6), 10.0), *ROWS[5:]]
 NOTED = ("1 doubled row left out", "a jump at 0.02 s: of the rows at this time the last is kept")
+#: A smooth course.
+TIME = np.arange(1000) * 1e-3
+SMOOTH = 3.0 * np.sin(2.0 * np.pi * 7.3 * TIME)
 
 
 def columns(rows: list[tuple[float, float, float]]) -> dict[str, list[float]]:
@@ -72,3 +76,17 @@ def test_dates_are_no_numbers() -> None:
     times = np.array(["2024-05-06T10:11:12", "2024-05-06T10:11:13"], dtype="datetime64[ns]")
     with pytest.raises(CaseError, match='row 0, time: "2024-05-06T10:11:12'):
         table_of({"time": times, "tip_x": [0.0, 1.0]})
+
+
+def test_noise_has_its_size() -> None:
+    noise = 0.05 * np.random.default_rng(1).standard_normal(len(TIME))
+    assert scatter(TIME, SMOOTH + noise) == pytest.approx(DEVIATIONS * 0.05, rel=0.1)
+
+
+def test_rounding_has_the_size_of_uniform_noise() -> None:
+    assert scatter(TIME, np.round(SMOOTH, 2)) == pytest.approx(DEVIATIONS * 0.01 / np.sqrt(12.0), rel=0.1)
+
+
+def test_a_smooth_course_has_none_and_few_rows_show_none() -> None:
+    assert scatter(TIME, SMOOTH) < 1e-4
+    assert scatter(TIME[:4], SMOOTH[:4]) == math.inf

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.conformance.rods import SCENE
-from quickreturn.cases.conformance.scenes import BASE
 from quickreturn.engines.base import SPIN_UP, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.rod import Rod, RodEngine, RodSettings
 from quickreturn.engines.settings import SettingError
+from quickreturn.plugins.conform.scenes import BASE
+from quickreturn.plugins.conform.scenes import CLAMPED as SCENE
 from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.scene_values import changed
 

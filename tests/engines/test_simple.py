@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.cases.conformance.alone import SCENE as ALONE
-from quickreturn.cases.conformance.scenes import BASE, changed
 from quickreturn.engines.base import SPIN_UP, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.settings import SettingError
 from quickreturn.engines.simple import Model, SimpleEngine, SimpleSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED
+from quickreturn.plugins.conform.scenes import ALONE, BASE, changed
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED
 

@@ -14,7 +14,6 @@ from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
 from quickreturn.cases.recorded import table_of
 from quickreturn.cases.runs.request import RunRequest
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.uncertainty.table_model import TableModel
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
@@ -23,12 +22,13 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns
+from quickreturn.plugins.conform.tests.mutants import column
+from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.rigid import follower_inertia, rigid_motion
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.spring import Spring
-from tests.cases.conformance.mutants import column
 from tests.verification.random_machines import turning_machines
 from tests.verification.random_scenes import OUTPUT_STEP
 

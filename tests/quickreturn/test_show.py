@@ -6,12 +6,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from quickreturn.cases.sweep.rows import Row
 from quickreturn.command_line import main
-from quickreturn.commands.case_document import _stability
 from quickreturn.commands.console import ExitCode
 from quickreturn.reference_model.native.cache_folder import folder
 from tests.quickreturn.conftest import Call
@@ -129,18 +126,6 @@ def test_every_engine_says_what_it_makes_of_the_joint(call: Call, joint: str) ->
     engines = dict(part.split(":", 1) for part in shown.split("\n\n") if ":" in part)
     for name, line in expected.items():
         assert line in engines[name], name
-
-
-@pytest.mark.parametrize(
-    ("status", "sentence", "told"),
-    [
-        ("settled", "", "with its own drive the motion is stable: 77.8 % of a disturbance is left after a turn (+- 0.006 %)"),
-        ("unstable: fold", "a disturbance grows", "with its own drive the motion is unstable: fold: a disturbance grows"),
-        ("neutral", "it stays", "with its own drive the motion is neutral: it stays"),
-    ],
-)
-def test_the_machine_s_own_motion_is_stable_or_not(status: str, sentence: str, told: str) -> None:
-    assert _stability(Row(np.array([[0.7781]]), np.array([[6e-5]]), (status,), (sentence,))) == told
 
 
 def test_a_table_of_forces_is_told_by_its_file_its_points_and_extremes(call: Call) -> None:

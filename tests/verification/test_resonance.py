@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.loads import HARDLY, resonance, share_of
-from quickreturn.cases.resonance_curve.search import _maxima
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import usable_engine
+from quickreturn.plugins.studies.resonance_curve.search import _maxima
 from quickreturn.reference_model.cycles.continuation import Branch, branch
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import BranchPoint

@@ -19,7 +19,6 @@ from quickreturn.cases.library import library_case
 from quickreturn.cases.loads import loads_of
 from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.runs.orbit import Curve, Orbit, PeriodicStart, find_orbit
-from quickreturn.cases.sweep.rows import MeasureRequest, row
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
@@ -28,6 +27,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed

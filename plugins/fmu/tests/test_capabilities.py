@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.conformance.alone import SCENE
-from quickreturn.cases.conformance.bench import Motion
-from quickreturn.cases.conformance.scenes import BASE
 from quickreturn.cases.errors import CaseError
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulation
 from quickreturn.engines.registry import engine, usable_engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.conform.bench import Motion
+from quickreturn.plugins.conform.scenes import ALONE as SCENE
+from quickreturn.plugins.conform.scenes import BASE
 from quickreturn.plugins.fmu.tests.build import CHAIN, MACHINE, Make, described
 
 

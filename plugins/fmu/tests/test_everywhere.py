@@ -14,7 +14,7 @@ from quickreturn.cases.runs.orbit import begins_in_orbit
 from quickreturn.command_line import main
 from quickreturn.engines.registry import UnknownEngine, engine
 from quickreturn.plugins.fmu.tests.build import Make
-from quickreturn.studies.uncertainty import study_of
+from quickreturn.plugins.studies.public.uncertainty import study_of
 from tests.quickreturn.program import descendants, running, started, wait_until
 
 STUDY = """

@@ -5,8 +5,8 @@ import pytest
 
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.library.thesis.runs import RUNS
-from quickreturn.cases.sweep.rows import MeasureRequest
-from quickreturn.cases.uncertainty.propagation import Scatter, planned
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest
+from quickreturn.plugins.studies.uncertainty.propagation import Scatter, planned
 from quickreturn.plugins.thesis.scatter import MEASURES, UNPRINTED, band
 
 UNCERTAIN = {"slider.mass": "uniform 1 kg .. 3 kg", "tip.center_of_mass": "uniform 0 in .. 0.5 in"}

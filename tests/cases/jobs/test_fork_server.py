@@ -21,6 +21,7 @@ from quickreturn.cases.jobs.job import Job, Limits, Outcome
 from quickreturn.cases.jobs.processes import LocalProcesses
 from tests.cases.jobs.jobs import done, gone
 
+pytestmark = pytest.mark.skipif(not fork_server.FORKS, reason="there is no fork server")
 PRELOAD = ("quickreturn.cases.jobs.worker",)  # servers that die soon need nothing slow
 
 

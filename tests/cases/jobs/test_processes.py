@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from quickreturn.cases.jobs import fork_server
 from quickreturn.cases.jobs.isolation import end_waiting, isolated
 from quickreturn.cases.jobs.job import Job, Limits, Outcome
 from quickreturn.cases.jobs.processes import LocalProcesses, computed
@@ -87,6 +88,7 @@ def test_each_brief_job_has_its_own_output_progress_and_limits() -> None:
     assert seen == [("loud", "None"), ("loud", "fake, marching"), ("frugal", "None"), ("greedy", "None"), ("quiet", "None")]
 
 
+@pytest.mark.skipif(not fork_server.FORKS, reason="it stops the fork server")
 def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
     outcomes = LocalProcesses(1).run([brief("first", PID), brief("waits", "__import__('time').sleep(0.5)"), brief("last", PID)])
     first = next(outcomes).value

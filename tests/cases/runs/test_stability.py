@@ -12,7 +12,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import DIRECT, STANDARD, Run, RunRequest
 from quickreturn.cases.runs.stability import NOT_CONVERGED, UNCOMPARED_ERROR, Multiplier
 from quickreturn.cases.runs.steady_state import steady_state
-from quickreturn.cases.sweep.rows import MeasureRequest, row
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.scene_values import changed
 from tests.verification.random_machines import sensible_machines

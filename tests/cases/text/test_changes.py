@@ -14,17 +14,17 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.key import key_of
 from quickreturn.cases.keys import PATHS, si_text, unit_given
-from quickreturn.cases.resonance_curve.range import range_of
-from quickreturn.cases.resonance_curve.search import checked_scenes, job
-from quickreturn.cases.sweep.grid import OF_START, Grid, axis, scenes_of
-from quickreturn.cases.sweep.rows import Impossible, MeasureRequest
 from quickreturn.cases.text.reading import changes_of
-from quickreturn.cases.uncertainty.calibration import Search, frees_of
-from quickreturn.cases.uncertainty.parameters import Parameter, changes
-from quickreturn.cases.uncertainty.propagation import planned
 from quickreturn.cases.units import DIMENSIONS
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.plugins.studies.resonance_curve.range import range_of
+from quickreturn.plugins.studies.resonance_curve.search import checked_scenes, job
+from quickreturn.plugins.studies.sweep.grid import OF_START, Grid, axis, scenes_of
+from quickreturn.plugins.studies.sweep.rows import Impossible, MeasureRequest
+from quickreturn.plugins.studies.uncertainty.calibration import Search, frees_of
+from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
+from quickreturn.plugins.studies.uncertainty.propagation import planned
 from quickreturn.plugins.thesis.finding.effects import effects
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import values_of

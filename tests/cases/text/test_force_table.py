@@ -13,9 +13,9 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.key import hash_of
 from quickreturn.cases.library import library_case
-from quickreturn.cases.sweep.grid import Grid, axis, scenes_of
 from quickreturn.cases.text.written import as_toml
-from quickreturn.cases.uncertainty.parameters import Parameter
+from quickreturn.plugins.studies.sweep.grid import Grid, axis, scenes_of
+from quickreturn.plugins.studies.uncertainty.parameters import Parameter
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.tip import ForceTable
 from quickreturn.reports.other_tools import for_other_tools

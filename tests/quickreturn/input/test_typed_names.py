@@ -10,9 +10,9 @@ import pytest
 import quickreturn as qr
 from quickreturn.cases.errors import Argument, CaseError
 from quickreturn.cases.keys import PATHS
-from quickreturn.cases.sweep.grid import scenes_of
-from quickreturn.cases.sweep.rows import Impossible
-from quickreturn.cases.uncertainty.calibration import frees_of
+from quickreturn.plugins.studies.sweep.grid import scenes_of
+from quickreturn.plugins.studies.sweep.rows import Impossible
+from quickreturn.plugins.studies.uncertainty.calibration import frees_of
 from tests.quickreturn.conftest import Call
 
 SOLVED = {"time [s]": [0.0, 0.1], "crank_angle [rad]": [0.0, 1.0]}

@@ -10,7 +10,6 @@ import pytest
 
 from quickreturn import record as recording
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.conformance import Check, Conformance, job
 from quickreturn.cases.jobs.job import Outcome
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
@@ -19,6 +18,7 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.plugins.conform.contract import Check, Conformance, job
 from quickreturn.plugins.conform.records import ConformanceRow, verdicts
 from quickreturn.plugins.methods import records
 from quickreturn.plugins.methods.accuracy import confirming

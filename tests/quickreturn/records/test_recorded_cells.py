@@ -13,7 +13,6 @@ from typing import Any, Final
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.conformance import conform
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
@@ -25,6 +24,7 @@ from quickreturn.engines.one_run import CompletedRun
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
 from quickreturn.plugins.as_built.constructions import built, constructions
+from quickreturn.plugins.conform.contract import conform
 from quickreturn.plugins.conform.records import ConformanceRow
 from quickreturn.plugins.methods import records
 from quickreturn.plugins.methods.accuracy import ACCURACY_CASE

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
-from quickreturn.reference_model.motion.compiled_layout import parameters_at
+from quickreturn.reference_model.motion.equations import parameters_at
 from quickreturn.reference_model.motion.fields import interpolate_row
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.native.memory import Placed

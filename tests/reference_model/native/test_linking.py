@@ -6,13 +6,14 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import FunctionType
+from typing import Any
 
 import llvmlite.binding as llvm
 import numba
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.native import linking, objects
+from quickreturn.reference_model.native import linking
 from quickreturn.reference_model.native.compilation import FASTMATH, jitted
 from tests.package_copy import copied_package
 
@@ -37,6 +38,8 @@ def own(x, n, z):
 own(2.0, 3, 1j)
 """
 ROOT = Path(__file__).resolve().parents[3]
+#: An entry in the table of symbols of an object (ELF, 64 bit); one in section 0 is defined elsewhere.
+SYMBOL = np.dtype([("name", "<u4"), ("kind", "u1"), ("seen", "u1"), ("section", "<u2"), ("value", "<u8"), ("size", "<u8")])
 
 
 def total(x, y):
@@ -52,17 +55,17 @@ def both(x, y):
 
 def weak(library: object) -> list[str]:
     """Names of this package's functions that a library's object defines by weak symbols."""
-    code = llvm.ObjectFileRef.from_data(library._get_compiled_object())  # type: ignore[attr-defined]
-    return [*_weak(code)]
+    found = symbols(library._get_compiled_object())  # type: ignore[attr-defined]
+    return [name for name, symbol in found if symbol["kind"] >> 4 == 2 and symbol["section"] and linking._OURS in name]
 
 
-def _weak(code: llvm.ObjectFileRef) -> Iterator[str]:
+def symbols(content: bytes) -> Iterator[tuple[str, Any]]:
+    """The symbols of an object, with their names."""
+    code = llvm.ObjectFileRef.from_data(content)
     sections = {section.name(): section.data() for section in code.sections()}
     names = sections[b".strtab"]
-    for symbol in np.frombuffer(sections[b".symtab"], objects._SYMBOL)[1:]:
-        name = names[symbol["name"] : names.index(b"\0", symbol["name"])].decode()
-        if symbol["kind"] >> 4 == 2 and symbol["section"] and linking._OURS in name:
-            yield name
+    for symbol in np.frombuffer(sections[b".symtab"], SYMBOL)[1:]:
+        yield names[symbol["name"] : names.index(b"\0", symbol["name"])].decode(), symbol
 
 
 def made_up(function: FunctionType, **names: object) -> FunctionType:

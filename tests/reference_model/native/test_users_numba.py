@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -127,6 +128,21 @@ def test_without_an_inside_of_numba_each_process_compiles_and_says_so(what: str,
     said, result = printed(WITHOUT.format(hidden=HIDDEN[what], simulates=""), tmp_path).splitlines()
     assert said.count("every process compiles its equations again") == 1
     assert result == "8.0 8"
+
+
+@pytest.mark.parametrize("module", ["native/pointers", "native/simd", "compiled_state"])
+def test_what_reads_by_address_imports_numbas_interface_for_extensions_alone(module: str) -> None:
+    """It has no slower way: without these modules no extension of numba works."""
+    text = (ROOT / f"reference_model/{module}.py").read_text()
+    imported = {
+        f"{home or '.'} {name}"
+        for home, names in re.findall(r"^(?:from (numba[\w.]*) )?import (.*)$", text, re.M)
+        for name in names.split(", ")
+    }
+    interface = {"numba.core cgutils", "numba.core.typing.templates AttributeTemplate", "numba extending", "numba types"}
+    assert {each for each in imported if each.startswith("numba")} - interface <= {
+        each for each in imported if each.startswith("numba.extending ")
+    }
 
 
 @pytest.mark.verify

@@ -19,7 +19,6 @@ from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of
 from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.words import quantity
 from tests.reports.made_up_loads import made_up_loads, with_resonance, without
-from tests.reports.made_up_resonance import made_up_around
 from tests.reports.pages import finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
@@ -60,11 +59,6 @@ def test_the_heading_gives_stress_safety_and_resonance(known: CaseLoads) -> None
     assert plain(finding([neither, known])) == f"example: {stress}"  # of the first of several
     hardly = dataclasses.replace(known, shares={"reference": 0.003})
     assert plain(finding([with_resonance(hardly)])) == f"{stress}, safety 2 against yielding", "no alarm"
-    curve = made_up_around()
-    assert curve.peak is not None
-    assert plain(finding([known], curve)).endswith(f"; nearest resonance peak {plain(curve.way(curve.peak.value))}")
-    bare = dataclasses.replace(curve, curve=dataclasses.replace(curve.solved_curve, peaks=()))
-    assert plain(finding([known], bare)).endswith("; no peak between 102 rpm and 138 rpm of resonance")
 
 
 def test_the_heading_is_about_the_first_case_of_the_page(example: CaseResult) -> None:

@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page
 
+from quickreturn.plugins.studies.around import Around, around_of
+from quickreturn.plugins.studies.tests.made_up_resonance import RPM, height, made_up_around, speed
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
-from quickreturn.reports.results.around import Around
 from tests.reports.in_a_browser import Open
-from tests.reports.made_up_resonance import RPM, height, made_up_around, speed
 from tests.reports.page.test_charts_in_a_browser import TEXTS, meet
 from tests.reports.reported_results import reported_result
 
@@ -21,7 +21,7 @@ AROUND = made_up_around()
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The page of one machine."""
     folder = tmp_path_factory.mktemp("own")
-    write(Content(results=[reported_result("example")], around=[AROUND], facts=machine_facts()), folder)
+    write(Content(results=[reported_result("example")], data={around_of: [AROUND]}, facts=machine_facts()), folder)
     return (folder / "index.html").as_uri()
 
 
@@ -91,7 +91,7 @@ def test_arrow_keys_go_along_the_curve_and_to_other_series(opened: Open) -> None
 
 def test_a_page_without_a_curve_has_the_sentence_in_its_place(opened: Open, tmp_path: Path) -> None:
     refused = Around(AROUND.case, None, "a resonance curve needs a follower that bends")
-    write(Content(results=[reported_result("example")], around=[refused], facts=machine_facts()), tmp_path)
+    write(Content(results=[reported_result("example")], data={around_of: [refused]}, facts=machine_facts()), tmp_path)
     page = opened("#chapter=resonance", (tmp_path / "index.html").as_uri(), reduced_motion="reduce")
     assert page.locator("#resonance .chart").count() == 0
     assert "No resonance curve of" in page.locator("#resonance .body").inner_text()

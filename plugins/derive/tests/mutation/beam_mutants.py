@@ -58,8 +58,7 @@ FOURS: Mapping[str, Callable[..., Any]] = {
     "load": lambda array, index: array[index : index + 4].copy(),
     "store": _store,
     "spread": lambda number: np.full(4, number),
-    "plus": lambda sums, number, four: sums + number * four,
-    "plus_product": lambda sums, one, other: sums + one * other,
+    "plus": lambda sums, one, other: sums + one * other,
     "total": lambda four: float(np.sum(four)),
 }
 SOURCE = Source(

@@ -1,0 +1,306 @@
+"""Engines with one mistake each are found out, by the check that concerns it; sound ones, and coarse ones that say so, are not accused."""
+
+import dataclasses
+import re
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from quickreturn.engines.base import AnyEngine, Comparison, Refusal, Simulation
+from quickreturn.engines.exudyn.engine import ExudynEngine
+from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.mujoco.engine import MujocoEngine
+from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.registry import engine
+from quickreturn.engines.simple import SimpleEngine
+from quickreturn.engines.start import Start
+from quickreturn.plugins.conform import promises as ladder_checks
+from quickreturn.plugins.conform.bench import Bench, Fault, Truth, check_by
+from quickreturn.plugins.conform.columns import Examined, Model, relation
+from quickreturn.plugins.conform.contract import GROUPS, conform
+from quickreturn.plugins.conform.motion import check_first_row
+from quickreturn.plugins.conform.promises import climb, stated_errors
+from quickreturn.plugins.conform.quantities import with_everything
+from quickreturn.plugins.conform.scenes import BASE, CHANGES, CHANGES_ALONE, FEATURES
+from quickreturn.plugins.conform.tests.mutants import PLANTED, Coarse, Columns, Mutant
+from quickreturn.plugins.conform.tests.trying import tried
+from quickreturn.reference_model.mechanism import Mechanism, Scene
+from quickreturn.reference_model.scene_values import NAMED, changed, value_at
+from tests.engines.test_simple import ToyEngine
+
+#: Mistakes of each kind that take a second: of a column, a quantity, frequencies, the joint, the drive, an arm that turns, a start.
+_QUICK = (
+    "stiffness 2 %", "strain sign", "force 0.4 rows late", "gauges exchanged", "the base's acceleration reversed", "chord",
+    "follower damping doubled", "preload ignored", "frequencies in rad/s", "weight of the crank turned round",
+    "weight of the slider not in the drive", "folds the angle", "time restarts", "raises in check", "settings_for backwards",
+)  # fmt: skip
+#: Mistake -> what is said of it, where the one rule gives it.
+_SAID = {
+    "stiffness 2 %": "follower.bending_stiffness 1.02 times as large",
+    "strain sign": "strain_2 is -1 times the right one",
+    "percent": "strain_1 is 100 times the right one",
+    "force 0.4 rows late": r"slider_force comes 0\.4 ms late",
+    "crank angle from the start": r"crank_angle is the right one plus -3\.142",
+    "gauges exchanged": "strain_1 holds strain_3",
+    "follower damping doubled": "times the right effect of follower.damping",
+    "base damping ignored": r"^0 times the right effect of base.damping",
+    "half the joint stiffness": "times the right effect of slider.joint_stiffness",
+    "frequencies in rad/s": "6.283, 6.283, 6.283 times",
+    "raises in check": "KeyError",
+}
+
+
+@pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=pytest.mark.verify) for name in PLANTED])
+def test_a_mistake_is_found(name: str) -> None:
+    kind, check = PLANTED[name]
+    found = tried(kind(), check)
+    assert found.status == "failed", found
+    assert found.advice
+    assert re.search(_SAID.get(name, ""), found.cause), found.cause
+
+
+@pytest.mark.verify
+def test_a_mistake_of_a_column_is_reported_once() -> None:
+    found = conform(PLANTED["percent"][0](), groups=("motion", "resolution"))
+    assert {check.check for check in found.failed} == {"column strain_1", "column strain_2", "column strain_3"}
+
+
+def test_a_column_is_related_to_the_right_ones() -> None:
+    time = 1e-3 * np.arange(200)
+    right = {"time": time, "slider_force": np.sin(40.0 * time), "strain_1": np.cos(90.0 * time)}
+    for found, words in (
+        (-3.0 * right["slider_force"], "is -3 times the right one"),
+        (right["slider_force"] + 0.5, "is the right one plus 0.5"),
+        (np.sin(40.0 * (time - 4e-4)), "comes 0.4 ms late"),
+        (right["strain_1"], "holds strain_1"),
+    ):
+        assert relation("slider_force", found, right).words == words
+
+
+class Stiffer(ReferenceEngine):
+    """Stiffness and damping of its follower are too large by factors."""
+
+    def __init__(self, times: float, damping: float = 1.0) -> None:
+        self.factors = {"follower.bending_stiffness": times, "follower.damping": damping}
+
+    def prepare(self, mechanism: Mechanism, start: Start, settings: ReferenceSettings) -> Simulation:
+        values = {path: factor * value_at(mechanism, path) for path, factor in self.factors.items()}
+        return super().prepare(changed(mechanism, values), start, settings)
+
+
+@pytest.mark.parametrize(
+    ("times", "damping", "status", "words"),
+    [
+        (1.3, 1.0, "passed", "followed beside the mistake"),
+        (1.3, 0.0, "failed", "^0 times"),
+        (1.3, 1.3, "not judged", "wrong already"),
+        (1.0, 2.0, "failed", r"times the right effect of follower\.damping"),
+    ],
+)
+def test_a_damping_is_held_against_the_scene_that_the_engine_acts_as(times: float, damping: float, status: str, words: str) -> None:
+    """In the wrong scene a right damping seems to act half as strongly, and a wrong one is not taken for right."""
+    model = Model("stiffer", ("follower.bending_stiffness", times))
+    mild = Examined({"tip_deflection": "off"}, frozenset(), model) if times != 1.0 else Examined({}, frozenset())
+    check = tried(Stiffer(times, damping), "quantity follower.damping", mild)
+    assert check.status == status, check
+    assert re.search(words, check.cause), check.cause
+
+
+@pytest.mark.verify
+def test_a_quantity_that_is_off_is_found_with_its_factor() -> None:
+    found = conform(Stiffer(1.3), groups=("motion", "quantities", "resolution"))
+    (check,) = (each for each in found.failed if each.check == "columns together")
+    assert re.search(r"follower.bending_stiffness 1\.3\d* times as large", check.cause), check.cause
+    assert {each.check.split(" ")[0] for each in found.failed} <= {"columns", "a"}
+
+
+class EightLinks(MujocoEngine):
+    name = "eight-links"
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ChainSettings:
+        return super().settings_for(accuracy, mechanism).replaced(links=8)
+
+
+class SixElements(ExudynEngine):
+    name = "six-elements"
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ExudynSettings:
+        return super().settings_for(accuracy, mechanism).replaced(elements=6)
+
+
+def test_reference_is_not_accused() -> None:
+    found = conform(ReferenceEngine(), groups=("motion", "resolution", "frequencies", "failures"))
+    assert found.conforms, found.failed
+    assert {check.status for check in found.checks} == {"passed"}
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize(
+    "name",
+    [
+        "thesis",
+        "reference",
+        "exudyn",
+        "mujoco",
+        "mujoco-contact",
+        "fixed-shapes",
+        "multiplier",
+        "stiff-spring",
+        "moving-boundaries",
+        "derived",
+    ],
+)
+def test_own_engines_are_not_accused(name: str) -> None:
+    found = conform(engine(name))
+    assert found.conforms, found.failed
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("coarse", [EightLinks(), SixElements(), Coarse()], ids=lambda engine: engine.name)
+def test_coarse_engines_that_say_so_are_not_accused(coarse: AnyEngine) -> None:
+    found = conform(coarse, groups=tuple(group for group in GROUPS if group != "repetition"))
+    assert found.conforms, found.failed
+
+
+def test_a_quick_trial_tries_the_motion() -> None:
+    found = conform(ReferenceEngine(), quick=True, quiet=True)
+    assert found.conforms
+    assert found.checks[0].check == "columns"
+    assert not any(check.check.startswith("quantity") for check in found.checks)
+
+
+def test_an_exception_in_the_first_check_is_a_failed_check() -> None:
+    found = conform(type("Raising", (ReferenceEngine,), {"check": lambda self, mechanism: 1 / 0})(), groups=("motion",), quiet=True)
+    assert [check.status for check in found.checks] == ["failed"]
+    assert "ZeroDivisionError" in found.checks[0].cause
+
+
+def test_an_engine_that_refuses_arms_that_turn_is_not_blamed() -> None:
+    class Swinging(ReferenceEngine):
+        def check(self, scene: Scene) -> None:
+            super().check(scene)
+            if scene.turns_fully:
+                raise Refusal("crank.length: a crank longer than mechanism.pivot_distance is not modelled")
+
+    check = tried(Swinging(), "an arm that turns fully")
+    assert (check.status, check.cause.startswith("refused: crank.length")) == ("passed", True)
+
+
+def test_every_quantity_that_an_engine_may_lack_is_changed() -> None:
+    changes = {re.split(r",| along| with", change.name)[0] for change in (*CHANGES, *CHANGES_ALONE)}
+    assert set(NAMED) - changes == set()
+
+
+def test_every_change_is_one_that_the_scene_takes() -> None:
+    for change in CHANGES:
+        before = changed(BASE, change.context)
+        assert change.of(before) != before, change.name
+
+
+def test_everything_at_once_leaves_out_what_an_engine_does_not_have() -> None:
+    bench = Bench(engine("multiplier"))
+    accepted = set(with_everything(bench, bench.scene, FEATURES)[1])
+    assert {"mechanism.gravity", "slider.friction", "follower.material_damping"} <= accepted
+    assert not {"slider.joint_stiffness", "slider.joint_damping", "slider.preload"} & accepted
+    assert len(with_everything(Bench(ReferenceEngine()), BASE, FEATURES)[1]) == len(FEATURES)
+
+
+class SlightlyTilted(Mutant):
+    """Its base's angle is off by a part of what the engine, with a single shape, says of its error."""
+
+    off: ClassVar[float]
+
+    def settings_for(self, accuracy: float, mechanism: Mechanism) -> ReferenceSettings:
+        return super().settings_for(accuracy, mechanism).replaced(modes=1)
+
+    def spoil(self, columns: Columns, mechanism: Mechanism) -> None:
+        columns["follower_angle"] = columns["follower_angle"] + self.off
+
+
+@pytest.mark.parametrize(("off", "status"), [(1e-5, "passed"), (-1e-5, "passed"), (0.05, "failed")])
+def test_the_first_row_may_be_off_by_what_the_engine_says(off: float, status: str) -> None:
+    bench = Bench(type("Tilted", (SlightlyTilted,), {"off": off})())
+    check = check_by("first row", check_first_row, bench, bench.mild, set())
+    assert check.status == status, check
+
+
+class Boastful(ReferenceEngine):
+    """Its errors are ten times what it says."""
+
+    def comparisons(self, settings: ReferenceSettings, mechanism: Scene, output_step: float) -> tuple[Comparison, ...]:
+        (pair,) = super().comparisons(settings, mechanism, output_step)
+        return (dataclasses.replace(pair, factor=1.0 + 10.0 * (1.0 - pair.factor), before=None),)
+
+
+def test_estimates_that_are_too_small_are_no_mistake_of_columns() -> None:
+    found = conform(Boastful(), groups=("motion", "resolution"))
+    assert {check.check.split(",")[0] for check in found.failed} == {"estimates hold"}
+
+
+class TwoModes(ReferenceEngine):
+    """Right in the first frequency, and as far off in the second as its accuracy of 30 % lets expect; no finer rung shows it."""
+
+    name, default_accuracy, off = "two-modes", 0.3, 1.25
+
+    def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> None:
+        return None
+
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> Any:
+        return super().natural_frequencies(mechanism, crank_angle, min(count, 2), settings) * np.array([1.0, self.off])[: min(count, 2)]
+
+
+class TwoModesThatBoast(TwoModes):
+    """The same, with an accuracy of 5 %."""
+
+    default_accuracy = 0.05
+
+
+@pytest.mark.parametrize(("kind", "status"), [(TwoModes, "passed"), (TwoModesThatBoast, "failed")])
+def test_frequencies_are_judged_by_the_error_stated(kind: type[AnyEngine], status: str) -> None:
+    assert tried(kind(), "frequencies").status == status
+
+
+def test_guessed_errors_are_measured() -> None:
+    """A guess 3.5 times too small; the toy's motion is made up, so that any true statement about it is a large one."""
+    guessed, honest = (type("Stated", (ToyEngine,), {"quantities": tuple(NAMED), "errors": {4: error, 8: 0.01}})() for error in (0.3, 2.0))
+    with pytest.raises(Fault, match=r"`errors` states 0.3 for resolution 4, measured in thesis-24 it is 1"):
+        stated_errors(guessed)
+    assert "measured" in stated_errors(honest)
+
+
+def test_a_simple_engine_without_attributes_says_what_is_missing() -> None:
+    bare = type("Bare", (SimpleEngine,), {"name": "bare", "order": 2.0})
+    with pytest.raises(TypeError, match=r"^class Bare lacks method, model, library, errors; docs/engine.md says what each of them is$"):
+        bare()
+
+
+class Run(dict[str, Any]):
+    solve_seconds = 0.0
+
+
+@pytest.mark.parametrize(
+    ("errors", "slow", "rungs"),
+    [
+        ([0.05, 0.03, 0.02, 0.01], False, 3),
+        ([0.05487, 0.0476, 0.04942, 0.016, 0.01], False, 4),  # of `nodal-load`, whose errors change their sign
+        ([0.05487, 0.0476, 0.04942, 0.016, 0.01], True, 3),
+        ([0.05] * 9, False, 5),
+        ([1e-6] * 4, False, 3),
+    ],
+)
+def test_further_rungs_are_run_until_one_is_better(errors: list[float], slow: bool, rungs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(_: Any, rung: int) -> Run:
+        found = Run(tip_deflection=np.full(3, 1.0 + errors[rung]))
+        found.solve_seconds = 100.0 if slow and rung == 2 else 0.0
+        return found
+
+    monkeypatch.setattr(ladder_checks, "_truth", lambda _: Truth({"tip_deflection": np.ones(3)}, {}))
+    bench: Any = SimpleNamespace(mild=None, scene=None, run=run, finer=lambda _, rung: rung + 1 if rung + 1 < len(errors) else None)
+    first: Any = 0
+    found, by_time = climb(bench, first)
+    np.testing.assert_allclose(found, errors[:rungs], rtol=1e-9)
+    assert by_time is slow

@@ -1,0 +1,1 @@
+"""Chapters on studies, a module and a template for each."""

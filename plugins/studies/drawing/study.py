@@ -1,0 +1,209 @@
+"""Draws a study over one or two keys, as lines or heat maps. Marks and hatches show the status of points that did not settle."""
+
+import itertools
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import matplotlib
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from quickreturn.cases.measures.catalogue import MEASURES
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.runs.stability import NOT_CONVERGED, UNSTABLE
+from quickreturn.plugins.studies.drawing.axis_labels import key_words, measure_words
+from quickreturn.plugins.studies.resonance_curve.range import SPEED
+from quickreturn.plugins.studies.sweep.grid import Axis
+from quickreturn.plugins.studies.sweep.rows import LEFT, OPEN
+from quickreturn.plugins.studies.sweep.study import Study
+from quickreturn.reference_model.rigid import mean_crank_speed
+from quickreturn.reports.drawing.style import FONT_SIZE, LETTERS, LIGHT, SMALL, Array, legend_above, logarithmic, new_figure, tidy
+
+#: Largest number of values of a second key that are drawn as lines; with more values a map is drawn.
+LINES: Final = 6
+#: Ratio of the largest to the smallest value above which their axis is logarithmic.
+DECADE: Final = 10.0
+#: Approximate number of colours of a map; a logarithmic scale has at least as many.
+COLOURS: Final = 10
+#: Steps of a logarithmic scale within a decade, from coarse to fine.
+STEPS: Final = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
+#: Status of a point that did not settle -> its hatch in maps and its mark on lines.
+ENDINGS: Final = {
+    UNSTABLE.format("period doubling"): ("////", "o"),
+    UNSTABLE.format("torus"): ("xxxx", "s"),
+    UNSTABLE.format("fold"): ("----", "D"),
+    LEFT: ("....", "X"),
+    NOT_CONVERGED: ("\\\\\\\\", "v"),
+    OPEN: ("oooo", "^"),
+    Ending.NEUTRAL: ("**", "h"),
+    Ending.REFUSED: ("||||", "P"),
+    Ending.FAILED: ("++++", "*"),
+}
+#: Colours of a map from low to high: those of viridis that are bright enough for a dark hatch.
+BRIGHT: Final = matplotlib.colormaps["viridis"](np.linspace(0.25, 1.0, 256))
+_DARK: Final = "#222222"
+
+
+def drawable(axes: Sequence[Axis]) -> bool:
+    """Whether a study can be drawn: over one key with finite numbers in order, and at most one more, with such numbers or few texts."""
+    numbers = [np.array(axis.values, dtype=float) for axis in axes if axis.unit]
+    ordered = all(np.isfinite(values).all() and len(set(np.sign(np.diff(values)))) == 1 for values in numbers)
+    return bool(numbers) and ordered and len(axes) <= 2 and all(bool(axis.unit) or len(axis.texts) <= LINES for axis in axes)
+
+
+def draw(study: Study) -> Figure:
+    """Draw a panel for each measure; for maps also for each direction of the rows. The study must be `drawable`."""
+    axes = study.grid.axes
+    along = max((place for place, each in enumerate(axes) if each.unit), key=lambda place: len(axes[place].texts))
+    mapped = len(axes) == 2 and len(axes[1 - along].texts) > LINES
+    directions = study.ways if mapped else ("",)
+    panels = list(itertools.product(range(len(study.asked.measures)), range(len(directions))))
+    figure = new_figure(0.6 + (2.3 if mapped else 2.0) * len(panels))
+    statuses = [each for each in ENDINGS if each in study.statuses]
+    handles: list[Artist] = []
+    for (measure, direction), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
+        about = MEASURES[study.asked.measures[measure]]
+        unit = study.grid.case.units.of(about.unit)
+        label, shown = textwrap.fill(f"{measure_words(about)} [{unit.sign}]", LETTERS), study.values[..., measure] / unit.size
+        if mapped:
+            values, endings = (np.moveaxis(each[direction], along, 1) for each in (shown, study.statuses))
+            handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)
+            panel.set_title(f"the way {directions[direction]}" if len(directions) > 1 else "", fontsize=SMALL)
+        else:
+            handles = _lines(panel, study, along, shown, statuses)
+            tidy(panel, label)
+            handles += _own_value(panel, study, axes[along])
+    panel.set_xlabel(_scaled(axes[along])[1], fontsize=FONT_SIZE)
+    if not figure.axes[0].get_title():
+        figure.axes[0].set_title(f"{study.grid.case.name}, settled motion", fontsize=FONT_SIZE)
+    if handles:
+        legend_above(figure, handles, 3)
+    return figure
+
+
+def _scaled(axis: Axis) -> tuple[Array, str]:
+    """The values in the unit in which they were given, or in SI if there are several units, and the label with the unit."""
+    unit, size = axis.given
+    return np.array(axis.values, dtype=float) / size, f"{key_words(axis.key)} [{unit}]"
+
+
+def _spans_decade(values: Array) -> bool:
+    """Whether the values are positive and span more than `DECADE`, so that their axis is logarithmic."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > DECADE * finite.min())
+
+
+def _lines(panel: Axes, study: Study, along: int, shown: Array, statuses: Sequence[str]) -> list[Artist]:
+    """Draw a measure, `shown` in the unit of its axis, over a key; return the entries of the legend.
+
+    There is a line for each direction and each value of the other key.
+    """
+    x, lines = _scaled(study.grid.axes[along])[0], list(_each_line(study, along))
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.75, len(lines)))
+    handles: list[Artist] = []
+    for (label, place), colour, dash in zip(lines, colours, itertools.cycle(("-", "--", "-.", ":"))):
+        values = shown[place]
+        handles += panel.plot(x, values, color=colour, linestyle=dash, linewidth=1.2, marker=".", markersize=3.5, label=label)
+        look: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "markerfacecolor": "white", "markeredgecolor": colour}
+        for status in statuses:
+            (_, mark), marked = ENDINGS[status], study.statuses[place] == status
+            lost = marked & ~np.isfinite(values)
+            panel.plot(x[marked], values[marked], marker=mark, **look)
+            panel.plot(x[lost], np.full(lost.sum(), 0.04), marker=mark, transform=panel.get_xaxis_transform(), **look)
+    if _spans_decade(shown):
+        logarithmic(panel)
+    panel.set_xscale("log" if _is_geometric(x) else "linear")
+    of_points: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgecolor": _DARK}
+    marks = [Line2D([], [], marker=ENDINGS[status][1], label=status, **of_points) for status in statuses]
+    return [*(handles if len(lines) > 1 else []), *marks]
+
+
+def _own_value(panel: Axes, study: Study, axis: Axis) -> list[Artist]:
+    """Mark the case's own value of a key, if it lies within the values drawn; return the entry of the legend."""
+    case, (_, size), (section, _, name) = study.grid.case, axis.given, axis.key.partition(".")
+    own = mean_crank_speed(case.mechanism) if axis.key == SPEED else case.values.get(section, {}).get(name)
+    numbers = [float(each) for each in axis.numbers if isinstance(each, float)]
+    if not isinstance(own, float) or not numbers or not min(numbers) <= own <= max(numbers):
+        return []
+    return [panel.axvline(own / size, color=_DARK, linewidth=0.8, linestyle=":", label=f"the case's own {own / size:.4g}")]
+
+
+def _each_line(study: Study, along: int) -> Iterator[tuple[str, tuple[int | slice, ...]]]:
+    """Label and index in the study's arrays of each line."""
+    others = [(axis, range(len(axis.texts))) for place, axis in enumerate(study.grid.axes) if place != along]
+    for direction, *at in itertools.product(range(len(study.ways)), *(places for _, places in others)):
+        place: list[int | slice] = list(at)
+        place.insert(along, slice(None))
+        texts = [axis.texts[each] for (axis, _), each in zip(others, at, strict=True)]
+        yield ", ".join([*texts, *([study.ways[direction]] if len(study.ways) > 1 else [])]), (direction, *place)
+
+
+def _map(
+    panel: Axes, across: Axis, up: Axis, values: Array, endings: NDArray[np.object_], statuses: Sequence[str], label: str
+) -> list[Artist]:
+    """Draw a measure, shape (up, across), in steps of colour, with cells hatched that did not settle; return the legend's entries."""
+    (x, _), (y, y_label) = _scaled(across), _scaled(up)
+    columns, rows = _edges(x), _edges(y)
+    if np.isfinite(values).any():
+        levels = _levels(values)
+        colours = ListedColormap(BRIGHT).resampled(len(levels) - 1)
+        mesh = panel.pcolormesh(columns, rows, values, cmap=colours, norm=BoundaryNorm(levels, len(levels) - 1))
+        bar = panel.figure.colorbar(mesh, ax=panel, ticks=levels, format="%g", pad=0.02)
+        bar.set_label(label, fontsize=SMALL)
+        bar.ax.tick_params(labelsize=SMALL)
+        bar.minorticks_off()
+    handles: list[Artist] = []
+    for status in statuses:
+        (hatch, _), marked = ENDINGS[status], endings == status
+        drawn = bool(np.isfinite(values[marked]).all())
+        look: dict[str, Any] = {"facecolor": "none" if drawn else LIGHT, "edgecolor": _DARK, "hatch": hatch, "linewidth": 0.0}
+        cells = [_cell(columns[j : j + 2], rows[i : i + 2]) for i, j in np.argwhere(marked)]
+        if cells:
+            panel.add_patch(PathPatch(Path.make_compound_path(*cells), **look))
+        handles.append(Patch(label=status, **look))
+    tidy(panel, y_label)
+    panel.grid(visible=False)
+    panel.set(xscale="log" if _is_geometric(x) else "linear", yscale="log" if _is_geometric(y) else "linear")
+    panel.set(xlim=(columns[0], columns[-1]), ylim=(rows[0], rows[-1]))
+    return handles
+
+
+def _levels(values: Array) -> Array:
+    """Round bounds of the steps of colour."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if not _spans_decade(values):
+        return np.asarray(MaxNLocator(COLOURS + 2).tick_values(low, high))
+    for steps in STEPS:
+        powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+        bounds = np.unique(np.outer(powers, steps))
+        first, last = np.searchsorted(bounds, low, "right") - 1, np.searchsorted(bounds, high)
+        if last - first >= COLOURS:
+            break
+    return bounds[first : last + 1]
+
+
+def _is_geometric(values: Array) -> bool:
+    """Whether neighbours have equal ratios."""
+    return bool(np.all(values > 0.0) and len(values) > 2 and np.ptp(np.diff(np.log(values))) < 1e-6)
+
+
+def _edges(values: Array) -> Array:
+    """Bounds of the cells around some values, half-way between them."""
+    if _is_geometric(values):
+        return np.exp(_edges(np.log(values)))
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
+
+
+def _cell(x: Array, y: Array) -> Path:
+    (left, right), (low, high) = x, y
+    return Path([(left, low), (right, low), (right, high), (left, high), (left, low)], closed=True)

@@ -1,0 +1,1 @@
+"""Public functions that study a machine, and their results."""

@@ -1,0 +1,108 @@
+"""A resonance curve: its points with stability and error claims, special points and peaks."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.cases.runs import endings
+from quickreturn.cases.runs.stability import UNSTABLE
+from quickreturn.plugins.studies.resonance_curve.range import Range
+
+Array = NDArray[np.float64]
+
+#: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
+MULTIPLIER_TOLERANCE: Final = 1e-3
+
+#: Modes that a harmonic of the crank's speed may drive, in words.
+MODES: Final = ("first", "second")
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """A point where the kind of motion changes."""
+
+    kind: str  # "fold", "period doubling", "torus", "slider left" or "lost"
+    value: float  # of the varied quantity, SI
+    tolerance: float  # error of its location on the model's own curve
+    error: float | None  # claim: its displacement with more modes; None: unknown
+    at: int  # number of the point on the curve
+    reason: str = ""  # why the curve ends there (a clause); "" if it goes on
+
+
+@dataclass(frozen=True)
+class ResonancePeak:
+    """A local maximum of the first measure along the curve."""
+
+    value: float  # of the varied quantity, SI
+    height: float  # of the measure
+    at: int  # number of the point on the curve
+    order: int  # multiple of the crank's speed that drives a mode there: it is nearest to the mean frequency with the crank held
+    mode: int = 1  # number of this mode
+
+    @property
+    def name(self) -> str:
+        """The harmonic and the mode: "7 x crank = first mode"."""
+        return f"{self.order} x crank = {MODES[self.mode - 1]} mode"
+
+
+@dataclass(frozen=True)
+class ResonanceCurve:
+    """Points in order of arclength, which pass through folds; arrays of shape (k,).
+
+    A point's claim is a rectangle: the curve of a converged model passes through `values` +- `value_errors` and each measure +- its error.
+    The converged point is sought in the plane across the curve, so the claim also holds at folds.
+    """
+
+    range: Range  # what varies, and between which values
+    prescribed: bool  # whether the crank's speed was prescribed in place of the case's own drive
+    values: Array  # of the varied quantity, SI
+    arclength: Array  # along the curve, in parts of the range and of the motion's size
+    measures: dict[str, Array]  # by name
+    errors: dict[str, Array]  # of these, by name; nan where unknown
+    value_errors: Array  # nan where unknown
+    multipliers: Array  # largest Floquet multiplier, real and imaginary part, shape (k, 2)
+    kinds: tuple[str, ...]  # "" of a stable point, else "fold", "period doubling" or "torus"
+    special: tuple[SpecialPoint, ...]  # in order of arclength
+    peaks: tuple[ResonancePeak, ...]  # likewise
+    settings: dict[str, float]  # modes and tolerance of the model, and of the finer one
+
+    def stability(self, at: int) -> str:
+        """Whether a point is stable, "neutral" where its largest multiplier is 1 within its error, or how it is unstable."""
+        if abs(math.hypot(*self.multipliers[at]) - 1.0) <= MULTIPLIER_TOLERANCE:
+            return endings.Ending.NEUTRAL
+        return UNSTABLE.format(self.kinds[at]) if self.kinds[at] else "stable"
+
+    def kind_after(self, at: int) -> str:
+        """How the motion is unstable between a point and the next one, "" if it is stable."""
+        return self.kinds[at + 1 if any(each.at == at for each in self.special) else at]
+
+    @property
+    def lost(self) -> tuple[SpecialPoint, ...]:
+        """Where the curve could not be followed any farther."""
+        return tuple(each for each in self.special if each.kind == "lost")
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """The range, or what of it was followed before the curve was lost, SI."""
+        if not self.lost:
+            return self.range.low, self.range.high
+        return float(self.values.min()), float(self.values.max())
+
+    @property
+    def unstable_ranges(self) -> list[tuple[float, float, str]]:
+        """Least and greatest value of each unstable stretch, SI, and how the motion is unstable there."""
+        parts = [part for part, unstable in self.stretches() if unstable]
+        return [(float(self.values[part].min()), float(self.values[part].max()), self.kind_after(part.start)) for part in parts]
+
+    def stretches(self) -> Iterator[tuple[slice, bool]]:
+        """Stretches of the curve, and whether they are unstable; special points belong to both adjacent stretches."""
+        unstable, begin = [bool(self.kind_after(at)) for at in range(len(self.kinds) - 1)], 0
+        for state, group in itertools.groupby(unstable):
+            end = begin + len(list(group))
+            yield slice(begin, end + 1), state
+            begin = end

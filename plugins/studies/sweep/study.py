@@ -1,0 +1,112 @@
+"""A study: the rows of a grid are computed and stored one by one, and combined point by point."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Job, Outcome
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.catalogue import measure
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.plugins.studies.sweep.grid import Grid, job
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
+
+#: Direction in which the points of a row are computed: as given, backwards, or both.
+Path = Literal["up", "down", "both"]
+#: Two numbers belong to different motions if they differ by more than `CLAIMS_APART` times the sum of their claims, and by more than the
+#: part `APART` of the larger; two multipliers by more than `MULTIPLIERS_APART`. Those of one motion, found from either side, differ by up
+#: to 0.03 beside the resonance of run 24's machine at 240 rpm, where the map's derivatives change most on the way to the motion.
+CLAIMS_APART: Final = 3.0
+APART: Final = 0.02
+MULTIPLIERS_APART: Final = 0.1
+
+
+@dataclass(frozen=True)
+class Study:
+    """The measured points of a grid."""
+
+    grid: Grid  # the case and its axes
+    asked: MeasureRequest  # what was measured
+    ways: tuple[str, ...]  # "up", "down" or both
+    values: NDArray[np.float64]  # values of each measure, shape (ways, *grid, measures); nan if unavailable
+    errors: NDArray[np.float64]  # errors of the values by the engine's own estimate, likewise
+    statuses: NDArray[np.object_]  # status of each point, shape (ways, *grid)
+    sentences: NDArray[np.object_]  # reason of each status, "" if the point settled
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Status -> number of points, the most frequent first."""
+        return dict(Counter(map(str, self.statuses.flat)).most_common())
+
+    @property
+    def two_motions(self) -> NDArray[np.bool_]:
+        """Whether the two directions settle on two different stable motions at a point, shape (*grid)."""
+        of_motion = [place for place, name in enumerate(self.asked.measures) if name != "solve_seconds"]
+        one, other = self.values[..., of_motion]
+        claimed = np.nan_to_num(np.nansum(self.errors[..., of_motion], axis=0))
+        multipliers = [measure(self.asked.measures[place]).multipliers for place in of_motion]
+        apart = np.where(multipliers, MULTIPLIERS_APART, APART * np.fmax(np.abs(one), np.abs(other)))
+        least = np.maximum(CLAIMS_APART * claimed, apart)
+        both = np.all(self.statuses == Ending.SETTLED, axis=0)
+        return np.asarray(both & np.any(np.abs(one - other) > least, axis=-1))
+
+
+def study(grid: Grid, asked: MeasureRequest, workshop: Workshop, path: Path = "up") -> Study:
+    """Compute a grid.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; the rows that were computed are stored.
+        UnknownEngine: there is no engine of a name.
+    """
+    ways, along = ("up", "down") if path == "both" else (path,), grid.along
+    shape = (len(ways), *grid.shape)
+    values, errors = (np.full((*shape, len(asked.measures)), np.nan) for _ in range(2))
+    statuses, sentences = (np.full(shape, "", dtype=object) for _ in range(2))
+    jobs, places = list[Job[Row]](), list[Any]()
+    for number, way in enumerate(ways):
+        for place in grid.rows():
+            where: tuple[int | slice, ...] = (*place[:-1], slice(place[-1], place[-1] + 1))
+            points = [place]
+            if along is not None:
+                before, behind, backwards = place[:along], place[along + 1 :], slice(None, None, -1 if way == "down" else 1)
+                where = (*before, backwards, *behind)
+                points = [(*before, at, *behind) for at in range(grid.shape[along])][backwards]
+            changes = [grid.changes(each) for each in points]
+            jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
+            places.append((number, *where))
+    for at, row in zip(places, computed(jobs, workshop), strict=True):
+        values[at], errors[at], statuses[at], sentences[at] = row.values, row.errors, row.statuses, row.sentences
+    return Study(grid, asked, ways, values, errors, statuses, sentences)
+
+
+def computed(jobs: Sequence[Job[Row]], workshop: Workshop) -> list[Row]:
+    """The rows of jobs. Where a process died, each point gets a process of its own, so that one failure costs no other point.
+
+    The points of a row that exceeded its time share as much time again. A row of one point is not tried twice.
+    """
+    return [outcome.value or _point_by_point(outcome, workshop) for outcome in workshop.outcomes(jobs, "points")]
+
+
+def joined(rows: Sequence[Row]) -> Row:
+    """Several rows joined to one."""
+    values, errors = (np.concatenate([getattr(row, name) for row in rows]) for name in ("values", "errors"))
+    statuses, sentences = (tuple(text for row in rows for text in getattr(row, name)) for name in ("statuses", "sentences"))
+    return Row(values, errors, statuses, sentences)
+
+
+def _point_by_point(died: Outcome[Row], workshop: Workshop) -> Row:
+    case, changes, asked = died.job.arguments
+    outcomes = [died]
+    if len(changes) > 1:
+        limits, given = None, workshop.executor.limits
+        if died.failure.startswith(STOPPED) and given.seconds is not None:
+            limits = replace(given, seconds=given.seconds / len(changes))
+        points = [replace(job(case, [each], asked), limits=limits) for each in changes]
+        outcomes = workshop.outcomes(points, "points of a row whose process died")
+    nothing = np.full((1, len(asked.measures)), np.nan)
+    return joined([each.value or Row(nothing, nothing, (Ending.FAILED,), (f"its process {each.explanation}",)) for each in outcomes])

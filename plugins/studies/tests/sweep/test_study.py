@@ -1,0 +1,182 @@
+"""Studies: the way through a row, points that are lost with their process, rows that are kept."""
+
+import os
+import subprocess
+import time
+import tracemalloc
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.case import case_of, document_of
+from quickreturn.cases.jobs.in_process import Nobody, ThisProcess
+from quickreturn.cases.jobs.isolation import STOPPED
+from quickreturn.cases.jobs.job import Limits, Outcome
+from quickreturn.cases.jobs.key import key_of
+from quickreturn.cases.jobs.store import Store
+from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.keys import Written
+from quickreturn.cases.library import library_case
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.dataset import dataset_file
+from quickreturn.plugins.studies.public import sweeping
+from quickreturn.plugins.studies.sweep import grid as of_grid
+from quickreturn.plugins.studies.sweep.grid import Grid, axis
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
+from quickreturn.plugins.studies.sweep.study import study
+from quickreturn.reference_model.scene_values import Changes
+from tests.quickreturn.program import PROGRAM
+
+ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
+
+
+def grid(*axes: str) -> Grid:
+    return Grid(library_case("thesis-24"), tuple(axis(text) for text in axes))
+
+
+def test_values_lie_where_their_place_says(tmp_path: Path) -> None:
+    """Rows go backwards, and the second axis is the one along which they run."""
+    some = grid("tip.mass = 0 g; 25 g", "crank.prescribed_speed = 80 rpm .. 120 rpm : 3")
+    workshop = Workshop(Store(tmp_path), ThisProcess())
+    found = study(some, ASKED, workshop, "down")
+    assert found.values.shape == (1, 2, 3, 2)
+    assert np.all(found.statuses == Ending.SETTLED)
+    assert np.all(np.diff(found.values[0, :, :, 0], axis=1) > 0.0), "a faster crank shakes the tip more"
+    assert np.all(np.diff(found.values[0, :, :, 1], axis=0) > 0.0), "a heavier tip keeps more of a disturbance"
+    before = workshop.store.written
+    again = study(some, ASKED, workshop, "down")
+    assert workshop.store.written == before
+    assert np.array_equal(again.values, found.values, equal_nan=True)
+
+
+class _Dies(ThisProcess):
+    """Loses every job that holds the point at 100 rpm."""
+
+    def run(self, jobs, watch=None):  # type: ignore[no-untyped-def]
+        for outcome in super().run(jobs, watch):
+            lost = any(change["crank.prescribed_speed"].text == "100 rpm" for change in outcome.job.arguments[1])
+            yield Outcome(outcome.job, failure="killed by SIGSEGV") if lost else outcome
+
+
+class _Slow(Nobody):
+    """Stops every job at its time limit, and adds up the time that this takes."""
+
+    limits = Limits(seconds=60.0)
+
+    def __init__(self) -> None:
+        self.spent: list[float] = []
+
+    def run(self, jobs, watch=None):  # type: ignore[no-untyped-def]
+        for each in jobs:
+            self.spent.append((each.limits or self.limits).seconds)
+            yield Outcome(each, failure=f"{STOPPED} of {self.spent[-1]:g} s")
+
+
+@pytest.mark.parametrize(("points", "spent"), [("80 rpm", [60.0]), ("80 rpm .. 120 rpm : 3", [60.0, 20.0, 20.0, 20.0])])
+def test_a_row_that_exceeds_its_time_gets_as_much_again_and_a_single_point_nothing(tmp_path: Path, points: str, spent: list[float]) -> None:
+    executor = _Slow()
+    found = study(grid(f"crank.prescribed_speed = {points}"), ASKED, Workshop(Store(tmp_path), executor))
+    assert executor.spent == spent
+    assert set(found.statuses.flat) == {Ending.FAILED}
+    assert all(f"its process {STOPPED}" in sentence for sentence in found.sentences.flat)
+
+
+@pytest.mark.verify
+def test_engines_alone_may_vary(tmp_path: Path) -> None:
+    """Each point is computed by its own engine, as in a study of that engine."""
+    workshop, asked = Workshop(Store(tmp_path), ThisProcess()), MeasureRequest(measures=("peak.tip_acceleration",), claims=False)
+    found = study(grid("engine = reference; thesis"), asked, workshop)
+    alone = study(grid("base.friction_torque = 0 N*m"), replace(asked, engine="thesis"), workshop)
+    assert found.values[0, 1, 0] == pytest.approx(alone.values[0, 0, 0], rel=1e-12)
+    assert found.values[0, 0, 0] > 1.02 * found.values[0, 1, 0]
+
+
+def test_equal_machines_that_a_change_makes_different_are_kept_apart() -> None:
+    """A thickness changes the stiffness of a follower that is given by its material, and not that of one that is given by its stiffness."""
+    as_material = library_case("shaper-cutting")
+    as_stiffness = case_of(document_of(as_material))
+    assert as_stiffness.scene == as_material.scene
+    change = [{"follower.thickness": 0.03}]
+    assert key_of(of_grid.job(as_material, change, ASKED)) != key_of(of_grid.job(as_stiffness, change, ASKED))
+
+
+def test_a_point_that_kills_its_process_costs_that_point(tmp_path: Path) -> None:
+    found = study(grid("crank.prescribed_speed = 80 rpm .. 120 rpm : 3"), ASKED, Workshop(Store(tmp_path), _Dies()))
+    assert found.statuses.tolist() == [[Ending.SETTLED, Ending.FAILED, Ending.SETTLED]]
+    assert "killed by SIGSEGV" in found.sentences[0, 1]
+    assert np.isnan(found.values[0, 1]).all()
+    assert np.isfinite(found.values[0, [0, 2]]).all()
+
+
+def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A made-up machine that follows one branch up and another one down between its second and fourth point.
+
+    Its multiplier is found to 0.08 from either side, which makes no other motion.
+    """
+
+    def folded(case: object, changes: tuple[dict[str, Written], ...], asked: MeasureRequest) -> Row:
+        speeds = [float(change["crank.prescribed_speed"].text.split()[0]) for change in changes]
+        up = speeds[0] < speeds[-1]
+        values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5 + 0.08 * up] for speed in speeds])
+        return Row(values, np.full_like(values, 0.01), (Ending.SETTLED,) * len(speeds), ("",) * len(speeds))
+
+    monkeypatch.setattr(of_grid, "measured_row", folded)
+    found = study(grid("crank.prescribed_speed = 1 rpm .. 5 rpm : 5"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
+    assert found.two_motions.tolist() == [False, True, True, True, False]
+
+
+@pytest.mark.verify
+def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
+    """Between 233 and 239 rpm the machine has two stable motions: which one it is in depends on how it got there."""
+    found = study(grid("crank.prescribed_speed = 228 rpm .. 244 rpm : 33"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
+    speeds = np.linspace(228.0, 244.0, 33)[found.two_motions]
+    assert speeds.min() == pytest.approx(233.0, abs=1.0)
+    assert speeds.max() == pytest.approx(239.0, abs=1.0)
+
+
+@pytest.mark.verify
+def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_property: Any) -> None:
+    """What a study of 100,000 points takes besides its points: a tenth of it is measured here."""
+
+    def costless(case: object, changes: tuple[Changes, ...], asked: MeasureRequest) -> Row:
+        values = np.ones((len(changes), len(asked.measures)))
+        return Row(values, values, (Ending.SETTLED,) * len(changes), ("",) * len(changes))
+
+    monkeypatch.setattr(of_grid, "measured_row", costless)
+    some = grid("tip.mass = 0 g .. 60 g : 100", "crank.prescribed_speed = 60 rpm .. 240 rpm : 100")
+    asked = MeasureRequest(measures=("peak.tip_acceleration", "multiplier", "pre.frequency", "post.frequency"))
+    began = time.process_time()
+    tracemalloc.start()
+    found = study(some, asked, Workshop(Store(tmp_path), ThisProcess()))
+    _, memory = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    stored = sum(file.stat().st_size for file in tmp_path.iterdir()) / found.statuses.size
+    written = len(dataset_file(sweeping.dataset_of(found), ".nc")) / found.statuses.size
+    record_property("processor s a point", (time.process_time() - began) / found.statuses.size)
+    record_property("bytes a point in memory, store and file", (memory / found.statuses.size, stored, written))
+    assert max(stored, written, memory / found.statuses.size) < 2000.0
+
+
+@pytest.mark.verify
+def test_a_study_that_is_killed_goes_on_and_gives_the_same_file(tmp_path: Path) -> None:
+    """A SIGKILL in the middle costs the rows that were being computed."""
+    command = [str(PROGRAM), "sweep", "thesis-24", "--vary", "crank.prescribed_speed = 80 rpm .. 120 rpm : 9"]
+    command += ["--vary", "tip.mass = 0 g .. 50 g : 6", "--no-claims", "--output"]
+
+    def environment(store: str) -> dict[str, str]:
+        return {**os.environ, "QUICKRETURN_STORE": str(tmp_path / store)}
+
+    with subprocess.Popen([*command, str(tmp_path / "killed.nc")], env=environment("killed")) as running:
+        while len(list((tmp_path / "killed").glob("*.result"))) < 2:
+            assert running.poll() is None
+            time.sleep(0.05)
+        running.kill()
+    kept = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "killed").glob("*.result")}
+    assert not (tmp_path / "killed.nc").exists()
+    for name in ("killed", "whole"):
+        subprocess.run([*command, str(tmp_path / f"{name}.nc")], env=environment(name), check=True)
+    assert all((tmp_path / "killed" / name).stat().st_mtime_ns == written for name, written in kept.items())
+    assert (tmp_path / "killed.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()

@@ -1,0 +1,135 @@
+"""Parameters of a scene, fitted to a recorded table."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Final
+
+import numpy as np
+from scipy import stats
+
+from quickreturn.cases.case import Case
+from quickreturn.cases.displayed import Cell, Displayed, Rows
+from quickreturn.cases.keys import text_of, unit_given
+from quickreturn.cases.text.copies import LONGEST_NAME
+from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
+
+PROBABILITY: Final = 0.95
+#: Smooth part of the squared residuals above which a note is printed.
+NOTED_SHARE: Final = 0.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedParameter:
+    """A parameter fitted to a table; numbers in SI."""
+
+    key: str  # of the parameter
+    unit: str  # SI
+    given_in: str  # unit of the range of the search, or else of the case, in which the numbers are shown
+    start: float  # value with which the search began
+    value: float  # the best value
+    low: float  # lower end of the 95 % interval: noise, the simulation's error and the table's own
+    high: float  # upper end
+    simulation_error: float  # change of the value by the simulation's own error
+    table_error: float  # largest change of the value by the error that the table's numbers are taken to have
+    determined: bool  # whether the table determines it
+    at_end: bool  # whether it lies at the end of its range
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """The parameter as a row of a printed table."""
+        _, size = unit_given(self.key.partition("[")[0], [f"1 {self.given_in}"])
+        interval = f"{self.low / size:.6g} .. {self.high / size:.6g}" if self.determined else "not determined by this table"
+        end = " (at an end of its range)" if self.at_end else ""
+        return (
+            self.key,
+            f"{self.value / size:.6g}{end}",
+            self.given_in,
+            interval,
+            f"{self.simulation_error / size:.1e}",
+            f"{self.table_error / size:.1e}",
+            f"{self.start / size:.6g}",
+        )
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Fit(Displayed):
+    """Parameters fitted to a table, their intervals, and the residuals.
+
+    Attributes:
+        case: the case with whose values the search began.
+        table: name of the table.
+        begins: whether the table begins in the standard start, like its simulation; otherwise the steady state was fitted.
+        rows: number of rows of the table.
+        found: the fitted parameters.
+        covariance: of the parameters, SI, as nested tuples, (p, p), with all three errors.
+        correlation: likewise, without unit.
+        cannot_tell: directions that the table does not determine, as clauses.
+        left: column -> RMS of the residual over RMS of the column.
+        claimed: column -> RMS of the errors that table and simulation are taken to have at least, over RMS of the column.
+        smooth: part of the squared residuals that is smooth from row to row: it is due to model, sensors or numerical errors, not to noise.
+        widened: ratio of the widths of the intervals' noise to those for independent residuals, geometric mean.
+        simulations: number of simulations.
+    """
+
+    case: Case
+    table: str
+    begins: bool
+    rows: int
+    found: tuple[FittedParameter, ...]
+    covariance: tuple[tuple[float, ...], ...]
+    correlation: tuple[tuple[float, ...], ...]
+    cannot_tell: tuple[str, ...]
+    left: dict[str, float]
+    claimed: dict[str, float]
+    smooth: float
+    widened: float
+    simulations: int
+
+    def holds(self, values: Sequence[float]) -> bool:
+        """Whether values (SI, in the order of `found`) lie in the 95 % region of all parameters that are determined, together."""
+        determined = [place for place, each in enumerate(self.found) if each.determined]
+        spread = np.array(self.covariance)[np.ix_(determined, determined)]
+        sizes = np.sqrt(np.diag(spread))
+        away = np.array([values[place] - self.found[place].value for place in determined]) / sizes
+        return bool(away @ np.linalg.solve(spread / np.outer(sizes, sizes), away) <= stats.chi2(len(determined)).ppf(PROBABILITY))
+
+    @property
+    def exceeding(self) -> tuple[str, ...]:
+        """The columns whose residuals exceed the errors that table and simulation are taken to have at least."""
+        return tuple(name for name, share in self.left.items() if share > self.claimed[name])
+
+    @property
+    def fitted(self) -> Case:
+        """The case with the fitted values."""
+        values = {Parameter.of_key(each.key, self.case.name): each.value for each in self.found}
+        texts = {path: text_of(path, value) for path, value in changes(self.case.mechanism, values).items()}
+        suffix = "-fitted"
+        return self.case.with_(texts, name=self.case.name[: LONGEST_NAME - len(suffix)] + suffix)
+
+    def as_document(self) -> dict[str, Any]:
+        """The fit as a JSON document."""
+        return {**{each.name: getattr(self, each.name) for each in fields(self)}, "case": self.case.name, "found": [*map(vars, self.found)]}
+
+    def _parts(self) -> Iterator[Cell]:
+        of = "from the standard start" if self.begins else "of the steady state"
+        yield f"{self.case.name} fitted to {self.table}: {self.rows} rows {of}, {self.simulations} simulations"
+        yield Rows(
+            [each.shown for each in self.found],
+            ("parameter", "value", "unit", "95 % interval", "simulation's error", "table's error", "begun from"),
+        )
+        if len(self.found) > 1:
+            named = zip(self.found, self.correlation, strict=True)
+            rows = [(each.key, *(f"{value:+.2f}" for value in line)) for each, line in named]
+            yield Rows(rows, ("correlation", *(each.key for each in self.found)))
+        yield from (f"this table cannot tell: {direction}" for direction in self.cannot_tell)
+        yield f"left, RMS over the column's: {', '.join(f'{name} {100.0 * share:.2g} %' for name, share in self.left.items())}"
+        if not self.exceeding:
+            claims = ", ".join(f"{100.0 * share:.2g} %" for share in self.claimed.values())
+            yield f"that is within the errors that table and simulation are taken to have: {claims}"
+        elif self.smooth > NOTED_SHARE:
+            columns = ", ".join(self.exceeding)
+            yield (
+                f"note: {100.0 * self.smooth:.0f} % of the squared residuals are smooth from row to row, and those of {columns} exceed"
+                " the errors of table and simulation: the model or the table lacks something, or the noise is coloured; the intervals"
+                " allow for it only as far as no parameter makes up for it"
+            )
