@@ -24,6 +24,7 @@ include_patterns = [
     "docs/site/*.md",
     "reference_model/*.md",
     "reference_model/*/DERIVATION.md",
+    "plugins/*/*/DERIVATION.md",
     "engines/LADDERS.md",
     "pack/README.md",
     "pack/*/problem.md",
@@ -52,7 +53,7 @@ nitpicky = True
 # Signatures name types of other packages, and internals of this one that have no entry on the API page: neither is a broken reference.
 nitpick_ignore_regex = [
     ("py:.*", r"(casadi|collections|matplotlib|numpy|os|pandas|pathlib|pd|types|xarray|xr)\..*"),
-    ("py:.*", r"quickreturn\.(cases|catalogue|derive|engines|questions|reference_model|reports)\..*"),
+    ("py:.*", r"quickreturn\.(cases|catalogue|derive|engines|plugins|questions|reference_model|reports)\..*"),
     ("py:.*", "(About|AnyEngine|AnyEngineOrTable|Document|Limits|Workshop)"),
 ]
 

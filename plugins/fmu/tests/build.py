@@ -97,19 +97,17 @@ def build_machine(folder: Path) -> Path:
     return declared
 
 
-#: The chain of the document on FMUs: its blocks by the file that they become.
-_BLOCKS = dict(re.findall(r"^```\w+ (\S+\.\w+)\n(.*?)^```$", (ROOT / "docs/fmu.md").read_text("utf-8"), re.MULTILINE | re.DOTALL))
-CHAIN = _BLOCKS["chain.toml"]
+#: The file beside the chain's FMU, as the document shows it.
+CHAIN = re.findall(r"^```toml chain.toml\n(.*?)^```$", (ROOT / "docs/engine.md").read_text("utf-8"), re.MULTILINE | re.DOTALL)[0]
 
 
 def build_chain(folder: Path) -> Path:
     """The FMU of the follower alone (FMI 3), with its declarations beside it; returns these."""
     from pythonfmu3.builder import FmuBuilder
 
-    script, declared = folder / "chain.py", folder / "chain.toml"
-    script.write_text(_BLOCKS["chain.py"], "utf-8")
+    declared = folder / "chain.toml"
     declared.write_text(CHAIN, "utf-8")
-    FmuBuilder.build_FMU(script, dest=folder)
+    FmuBuilder.build_FMU(Path(__file__).with_name("chain.py"), dest=folder)
     return declared
 
 
