@@ -13,7 +13,7 @@ MODULE = '''"""How fast the cranks turn."""
 
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.runs import mean_crank_speed
+from quickreturn.reports.results.loads import mean_crank_speed
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Column, Table
 from quickreturn.reports.words import counted

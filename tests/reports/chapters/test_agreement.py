@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from quickreturn.reports.results.sharpness import Sharpness
 
 from quickreturn.cases.runs.comparison import agreement as verdicts
 from quickreturn.reports.chapters.agreement import (
@@ -16,7 +17,6 @@ from quickreturn.reports.chapters.agreement import (
     summary,
 )
 from quickreturn.reports.results.engine_differences import differences, outward, spread
-from quickreturn.reports.results.sharpness import Sharpness
 from tests.reports.pages import chapter_of, finding_of, one_run, plain, text_of
 from tests.reports.plotted_results import ENGINES, with_run
 from tests.reports.reported_results import agreeing, departing, reported_result

@@ -1,6 +1,7 @@
 """The list of all CSV files."""
 
 from quickreturn.reports.chapters.files import catalogue, finding
+
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.tables.table import Table
 from tests.reports.pages import finding_of, one_run, plain

@@ -1,6 +1,7 @@
 """What to do next: what failed, where engines disagree, and commands for the case."""
 
 from quickreturn.reports.chapters.next import finding
+
 from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.reported_results import agreeing, reported_result
 

@@ -4,6 +4,7 @@ import dataclasses
 import re
 
 import pytest
+from quickreturn.reports.chapters.strength import fatigue_sentences, finding, lacking, mode_sentences, strength_table, stress_sentences
 
 from quickreturn.cases.loads import Factor, loads_of_run, resonance, share_of
 from quickreturn.cases.loads.fatigue import Fatigue
@@ -11,12 +12,10 @@ from quickreturn.cases.loads.stress import ArmStress, section_modulus
 from quickreturn.cases.runs.comparison import CaseResult, compare
 from quickreturn.cases.shown import Unit
 from quickreturn.cases.units import in_si
-from quickreturn.reports.chapters.strength import fatigue_sentences, finding, lacking, mode_sentences, strength_table, stress_sentences
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import cycles
-from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of_case, name_of, notch_lines, numbers_of_case
-from quickreturn.reports.results.runs import settled_speed
+from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_of_case, name_of, notch_lines, numbers_of_case, settled_speed
 from quickreturn.reports.words import quantity
 from tests.reports.made_up_loads import made_up_loads, with_resonance, without
 from tests.reports.pages import finding_of, one_run, plain, read, text_of
