@@ -150,7 +150,7 @@ def with_table(
     """The same results beside a recorded table: some columns of the reference's turn, times a factor."""
     cycle = result.runs["reference"].cycle
     values = {"time": cycle["time"], "crank_angle": cycle["crank_angle"], **{column: factor * cycle[column] for column in columns}}
-    table = RecordedTable(name, name, values, frozenset(), declared or {"origin": "measured"}, of_experiment)
+    table = RecordedTable(name, name, values, declared or {"origin": "measured"}, of_experiment)
     return compare(result.case, result.runs, {**result.recorded, name: recorded_run(table, result.case)})
 
 
