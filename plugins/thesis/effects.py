@@ -86,8 +86,8 @@ def odd_words(rows: Sequence[Row]) -> str:
     gap, name, strength = max((gap, name_of(effect), strength) for (effect, strength), gap in moved.items() if effect in FRICTION)
     none = "" if symmetric_effects_differ(rows) else "None of these moves the halves apart by more than the measurement leaves open. "
     return (
-        "A law that is odd in the gap and conserves energy cannot, because reversed time and a reflection map one half of the cycle onto"
-        f" the other. {none}Friction makes them differ in the opposite sense: {name}, {strength}: {percent(gap, '+.1f')}."
+        "A law that is odd in the gap and conserves energy cannot make the halves differ, because reversed time and a reflection map"
+        f" one half of the cycle onto the other. {none}Friction makes them differ in the opposite sense: {name}, {strength}: {percent(gap, '+.1f')}."
     )
 
 
