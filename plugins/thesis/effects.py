@@ -87,7 +87,8 @@ def odd_words(rows: Sequence[Row]) -> str:
     none = "" if symmetric_effects_differ(rows) else "None of these moves the halves apart by more than the measurement leaves open. "
     return (
         "A law that is odd in the gap and conserves energy cannot make the halves differ, because reversed time and a reflection map"
-        f" one half of the cycle onto the other. {none}Friction makes them differ in the opposite sense: {name}, {strength}: {percent(gap, '+.1f')}."
+        f" one half of the cycle onto the other. {none}Friction makes them differ in the opposite sense: {name}, {strength}:"
+        f" {percent(gap, '+.1f')}."
     )
 
 
