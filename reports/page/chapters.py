@@ -1,4 +1,4 @@
-"""The chapters of a report, in their order. Each is a module and a template in `reports/chapters/`."""
+"""The chapters of a report, in their order, and the last one, which lists all files. Templates are in `reports/chapters/`."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final

@@ -157,11 +157,6 @@ def test_a_later_report_removes_the_tables_of_an_earlier_one_and_nothing_else(tm
     assert (tmp_path / "mine.csv").read_text() == "kept"
 
 
-def test_what_did_not_deliver_is_named_with_its_case() -> None:
-    told = pages.text_of(content_of(results=[reported_result("example", {"exudyn": "failed"})]))
-    assert "example, exudyn: failed at t = 0.25 s" in told
-
-
 def test_recorded_tables_are_shown_with_what_they_say_of_themselves_as_text() -> None:
     hostile = "</script><img src=x onerror=alert(1)>.csv"
     declared = {"origin": "synthetic", "version": "<blink>7", "source": "made up"}

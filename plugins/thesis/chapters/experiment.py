@@ -29,6 +29,7 @@ def experiment(content: ThesisData) -> Chapter:
     clearest = max((axis for axis in alone if axis.channel == "strain"), key=lambda axis: axis.largest_label, default=None)
     facts = {
         "recorded": recorded,
+        "short": "tip_acceleration" in ratios and all(max(values) < 1.0 for values in ratios["tip_acceleration"].values()),
         "worse": worse,
         "alone_says_so": clearest.figure if clearest and _worse(clearest.ratios) else "",
         "stiffness": percents(*stiffness_reading([]).below, ".0f"),
